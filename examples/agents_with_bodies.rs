@@ -7,9 +7,9 @@
 
 use glam::Vec3;
 use std::path::Path;
-use throng_runtime::blend::walkers::WalkersConfig;
 use throng_runtime::crowd::{Agent, AtEnd, Crowd, Field, Go, Obstacle, Setup, Streets};
 use throng_runtime::simulation::Pedestrians;
+use throng_runtime::walkers::WalkersConfig;
 use throng_runtime::{Bundle, Cast, Inline, Joint};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

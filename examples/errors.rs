@@ -7,8 +7,8 @@
 
 use glam::{Vec2, Vec3};
 use std::path::Path;
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::crowd::{Obstacle, Streets};
+use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Bundle, Cast, Error};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

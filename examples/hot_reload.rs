@@ -8,7 +8,7 @@
 use glam::Vec2;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Adopted, Bundle, Cast, Inline};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -8,7 +8,7 @@
 use glam::Vec2;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Bundle, Cast, Inline, Planar, Run};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -197,7 +197,7 @@ pub fn figures(r: &Figures) -> Vec<(&'static str, String)> {
             format!("{mm:.3} % of agent-frames by more than 1 mm, {cm:.3} % by more than 1 cm; {most:.2} mm at most");
         rows.push(("overlaps", overlaps));
         if let Some(order) = c.lane_order {
-            rows.push(("lanes", format!("order {order:.2}: 0 as mixed as by chance, 1 everybody in a lane")));
+            rows.push(("lanes", format!("order {order:.2}: 0 as mixed as by chance, 1 all in lanes")));
         }
         if let Some(flow) = &c.flow {
             let [low, high] = flow.human_flow_per_m_s;
@@ -226,7 +226,7 @@ pub fn figures(r: &Figures) -> Vec<(&'static str, String)> {
         rows.push(("foot slip", format!("{mean:.3} m/s mean, {p95:.3} m/s 95th percentile, while planted")));
     }
     if let Some(rate) = r.steps_per_second {
-        rows.push(("speed", format!("{rate:.0} steps a second of everybody, on one thread")));
+        rows.push(("speed", format!("{rate:.0} steps a second of all characters, on one thread")));
     }
     rows
 }

@@ -12,13 +12,13 @@ use glam::{Vec2, Vec3};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{HeightField, MAX_AXES, Posture};
 use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet, Order, SampleJob, Spawn};
 use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, Go, Obstacle, Route, Scheme, Setup, Streets};
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use throng_runtime::simulation::{Pedestrians, Scene, Simulation};
 use throng_runtime::sparring::{PracticeConfig, TargetPractice};
+use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::world::World;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
 use throng_runtime::{Cast, Id, Inline, Mat3x4, NUM_JOINTS, Planar};
@@ -34,7 +34,7 @@ const HOME: Vec3 = Vec3::new(0.0, 1.5, 0.6);
 struct Counting;
 
 fn count() {
-    // A thread that is ending has no counter any more, and none that anybody reads.
+    // A thread that is ending has no counter any more, and none that is read.
     let _ = COUNT.try_with(|c| c.set(c.get() + 1));
 }
 
@@ -185,7 +185,7 @@ fn sparring_and_practice_allocate_nothing() {
     assert_eq!(n, 0);
 }
 
-/// Boxers, pairs, walkers on paths, agents with bodies and agents without; nothing happens that sends anybody elsewhere.
+/// Boxers, pairs, walkers on paths, agents with bodies and agents without; without orders.
 const SCENE: &str = r#"
 bundle = "boxing.throng"
 [[groups]]
@@ -297,7 +297,7 @@ fn walkers_allocate_nothing() {
                 let velocity = Vec2::from_angle(c as f32) * (round % 6) as f32;
                 walkers.order(*id, Control::walk(velocity)).expect("an order");
                 if c % 9 == round {
-                    walkers.despawn(*id).expect("somebody");
+                    walkers.despawn(*id).expect("a walker");
                     *id = walkers.spawn(WalkerStart::default()).expect("room");
                 }
             }
@@ -306,7 +306,7 @@ fn walkers_allocate_nothing() {
             }
         });
         assert_eq!(n, 0);
-        assert_ne!(before, walkers.joint_positions(7), "nobody moves");
+        assert_ne!(before, walkers.joint_positions(7), "no walker moves");
         before = walkers.joint_positions(7);
     }
 }
@@ -366,7 +366,7 @@ fn pedestrians_allocate_nothing_but_for_orders() {
     assert!(num_left > N, "{num_left} events are too few to prove anything");
 }
 
-/// Agents who meet, arrive, leave, stay or go round, past a wall and somebody who does not give way.
+/// Agents that meet, arrive, leave, stay or go round, past a wall and an obstacle that moves.
 fn busy_crowd(scheme: Scheme) -> Setup {
     let config = CrowdConfig { scheme, capacity: 210, ..CrowdConfig::default() };
     let mut setup = Setup { config, ..Setup::default() };

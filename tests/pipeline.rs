@@ -130,7 +130,7 @@ fn assert_crowd_arrives(bundle: &Path) {
     let (report, record) = trial::run(&tables, &config).expect("a trial");
     assert!(report.reached_fraction > 0.95, "{report:?}");
     assert!(report.foot_slip_p95_mps < 0.15, "{report:?}");
-    // What the report says, counted again: everybody who arrived has covered the way.
+    // What the report says, counted again: all that arrived have covered the way.
     let arrived = record.arrivals_s.iter().filter(|t| **t <= 15.0).count();
     assert_eq!(arrived as f64 / 100.0, report.reached_fraction);
     for (trail, target) in record.trails.iter().zip(&record.targets) {

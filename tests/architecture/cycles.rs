@@ -4,20 +4,12 @@ use crate::workspace::{Crate, code, crates, sources};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Who uses whom, and in which files.
+/// Which modules a module uses, and in which files.
 type Uses = BTreeMap<String, BTreeMap<String, BTreeSet<String>>>;
 
 /// Modules that may need each other: crate, the two modules, and why.
-const MUTUAL: [(&str, [&str; 2], &str); 4] = [
-    ("throng-core", ["blend", "bundle"], "a bundle owns its blend spaces, and blended walkers adopt bodies by bundle"),
-    ("throng-core", ["blend", "cast"], "a cast hands out bundles, and blended walkers are a cast"),
-    (
-        "throng-world",
-        ["graph", "baked"],
-        "a graph is read from its baked costs, which are worked out by walking over it",
-    ),
-    ("throng-world", ["graph", "path_hierarchy"], "a graph keeps the hierarchy that is built by walking over it"),
-];
+const MUTUAL: [(&str, [&str; 2], &str); 1] =
+    [("throng-world", ["graph", "path_hierarchy"], "a graph keeps the hierarchy that is built by walking over it")];
 
 #[test]
 fn folders_of_a_crate_form_no_cycle() {

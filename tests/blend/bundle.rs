@@ -10,11 +10,11 @@ use throng_precompute::examples::{self, BlendSpaces};
 use throng_precompute::graph::MotionGraph;
 use throng_precompute::progress::Silent;
 use throng_precompute::write::{self, Baked};
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow, channel};
 use throng_runtime::bundle::tags;
 use throng_runtime::format::{AlignedBytes, FormatError, Meta, Tag};
 use throng_runtime::simulation::Scene;
+use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Bundle, Cast, Id, Inline};
 
 fn spaces() -> BlendSpaces {

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::slip::{SoleMeter, Soles};
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{BlendSpace, ExampleRecord, axis};
+use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Bundle, Cast, Inline};
 
 const DT_S: f32 = 1.0 / 60.0;
@@ -51,7 +51,7 @@ fn feet_hold(tables: &Bundle, number: usize) {
     }
     assert!(meter.samples() > 600, "{name}: feet are planted in {} ticks", meter.samples());
     assert!(meter.p95_mps() < 0.02, "{name}: planted feet slip by {} m/s", meter.p95_mps());
-    assert!(moved < 0.1, "{name}: feet of who stands move by {moved} m/s");
+    assert!(moved < 0.1, "{name}: feet of a standing character move by {moved} m/s");
 }
 
 #[test]

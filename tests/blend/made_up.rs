@@ -110,7 +110,7 @@ impl Puppet {
     }
 }
 
-/// Somebody who stands and breathes.
+/// A character that stands and breathes.
 pub fn idle() -> Clip {
     let mut clip = Puppet { period: 3.0, swing: 0.02, duty: 1.1, seconds: 7.0, ..Puppet::new("idle", 0.0, 0.0) }.clip();
     clip.contacts.iter_mut().for_each(|c| *c = Contacts(15));

@@ -18,7 +18,7 @@ fn gap(at: Vec2, (from, to, radius): (Vec2, Vec2, f32)) -> f32 {
     at.distance(from + share * along) - radius
 }
 
-/// One who walks alone through a house of walls, polygons and columns keeps clear of all of them, and gets where it wants.
+/// A lone agent reaches its goal in a house of walls, polygons and columns without touching them.
 #[test]
 fn ways_around_walls_are_walked_without_touching_them() {
     let text = "[[groups]]\nmotion = \"none\"\ncount = 4\nplace = { block = { from = [-9.0, -4.0], to = [-7.0, 4.0] } }\n\
@@ -100,7 +100,7 @@ fn news_come_to_those_who_are_near_and_spread_from_them() {
     let (before, at_once, later) = (informed(&scene, 4.9), informed(&scene, 5.01), informed(&scene, 25.0));
     assert!(before == 0 && at_once > 0 && later > at_once, "{before} {at_once} {later}");
     scene.happenings[0].told_on = false;
-    assert_eq!(informed(&scene, 25.0), at_once, "nobody tells");
+    assert_eq!(informed(&scene, 25.0), at_once, "nothing is reported");
 }
 
 #[test]
@@ -119,5 +119,5 @@ fn those_who_stand_give_way_to_an_obstacle_on_its_way() {
         }
     }
     assert!(nearest > -0.02, "hardly touched: {nearest}");
-    assert!(nearest < 1.0, "somebody had to give way: {nearest}");
+    assert!(nearest < 1.0, "an agent had to give way: {nearest}");
 }

@@ -1,4 +1,4 @@
-//! Damaged content that nobody verified: it is refused, or characters move through it with finite poses.
+//! Damaged content with valid checksums: it is refused, or characters move through it with finite poses.
 
 use super::patch::{Frame, Parts, open_unverified};
 use crate::common::{bundle, starts, targets};

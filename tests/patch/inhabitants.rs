@@ -1,4 +1,4 @@
-//! Characters in made-up worlds: nobody enters what others hold, and everybody keeps arriving.
+//! Characters in made-up worlds: none enters reserved units, and all keep arriving.
 
 use crate::made_up_world::{self, SIDE, SIT};
 use glam::Vec3;
@@ -182,7 +182,7 @@ fn a_bench_is_sat_on_by_one_after_the_other() {
     assert!(sat.iter().all(|s| (4.9..9.0).contains(s)), "{sat:?}");
 }
 
-/// The bench that somebody sits down on who comes when another one sits on the near one, for so long.
+/// The bench that a character chooses while another one sits on the near one for so long.
 fn seat_beside_one_taken_for(seconds: f32) -> usize {
     let world = open(&["############", "b##########b", "############"]);
     let graph = world.graph();
@@ -205,7 +205,7 @@ fn seat_beside_one_taken_for(seconds: f32) -> usize {
             return bench + 2 - graph.num_instances();
         }
     }
-    panic!("nobody sat down");
+    panic!("no character sat down");
 }
 
 #[test]
@@ -349,7 +349,11 @@ fn who_leaves_makes_room_and_everybody_else_goes_on() {
             assert_eq!((body.root, body.model[0]), (root, people.characters().pose(row)[0]));
         }
         let held: usize = people.ids().iter().map(|id| people.held(*id).unwrap().count()).sum();
-        assert_eq!((0..25).filter(|u| people.holder(*u).is_some()).count(), held, "nobody holds what another one left");
+        assert_eq!(
+            (0..25).filter(|u| people.holder(*u).is_some()).count(),
+            held,
+            "no reservation of a character that left remains"
+        );
         let free = (0..25).find(|u| people.holder(*u).is_none()).expect("a free tile");
         let id = people.spawn(world.graph().rest_cells(free).next().unwrap()).unwrap();
         assert!(!gone.contains(&id), "no id is used twice");
@@ -384,7 +388,7 @@ fn who_is_put_elsewhere_goes_on_from_there() {
     assert_eq!(people.state(a).unwrap().node, place.node);
 }
 
-/// Ten people who are sent to ten points around a centre, a quarter of an hour later.
+/// Ten characters sent to ten points around a centre, a quarter of an hour later.
 fn ten_sent(seed: u64, wish: impl Fn(&World, Vec3) -> Wish) -> (World, Inhabitants) {
     let world = open(&["#######"; 7]);
     let mut people = people_at(&world, &scatter(world.graph(), 10, seed));
@@ -429,7 +433,8 @@ fn stand_or_wait(mut people: Inhabitants) {
     let is_waited_for = |id: &&Id| stand.contains(&Status::Blocked { by: Some(**id) });
     // Its tile can still be entered.
     let x = |id: &Id| people.bodies().get(*id).unwrap().root.x;
-    let left = *ids.iter().filter(is_waited_for).min_by(|a, b| x(a).total_cmp(&x(b))).expect("who is waited for");
+    let left =
+        *ids.iter().filter(is_waited_for).min_by(|a, b| x(a).total_cmp(&x(b))).expect("a character that is waited for");
     people.despawn(left).unwrap();
     (0..3600).for_each(|_| people.step(DT, &Inline).unwrap());
     let now = people.ids().iter().filter(|id| people.status(**id).unwrap() == Status::There).count();

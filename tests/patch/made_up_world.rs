@@ -372,5 +372,5 @@ fn clear(words: &mut [u64], first: u32, index: u32) {
     words[first as usize + index as usize / 64] &= !(1 << (index % 64));
 }
 
-/// Number of joints of a pose, for those who look at all of them.
+/// Number of joints of a pose.
 pub const JOINTS: usize = NUM_JOINTS;

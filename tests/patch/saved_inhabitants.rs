@@ -29,7 +29,7 @@ fn busy(world: &World, seed: u64) -> Inhabitants {
     people
 }
 
-/// Some steps; whoever is there goes somewhere else. What is wished depends on the state alone.
+/// Some steps with new orders for all, which depend on the state alone.
 fn go_on(people: &mut Inhabitants, num_steps: usize) {
     for _ in 0..num_steps {
         for id in people.ids().to_vec() {
@@ -107,7 +107,7 @@ fn what_is_cut_damaged_or_foreign_is_refused_and_changes_nothing() {
     refuse(&saved(&busy(&world, 3)), "of another seed");
 }
 
-/// Not even who mends the checksum makes anybody panic.
+/// Damaged bytes with a corrected checksum do not panic.
 #[test]
 fn nothing_that_can_be_loaded_panics() {
     let world = rooms();

@@ -167,7 +167,7 @@ fn a_bench_is_sat_down_on_from_the_tile_beneath() {
     let graph = assert_strongly_connected(&m, &world);
     assert_eq!(report.patches["bench"], 1);
     assert!((0..3).all(|c| graph.nodes.contains(&(9, c))), "the bench is part of the world");
-    assert!(report.disabled["obstacle"] > 0, "nobody walks through the bench");
+    assert!(report.disabled["obstacle"] > 0, "no way leads through the bench");
     let bench = &world.instances[9];
     let held = &world.resources[bench.first_resource as usize..][..bench.num_resources as usize];
     assert!(held.contains(&4) && held.contains(&9), "the bench and the panel beneath: {held:?}");

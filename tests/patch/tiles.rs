@@ -199,7 +199,7 @@ fn units_and_clips_that_are_not_there_are_named() {
     assert!(error.contains("walk_*"), "{error}");
 }
 
-/// A flight of three copies of a ramp of 1.4 m by 0.7 m, and somebody who glides up it, 14 frames a copy.
+/// A flight of three copies of a ramp of 1.4 m by 0.7 m, and a character that glides up it, 14 frames a copy.
 fn ramp() -> (ClipSet, PoseGroups, Vec<Option<Setting>>, UnitSet) {
     let edges = TileEdges { steps: vec![[0.0, 0.7, 1.4]], widths: vec![1.2], centre: [0.0, 0.35, 0.7] };
     let units = UnitSet { units: vec![unit("ramp", Some(edges))] };

@@ -55,7 +55,7 @@ impl Default for ClipPlayer {
     }
 }
 
-/// Identity of whom the camera follows: stage, character, clip.
+/// What the camera follows: stage, character, clip.
 type Who = (Stage, Option<usize>, usize);
 /// Whom the camera followed, and its place (m).
 type Followed = (Who, Vec3);
@@ -122,7 +122,7 @@ pub struct Model {
     panel_of_bundles: Option<PanelKind>,
     /// Whom the camera followed in the last frame, and its place.
     followed: Option<Followed>,
-    /// Cameras of the stages shown before, and whom they followed.
+    /// Cameras of the stages shown before, and what they followed.
     views: Vec<(Stage, Camera, Option<Followed>)>,
     now_s: f64,
 }
@@ -243,7 +243,7 @@ impl Model {
         }
     }
 
-    /// Identity of whom the camera follows.
+    /// What the camera follows.
     fn who_is_followed(&self) -> Who {
         (self.shown_stage(), self.selection.character, self.selection.clip)
     }

@@ -13,7 +13,7 @@ use throng_viewer::run::{BlendRun, Blending};
 use throng_viewer::settings::PanelKind;
 
 fn run(v: &Viewing) -> &BlendRun {
-    v.model().document.blend().expect("somebody who walks").1
+    v.model().document.blend().expect("a walker").1
 }
 
 fn blending(v: &Viewing) -> Blending {

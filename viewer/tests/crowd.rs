@@ -22,7 +22,7 @@ fn now(v: &Viewing) -> u32 {
     scene(v).run().head.now()
 }
 
-/// Where everybody is (m).
+/// Places of all agents (m).
 fn places(v: &Viewing) -> Vec<Option<glam::Vec3>> {
     (0..v.model().num_characters()).map(|who| scene(v).run().place(who)).collect()
 }

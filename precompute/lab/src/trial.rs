@@ -8,8 +8,8 @@ use serde::Serialize;
 use std::f32::consts::TAU;
 use std::time::Instant;
 use throng_motion::error::BuildError;
-use throng_runtime::characters::{Characters, CharactersConfig, CharactersError, Goal, MotionSet, Start};
-use throng_runtime::{Bundle, Contacts, NUM_JOINTS, Planar};
+use throng_runtime::characters::{Characters, CharactersConfig, Goal, MotionSet, Start};
+use throng_runtime::{Bundle, Contacts, Error, NUM_JOINTS, Planar};
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,7 +116,7 @@ pub struct TrialFrame {
 /// # Errors
 /// [`BuildError::Stage`] where the bundle has no behaviour or the config is out of range.
 pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialRecord), BuildError> {
-    let fail = |e: CharactersError| stage_error(e.to_string());
+    let fail = |e: Error| stage_error(e.to_string());
     if tables.policies().is_empty() {
         let message = "the bundle has no behaviour".into();
         let help = "Build it from a config with `behaviours`".into();

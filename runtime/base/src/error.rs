@@ -80,7 +80,7 @@ pub enum Error {
         /// The names that there are.
         known: Vec<String>,
     },
-    /// One who is not there any more.
+    /// An agent or character that has left.
     #[error("{0} is not there: it has left")]
     Gone(Id),
     /// No room for another one.
@@ -99,7 +99,7 @@ pub enum Error {
         /// Where it should end (m).
         to: Vec3,
     },
-    /// A place that somebody or something else takes.
+    /// A place that is taken.
     #[error("{who} cannot be there: {by} is in the way; choose another place")]
     Occupied {
         /// Who was to be there.
@@ -127,7 +127,7 @@ pub enum Error {
     },
 }
 
-/// "3: " before a message about somebody.
+/// "3: " before a message about agent or character 3.
 fn of(who: &Option<Id>) -> String {
     who.map_or(String::new(), |id| format!("{id}: "))
 }
@@ -144,8 +144,22 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 ///
 /// # Errors
 /// As said.
-pub fn check(what: &'static str, who: Option<Id>, got: f64, good: bool, expected: &'static str) -> Result<()> {
-    if good { Ok(()) } else { Err(Error::Value { what, who, got, expected }) }
+pub fn check(
+    what: &'static str,
+    who: Option<Id>,
+    got: impl Into<f64>,
+    good: bool,
+    expected: &'static str,
+) -> Result<()> {
+    if good { Ok(()) } else { Err(Error::Value { what, who, got: got.into(), expected }) }
+}
+
+/// [`Error::Length`] unless `got` is as long as `expected`.
+///
+/// # Errors
+/// As said.
+pub fn check_length(what: &'static str, got: usize, expected: usize) -> Result<()> {
+    if got == expected { Ok(()) } else { Err(Error::Length { what, got, expected: expected.to_string() }) }
 }
 
 /// [`Error::Index`] unless `got < limit`.

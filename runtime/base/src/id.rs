@@ -1,11 +1,11 @@
-//! Names of those who come and go.
+//! Ids of agents and characters.
 
 use serde::{Deserialize, Serialize};
 
 /// Names one agent or character. Nobody else of the same cast ever has the same id; a snapshot keeps it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Id {
-    /// Place in the tables (< capacity). Those who leave give it free for the next ones.
+    /// Place in the tables (< capacity). Free again once its owner has left.
     pub index: u32,
     /// How many had this place before.
     pub generation: u32,

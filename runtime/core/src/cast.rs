@@ -1,4 +1,4 @@
-//! What every group of moving people can do, whatever moves them.
+//! The interface of all kinds of motion.
 
 use crate::bundle::Bundle;
 use crate::planar::Planar;
@@ -7,39 +7,39 @@ use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Mat4, Vec3};
 use throng_base::{Error, Id, Result, Run};
 
-/// People of one kind of motion: characters, walkers, agents, inhabitants, sparring pairs.
+/// Characters of one kind of motion: characters, walkers, agents, inhabitants, sparring pairs.
 ///
-/// Orders stay until they are changed. Whatever concerns one of them names it by its [`Id`].
+/// Orders stay until they are changed. Each is named by its [`Id`].
 pub trait Cast {
-    /// How one enters.
+    /// Where and how a character enters.
     type Start;
-    /// What one is to do.
+    /// What a character is told to do.
     type Order;
-    /// What happens to one.
+    /// What a character may report.
     type Event;
 
-    /// Lets one enter; allocates nothing within the capacity.
+    /// Lets a character enter; allocates nothing within the capacity.
     ///
     /// # Errors
     /// [`Error::Full`], [`Error::Occupied`], or what is wrong with the start.
     fn spawn(&mut self, start: Self::Start) -> Result<Id>;
 
-    /// Lets one leave.
+    /// Lets a character leave.
     ///
     /// # Errors
     /// [`Error::Gone`].
     fn despawn(&mut self, id: Id) -> Result<()>;
 
-    /// Puts one elsewhere at once; feet let go.
+    /// Puts a character elsewhere at once; feet let go.
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::Occupied`], [`Error::Value`].
     fn place(&mut self, id: Id, root: Planar) -> Result<()>;
 
-    /// Says what one is to do from now on.
+    /// Tells a character what to do from now on.
     ///
     /// # Errors
-    /// [`Error::Gone`], or why nobody can do that: [`Error::NoWay`], [`Error::Value`], [`Error::Index`].
+    /// [`Error::Gone`], or why the order is impossible: [`Error::NoWay`], [`Error::Value`], [`Error::Index`].
     fn order(&mut self, id: Id, order: Self::Order) -> Result<()>;
 
     /// Moves time on (s). Results do not depend on `run`.
@@ -54,10 +54,10 @@ pub trait Cast {
     /// [`Error::Gone`].
     fn status(&self, id: Id) -> Result<Status>;
 
-    /// What happened in the last step.
+    /// Events of the last step.
     fn events(&self) -> &[(Id, Self::Event)];
 
-    /// Where everybody is, and in which pose.
+    /// Places and poses of all.
     fn bodies(&self) -> Bodies<'_>;
 
     /// Appends all that the next steps depend on: versioned, with a checksum and a hash of bundle and setup.
@@ -69,13 +69,13 @@ pub trait Cast {
     /// [`Error::Snapshot`]; nothing has changed then.
     fn load(&mut self, bytes: &[u8]) -> Result<()>;
 
-    /// A hash of the state: differs, but for one chance in 2^64, where the motion of anybody differs.
+    /// A hash of the state (64 bits): equal for equal motion of all.
     fn hash(&self) -> u64;
 
-    /// Goes on with another bundle: everybody takes the nearest pose of it, and eases over.
+    /// Changes to another bundle: each takes the nearest pose in it, and eases over.
     ///
     /// # Errors
-    /// [`Error::Unknown`] where the new bundle lacks what somebody uses; nothing has changed then.
+    /// [`Error::Unknown`] where the new bundle has no policy or space of a name in use; nothing has changed then.
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted>;
 }
 
@@ -132,7 +132,7 @@ pub struct Body<'a> {
 impl<'a> Bodies<'a> {
     /// The row of one.
     pub fn row(&self, id: Id) -> Option<usize> {
-        // Ids ascend where nobody has left, so that most are found at once.
+        // Ids ascend until one leaves, so that most are found at once.
         match self.ids.get(id.index()) {
             Some(found) if *found == id => Some(id.index()),
             _ => self.ids.iter().position(|&other| other == id),

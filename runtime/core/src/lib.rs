@@ -18,6 +18,7 @@ pub mod policy;
 pub mod pose;
 mod roster;
 pub mod skeleton;
+pub mod walkers;
 
 pub use bundle::Bundle;
 pub use cast::{Adopted, Bodies, Body, Cast, Status};

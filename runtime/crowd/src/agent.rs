@@ -9,7 +9,7 @@ pub struct Agent<V = Vec3> {
     pub position: V,
     /// At the start (m/s, no longer than the largest speed).
     pub velocity: V,
-    /// Of the disc or ball that nobody else enters (m, > 0).
+    /// Of the disc or ball that no other agent enters (m, > 0).
     pub radius: f32,
     /// Largest acceleration, A in Kim, Kim and Shin (2003b), eq. 1: how fast it can speed up, turn and brake (m/s2, > 0).
     pub acceleration: f32,

@@ -20,7 +20,7 @@ pub enum Scheme {
     /// agents in contact. The guarantee is the same.
     #[cfg(feature = "baselines")]
     Occupancy,
-    /// For comparison: everybody acts at every step of time, and where discs overlap the step is undone and half of it
+    /// For comparison: all agents act at every step of time, and where discs overlap the step is undone and half of it
     /// tried (Kim, Kim and Shin 2003b, section 4). Nothing but the forces keeps agents apart.
     #[cfg(feature = "baselines")]
     Fixed,
@@ -28,7 +28,7 @@ pub enum Scheme {
 
 impl Scheme {
     /// Most events of one agent in a smallest interval: those that make it act, in `Occupancy` two of them, after each of
-    /// which its bound enters and leaves the cells behind every face of a box and meets somebody or not.
+    /// which its bound enters and leaves the cells behind every face of a box and meets an agent or not.
     pub(crate) fn most_events(self) -> u32 {
         match self {
             #[cfg(feature = "baselines")]
@@ -47,7 +47,7 @@ pub struct CrowdConfig {
     /// Smallest time between two events of one agent, and so of a pair (s, 0.001 to 1).
     pub smallest_interval_s: f32,
     /// Side of the cells that agents are registered in; 0 leaves it to the crowd. An agent sees those in its own and the
-    /// neighbouring cells (m, enough for everybody to stop within half of it, see [`crate::Crowd::cell_side`]).
+    /// neighbouring cells (m, enough for every agent to stop within half of it, see [`crate::Crowd::cell_side`]).
     pub cell_side_m: f32,
     /// Step of `Scheme::Fixed` (s, 0.001 to 1).
     #[cfg(feature = "baselines")]
@@ -88,7 +88,7 @@ impl CrowdConfig {
     /// Every setting within its limits.
     pub(crate) fn check(&self) -> Result<()> {
         let within = |what, got: f32, least: f32, most: f32, expected| {
-            check(what, None, got.into(), (least..=most).contains(&got), expected)
+            check(what, None, got, (least..=most).contains(&got), expected)
         };
         within("config.smallest_interval_s", self.smallest_interval_s, 0.001, 1.0, "between 0.001 and 1")?;
         #[cfg(feature = "baselines")]

@@ -15,11 +15,11 @@ use throng_base::Run;
 /// is known exactly. At an event it looks at its neighbours, asks the force field for the desired motion, and takes the
 /// nearest plan it can find for which the safety rule holds. Its next event is when its new bound touches another bound,
 /// an obstacle or the side of its region (Kim, Kim and Shin 2003b, section 2.1), though not before the smallest interval
-/// is over. The proof that nobody ever overlaps anybody is in `safety/rule.rs`; it asks nothing of forces or intervals.
+/// is over. The proof that no two agents ever overlap is in `safety/rule.rs`; it asks nothing of forces or intervals.
 ///
 /// Places are those of the world (m, Y up). On the ground, agents are discs in x and z; heights that are given are left
 /// out, and those that come back are 0. Within [`CrowdConfig::capacity`](crate::CrowdConfig), nothing here allocates but
-/// orders, who is placed on its way, and what returns or takes a `Vec`.
+/// orders, placed agents that find their way, and what returns or takes a `Vec`.
 ///
 /// ```
 /// # fn main() -> throng_base::Result<()> {
@@ -77,7 +77,7 @@ impl Crowd {
         Ok(Self { engine: Either::Air(Engine::new(setup)?) })
     }
 
-    /// Lets time pass until `until_s`; tells everything that happens in its order. Allocates nothing.
+    /// Lets time pass until `until_s`; reports all events in order. Allocates nothing.
     ///
     /// # Errors
     /// [`CrowdError::Other`] for a time in the past, and [`CrowdError::Stalled`].
@@ -147,8 +147,7 @@ impl Crowd {
         each!(&mut self.engine, e => e.despawn(id))
     }
 
-    /// Puts an agent elsewhere, at rest. It goes on with its order from there; who has none, or was where it was sent,
-    /// stays there.
+    /// Puts an agent elsewhere, at rest. It goes on with its order from there, or stays without one.
     ///
     /// # Errors
     /// [`CrowdError`] for a place that is taken or out of range, or from which no way leads to its goal; nothing has
@@ -196,7 +195,7 @@ impl Crowd {
         each!(&mut self.engine, e => e.load(bytes))
     }
 
-    /// A hash of the state: differs, but for one chance in 2^64, where the motion of anybody differs.
+    /// A hash of the state (64 bits): equal for equal motion of all.
     pub fn hash(&self) -> u64 {
         each!(&self.engine, e => e.hash())
     }

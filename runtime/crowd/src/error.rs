@@ -28,7 +28,7 @@ pub enum CrowdError {
         /// Number of the obstacle.
         obstacle: usize,
     },
-    /// A goal that nobody can reach.
+    /// A goal that cannot be reached.
     #[error("subgoal {subgoal} of route {route} is in obstacle {obstacle}: move it out")]
     Goal {
         /// Number of the route.
@@ -47,7 +47,7 @@ pub enum CrowdError {
     Stalled {
         /// The one that acts too often.
         first: Id,
-        /// The one that it met last, if it met anybody.
+        /// The partner of its last meeting, if any.
         second: Option<Id>,
         /// Events of the first.
         events: u64,
@@ -96,7 +96,7 @@ impl From<CrowdError> for Error {
 
 /// [`Error::Value`] about the setting of something, unless `good`.
 pub(crate) fn check(what: &'static str, number: usize, got: f32, good: bool, expected: &'static str) -> Result<()> {
-    throng_base::error::check(what, Some(Id::first(number)), got.into(), good, expected)
+    throng_base::error::check(what, Some(Id::first(number)), got, good, expected)
 }
 
 #[cfg(test)]

@@ -7,9 +7,9 @@
 //! - `space`: vectors in two and three dimensions, plans, cells, obstacles.
 //! - `routes`: where agents go.
 //! - `steering`: the force field, which says what an agent would do if it were safe.
-//! - `safety`: the rule by which no two agents ever overlap, and who has to be checked.
+//! - `safety`: the rule by which no two agents ever overlap, and the pairs that are checked.
 //! - `scenery`: all that does not change while time passes.
-//! - `events`: who acts when, and what an event does. The crowd itself is here.
+//! - `events`: the queue of events, and what an event does. The crowd itself is here.
 
 mod agent;
 mod config;

@@ -35,7 +35,7 @@ pub(crate) struct Scenery<V> {
     first: Vec<[u32; 2]>,
     /// Solids that reach into the region of each cell.
     near: Vec<u32>,
-    /// The same for those that are walls to somebody in the region, see [`is_wall_within`].
+    /// The same for walls within the region, see [`is_wall_within`].
     walls: Vec<u32>,
     /// Smallest time between two events of an agent (s).
     pub interval: f32,
@@ -43,7 +43,7 @@ pub(crate) struct Scenery<V> {
     pub radius: f32,
     /// Largest desired speed (m/s).
     pub speed: f32,
-    /// Largest speed that anybody may have: more than the largest desired one, to give way (m/s).
+    /// Largest speed that an agent may have: more than the largest desired one, to give way (m/s).
     pub fastest: f32,
     /// Longest distance to stop from the largest speed (m).
     pub stopping: f32,
@@ -143,7 +143,7 @@ impl<V: Space> Scenery<V> {
         Ok((scenery, cells, grid))
     }
 
-    /// Side of the cells: within the shortest plan, and half as long again, everybody has to be able to stop within half
+    /// Side of the cells: within the shortest plan, and half as long again, every agent has to be able to stop within half
     /// of it.
     fn side(&self, setup: &Setup<V>) -> Result<f32, CrowdError> {
         let config = &setup.config;
@@ -163,7 +163,7 @@ impl<V: Space> Scenery<V> {
             return Ok(need.max(6.5 * self.radius));
         }
         let expected = "twice the radius, distance to stop and length of a shortest plan, or more; or 0";
-        throng_base::error::check("config.cell_side_m", None, got.into(), got >= need && got < 1e5, expected)?;
+        throng_base::error::check("config.cell_side_m", None, got, got >= need && got < 1e5, expected)?;
         Ok(got)
     }
 

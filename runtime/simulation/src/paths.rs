@@ -6,8 +6,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::PI;
-use throng_core::blend::walkers::Control;
 use throng_core::planar::wrap_angle;
+use throng_core::walkers::Control;
 
 /// How fast a turning rate changes at most (rad/s^2).
 const TURNING_ACCELERATION: f32 = 4.0;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use throng_base::error::check;
 use throng_base::{Bytes, Error, Hash128, Result, Run, SnapshotKind};
 use throng_core::blend::BlendSpace;
-use throng_core::blend::walkers::{MAX_STEP_S, Walkers, WalkersConfig};
+use throng_core::walkers::{MAX_STEP_S, Walkers, WalkersConfig};
 use throng_core::{Adopted, Bodies, Bundle, Cast, Planar, Skeleton, Status};
 use throng_crowd::{Agent, Crowd, CrowdError, Go, Id};
 
@@ -148,7 +148,7 @@ impl Cast for Pedestrians {
     /// order cannot be followed from there, [`Error::Value`].
     fn place(&mut self, id: Id, root: Planar) -> Result<()> {
         let row = self.row(id)?;
-        check("heading", Some(id), root.heading.into(), root.heading.abs() < 1e6, "a finite number below 1e6 (rad)")?;
+        check("heading", Some(id), root.heading, root.heading.abs() < 1e6, "a finite number below 1e6 (rad)")?;
         self.crowd.place(id, Vec3::new(root.x, 0.0, root.z))?;
         self.troop.place(row, root)
     }
@@ -171,7 +171,7 @@ impl Cast for Pedestrians {
     /// [`Error::Value`] for a time out of range (0 to 1 s); nothing has changed then. The same error names an agent that
     /// acts too often for time to pass ([`CrowdError::Stalled`]).
     fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
-        check("dt_s", None, dt_s.into(), (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
         self.events.clear();
         let events = &mut self.events;
         let until_s = self.crowd.now() + f64::from(dt_s);

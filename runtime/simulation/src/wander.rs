@@ -11,7 +11,7 @@ use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind, run_each};
 use throng_core::blend::HeightField;
-use throng_core::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_core::{Cast, Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
 /// Most heights along a side of the ground, which take 64 MiB: those of a wider one lie farther apart.
@@ -23,7 +23,7 @@ const HILL_M: f32 = 24.0;
 
 /// The walkers of one blend space.
 #[derive(Clone, Debug)]
-struct Troop {
+struct PathWalkers {
     walkers: Walkers,
     ids: Vec<Id>,
     paths: Vec<Wander>,
@@ -42,7 +42,7 @@ pub struct Wanderers {
     scene: Arc<Scene>,
     group: usize,
     /// Characters take them in turn, by their numbers among all groups on paths.
-    troops: Vec<Troop>,
+    troops: Vec<PathWalkers>,
     /// Number of the first character among those.
     first: usize,
     ground: HeightField,
@@ -84,7 +84,7 @@ impl Wanderers {
             let (walkers, ids) = made.map_err(fault)?;
             let pace = |&c: &u64| (bodies[c as usize % bodies.len()].leg_length() / leg).sqrt();
             let paces = numbers.iter().map(pace).collect();
-            troops.push(Troop { walkers, ids, paths: wanders, paces, controls });
+            troops.push(PathWalkers { walkers, ids, paths: wanders, paces, controls });
         }
         Ok(Self { scene: Arc::clone(scene), group, troops, first, ground })
     }
@@ -106,7 +106,7 @@ impl Wanderers {
         (&troop.walkers, w)
     }
 
-    fn troop_of(&self, number: usize) -> (&Troop, usize) {
+    fn troop_of(&self, number: usize) -> (&PathWalkers, usize) {
         let num = self.troops.len();
         (&self.troops[(self.first + number) % num], number / num)
     }
@@ -137,7 +137,7 @@ impl Kind for Wanderers {
     }
 
     fn save(&self, out: &mut Vec<u8>) {
-        let troop = |t: &Troop| {
+        let troop = |t: &PathWalkers| {
             let mut walkers = Bytes::default();
             t.walkers.save(&mut walkers.0);
             (t.paths.clone(), walkers)

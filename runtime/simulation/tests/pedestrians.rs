@@ -3,7 +3,7 @@
 
 use glam::{Vec2, Vec3};
 use std::path::Path;
-use throng_core::blend::walkers::WalkersConfig;
+use throng_core::walkers::WalkersConfig;
 use throng_core::{Bundle, Cast, Error, Id, Inline, Joint, Planar, Run, Skeleton, Status};
 use throng_crowd::{Agent, AtEnd, Crowd, Go, Obstacle, Setup, Streets};
 use throng_simulation::{Happened, Pedestrians};

@@ -1,14 +1,14 @@
 //! Every stored index of a world against its table, every number for being finite.
 
 use super::tags;
-use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, WorldError, WorldView};
-use throng_core::format::Tag;
+use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, WorldView};
+use throng_core::format::{FormatError, Tag};
 use throng_core::patch::{KIND_BLOCK, KIND_TILE, NONE, Patches};
 
 /// Coordinates stay below this (m).
 const FAR: f32 = 1e5;
 
-pub(super) fn world(w: &WorldView, patches: &Patches) -> Result<(), WorldError> {
+pub(super) fn world(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
     units(w)?;
     joint_tables(w, patches)?;
     instances(w, patches)?;
@@ -28,38 +28,38 @@ impl Tiling {
     }
 
     /// The next record's part must follow the last one's.
-    fn part(&mut self, owner: Tag, index: usize, first: u32, count: u64) -> Result<(), WorldError> {
+    fn part(&mut self, owner: Tag, index: usize, first: u32, count: u64) -> Result<(), FormatError> {
         if u64::from(first) != self.next {
             let message = format!("its part of {} begins at {first}, expected {}", self.tag, self.next);
-            return Err(WorldError::value(owner, index, message));
+            return Err(FormatError::value(owner, index, message));
         }
         self.next += count;
         Ok(())
     }
 
     /// The parts together are the whole section.
-    fn end(&self, len: usize) -> Result<(), WorldError> {
+    fn end(&self, len: usize) -> Result<(), FormatError> {
         match len as u64 == self.next {
             true => Ok(()),
             false => {
-                Err(WorldError::layout(format!("section {} has {len} elements, expected {}", self.tag, self.next)))
+                Err(FormatError::layout(format!("section {} has {len} elements, expected {}", self.tag, self.next)))
             }
         }
     }
 }
 
-fn units(w: &WorldView) -> Result<(), WorldError> {
+fn units(w: &WorldView) -> Result<(), FormatError> {
     match w.units.iter().position(|u| !u.placement.is_moderate(FAR)) {
-        Some(i) => Err(WorldError::value(tags::UNITS, i, "it stands nowhere: its placement is not finite")),
+        Some(i) => Err(FormatError::value(tags::UNITS, i, "it stands nowhere: its placement is not finite")),
         None => Ok(()),
     }
 }
 
 /// Tables name patches that exist, their joints tile the section, ascend, and are listed once each by side b.
-fn joint_tables(w: &WorldView, patches: &Patches) -> Result<(), WorldError> {
+fn joint_tables(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
     let mut joints = Tiling::new(tags::JOINTS);
     for (i, t) in w.tables.iter().enumerate() {
-        let wrong = |message: String| Err(WorldError::value(tags::TABLES, i, message));
+        let wrong = |message: String| Err(FormatError::value(tags::TABLES, i, message));
         let limit = patches.patches.len();
         if t.patch_a as usize >= limit || t.patch_b as usize >= limit || !t.placement.is_moderate(FAR) {
             return wrong(format!("no such patches, there are {limit}: {t:?}"));
@@ -83,13 +83,13 @@ fn joint_tables(w: &WorldView, patches: &Patches) -> Result<(), WorldError> {
     joints.end(w.joints_by_b.len())
 }
 
-fn joints_of(t: &JointTableRecord, list: &[JointRecord], patches: &Patches) -> Result<(), WorldError> {
+fn joints_of(t: &JointTableRecord, list: &[JointRecord], patches: &Patches) -> Result<(), FormatError> {
     let first = t.first_joint as usize;
     let (cells_a, cells_b) = (patches.cells_of(t.patch_a as usize), patches.cells_of(t.patch_b as usize));
     let links_a = patches.links_of(t.patch_a as usize);
     let tile = patches.patches[t.patch_a as usize].kind == KIND_TILE;
     for (i, j) in list.iter().enumerate() {
-        let wrong = |what: &str| Err(WorldError::value(tags::JOINTS, first + i, format!("{what}: {j:?}")));
+        let wrong = |what: &str| Err(FormatError::value(tags::JOINTS, first + i, format!("{what}: {j:?}")));
         let a_exists = match tile {
             true => links_a.get(j.a as usize).is_some_and(|l| 0 < j.a_offset && j.a_offset < l.num_frames.into()),
             false => (j.a as usize) < cells_a.len() && j.a_offset == NONE,
@@ -105,7 +105,7 @@ fn joints_of(t: &JointTableRecord, list: &[JointRecord], patches: &Patches) -> R
 }
 
 /// Instances name patches that exist; their bits, adjacencies, neighbours and resources tile their sections.
-fn instances(w: &WorldView, patches: &Patches) -> Result<(), WorldError> {
+fn instances(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
     let mut parts = [
         Tiling::new(tags::NEIGHBOURS),
         Tiling::new(tags::CELLS),
@@ -114,7 +114,7 @@ fn instances(w: &WorldView, patches: &Patches) -> Result<(), WorldError> {
         Tiling::new(tags::RESOURCES),
     ];
     for (i, r) in w.instances.iter().enumerate() {
-        let wrong = |message: &str| Err(WorldError::value(tags::INSTANCES, i, format!("{message}: {r:?}")));
+        let wrong = |message: &str| Err(FormatError::value(tags::INSTANCES, i, format!("{message}: {r:?}")));
         let Some(p) = patches.patches.get(r.patch as usize) else {
             return wrong("no such patch");
         };
@@ -142,14 +142,14 @@ fn instances(w: &WorldView, patches: &Patches) -> Result<(), WorldError> {
 }
 
 /// Units of an instance exist and ascend.
-fn resources(w: &WorldView) -> Result<(), WorldError> {
+fn resources(w: &WorldView) -> Result<(), FormatError> {
     for r in &w.instances {
         let first = r.first_resource as usize;
         let list = &w.resources[first..first + r.num_resources as usize];
         for (k, &u) in list.iter().enumerate() {
             if u as usize >= w.units.len() || k > 0 && list[k - 1] >= u {
                 let message = format!("unit {u} does not exist or does not ascend, there are {}", w.units.len());
-                return Err(WorldError::value(tags::RESOURCES, first + k, message));
+                return Err(FormatError::value(tags::RESOURCES, first + k, message));
             }
         }
     }
@@ -157,7 +157,7 @@ fn resources(w: &WorldView) -> Result<(), WorldError> {
 }
 
 /// What stands across an edge is of the same patch and has the tile across the opposite edge.
-fn neighbours(w: &WorldView, patches: &Patches) -> Result<(), WorldError> {
+fn neighbours(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
     for (i, r) in w.instances.iter().enumerate() {
         for (e, edge) in patches.edges_of(r.patch as usize).iter().enumerate() {
             let at = r.first_neighbour as usize + e;
@@ -170,7 +170,7 @@ fn neighbours(w: &WorldView, patches: &Patches) -> Result<(), WorldError> {
             };
             if !w.instances.get(other as usize).is_some_and(back) {
                 let message = format!("instance {other} is not the neighbour of instance {i} across its edge {e}");
-                return Err(WorldError::value(tags::NEIGHBOURS, at, message));
+                return Err(FormatError::value(tags::NEIGHBOURS, at, message));
             }
         }
     }
@@ -178,7 +178,7 @@ fn neighbours(w: &WorldView, patches: &Patches) -> Result<(), WorldError> {
 }
 
 /// Adjacencies come in pairs that share a table's bits.
-fn adjacencies(w: &WorldView) -> Result<(), WorldError> {
+fn adjacencies(w: &WorldView) -> Result<(), FormatError> {
     let of = |i: usize| {
         let r: &InstanceRecord = &w.instances[i];
         (r.first_adjacency as usize, &w.adjacencies[r.first_adjacency as usize..][..r.num_adjacencies as usize])
@@ -186,7 +186,7 @@ fn adjacencies(w: &WorldView) -> Result<(), WorldError> {
     for (i, r) in w.instances.iter().enumerate() {
         let (first, list) = of(i);
         for (k, a) in list.iter().enumerate() {
-            let wrong = |what: &str| Err(WorldError::value(tags::ADJACENCIES, first + k, format!("{what}: {a:?}")));
+            let wrong = |what: &str| Err(FormatError::value(tags::ADJACENCIES, first + k, format!("{what}: {a:?}")));
             let Some(other) = w.instances.get(a.other as usize) else {
                 return wrong("no such instance");
             };

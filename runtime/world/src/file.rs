@@ -5,17 +5,17 @@
 //! - 1: units, instances, neighbours, bits of cells and links, adjacencies, joint tables, resources.
 //! - 2: path costs, which planners worked out at every start before; content hashes of the bundle and of the source.
 
-use super::baked::{Baked, PathCosts};
+use super::graph::{Baked, PathCosts};
 use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, Node, UnitRecord};
 use super::{WorldData, WorldError, WorldGraph, WorldMeta, WorldView, check, tags};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 use std::{io, path::Path};
-use throng_base::{Error, Hash128, Result};
+use throng_base::{Error, Hash128, Result, error};
 use throng_core::Bundle;
 use throng_core::characters::MotionSet;
-use throng_core::format::{AlignedBytes, BundleWriter, FormatError, Kind, Layout, Storage, Table};
+use throng_core::format::{AlignedBytes, BundleWriter, FormatError, Kind, Layout, Storage, Table, decode, encode};
 
 /// First bytes of every world file.
 pub const WORLD_MAGIC: [u8; 8] = *b"\x89THWRLD\n";
@@ -50,7 +50,7 @@ impl World {
         let path = path.as_ref();
         let open = || Self::new(Storage::map(path)?, bundle);
         open().map_err(|e| match e {
-            WorldError::Frame(FormatError::Io { path, source }) => Error::Io { path, source },
+            WorldError::Format(FormatError::Io { path, source }) => Error::Io { path, source },
             WorldError::OtherBundle { expected, got, .. } => Error::OtherBundle { expected, got },
             e => Error::Format { path: path.to_path_buf(), why: e.to_string() },
         })
@@ -80,7 +80,7 @@ impl World {
             joint_words: Table::of_file(&storage, &layout.section::<u64>(tags::JOINT_BITS)?),
             resources: Table::of_file(&storage, &layout.section::<u32>(tags::RESOURCES)?),
         };
-        let meta = WorldMeta::decode(&storage.bytes()[layout.section::<u8>(tags::META)?])?;
+        let meta: WorldMeta = decode("WMET", &storage.bytes()[layout.section::<u8>(tags::META)?])?;
         if meta.bundle_hash != bundle.hash() {
             let (expected, got) = (meta.bundle_hash, bundle.hash());
             let given = bundle.meta().name.clone();
@@ -101,7 +101,7 @@ impl World {
     ///
     /// # Errors
     /// As [`WorldGraph::new`].
-    pub fn from_data(data: &WorldData, bundle: &Bundle) -> Result<Self, WorldError> {
+    pub fn from_data(data: &WorldData, bundle: &Bundle) -> Result<Self, FormatError> {
         Ok(Self::opened(data.meta.clone(), WorldGraph::new(bundle.patches(), &data.view())?, bundle, 0))
     }
 
@@ -161,12 +161,12 @@ impl World {
     /// # Errors
     /// [`Error::Value`] for a point that is not finite, or where the nearest place is farther away: `got` says how far.
     pub fn near(&self, at: Vec3, within_m: f32) -> Result<Place> {
-        check_value("point", f64::from(at.length()), at.is_finite(), "finite")?;
+        error::check("point", None, at.length(), at.is_finite(), "finite")?;
         let place =
             self.graph().nearest_rest(at).map(|node| Place { node, at: self.graph().place(node).translation() });
         let away = place.map_or(f32::INFINITY, |p| p.at.distance(at));
         let expected = "no more than was asked for; name a point nearer to where one can stay";
-        check_value("distance to the nearest place to stay (m)", f64::from(away), away <= within_m, expected)?;
+        error::check("distance to the nearest place to stay (m)", None, away, away <= within_m, expected)?;
         place.ok_or(Error::Value { what: "places to stay", who: None, got: 0.0, expected: "at least one" })
     }
 }
@@ -180,10 +180,6 @@ pub struct Place {
     pub at: Vec3,
 }
 
-fn check_value(what: &'static str, got: f64, good: bool, expected: &'static str) -> Result<()> {
-    throng_base::error::check(what, None, got, good, expected)
-}
-
 impl WorldData {
     /// Writes the world as a file.
     ///
@@ -193,7 +189,10 @@ impl WorldData {
     /// What `out` returns, or [`io::ErrorKind::InvalidData`] where the meta data cannot be encoded.
     pub fn write(&self, paths: &PathCosts, out: &mut impl io::Write) -> io::Result<()> {
         let mut file = BundleWriter::new();
-        file.section(tags::META, &self.meta.encode().map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e))?);
+        file.section(
+            tags::META,
+            &encode("WMET", &self.meta).map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e))?,
+        );
         file.section(tags::UNITS, &self.units);
         file.section(tags::INSTANCES, &self.instances);
         file.section(tags::NEIGHBOURS, &self.neighbours);
@@ -212,8 +211,8 @@ impl WorldData {
     /// Checks the world as a file of it would be: every index against its table, every number for being finite.
     ///
     /// # Errors
-    /// [`WorldError::Value`] or [`WorldError::Layout`].
-    pub fn check(&self, patches: &throng_core::patch::Patches) -> Result<(), WorldError> {
+    /// [`FormatError::Value`] or [`FormatError::Layout`].
+    pub fn check(&self, patches: &throng_core::patch::Patches) -> Result<(), FormatError> {
         check::world(&self.view(), patches)
     }
 }

@@ -1,6 +1,5 @@
 //! Worlds: patches stitched together over a target environment (Lee, Choi and Lee 2006, section 5).
 
-mod baked;
 mod check;
 mod error;
 mod file;
@@ -11,20 +10,17 @@ mod made_up;
 mod path_hierarchy;
 pub mod plan;
 mod pod;
+mod queue;
 mod records;
 pub mod tags;
 
-pub use baked::PathCosts;
 pub use error::WorldError;
 pub use file::{Place, WORLD_MAGIC, WORLD_VERSION, World};
-pub use graph::{Node, Step, WorldGraph};
+pub use graph::{Node, PathCosts, Step, WorldGraph};
 pub use records::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord};
 
 use serde::{Deserialize, Serialize};
 use throng_core::format::Table;
-
-/// Most bytes the meta data may ask for while they are decoded (bytes).
-const META_LIMIT: usize = 64 << 20;
 
 /// What a world says of itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -49,30 +45,6 @@ pub struct WorldMeta {
     pub transitions: u64,
     /// Length of all links that are left (h).
     pub motion_hours: f64,
-}
-
-impl WorldMeta {
-    /// The section's bytes.
-    ///
-    /// # Errors
-    /// [`WorldError::Layout`] where it cannot be encoded.
-    pub fn encode(&self) -> Result<Vec<u8>, WorldError> {
-        bincode::serde::encode_to_vec(self, bincode::config::standard())
-            .map_err(|e| WorldError::layout(format!("WMET cannot be written: {e}")))
-    }
-
-    /// Reads a section's bytes.
-    ///
-    /// # Errors
-    /// [`WorldError::Layout`] where they are damaged, ask for too much memory, or are followed by others.
-    pub fn decode(bytes: &[u8]) -> Result<Self, WorldError> {
-        let config = bincode::config::standard().with_limit::<META_LIMIT>();
-        match bincode::serde::decode_from_slice(bytes, config) {
-            Ok((meta, used)) if used == bytes.len() => Ok(meta),
-            Ok((_, used)) => Err(WorldError::layout(format!("WMET has {} bytes, expected {used}", bytes.len()))),
-            Err(e) => Err(WorldError::layout(format!("WMET cannot be read: {e}"))),
-        }
-    }
 }
 
 /// The rows of a world, of a file or in memory. Clones share them.

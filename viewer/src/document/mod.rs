@@ -10,7 +10,7 @@ pub mod world;
 
 pub use clip::RawMotion;
 pub use load::{Loader, Opened};
-pub use scene::{MAX_CHARACTERS, SceneChoice, SceneDocument, Standing, StandingUnit};
+pub use scene::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument, Standing, StandingUnit};
 pub use watch::{Stamp, Watch};
 pub use world::WorldDocument;
 

@@ -120,7 +120,7 @@ impl Model {
         Ok(())
     }
 
-    /// Selects nobody where there are no longer so many characters.
+    /// Clears a selection beyond the number of characters.
     fn limit_selected(&mut self) {
         let n = self.num_characters();
         self.selection.character = self.selection.character.filter(|&c| c < n);
@@ -167,7 +167,7 @@ impl Model {
         }
     }
 
-    /// Every stage keeps its own camera, and whom it followed.
+    /// Every stage keeps its own camera, and the character it followed.
     pub(super) fn set_stage(&mut self, stage: Stage) {
         let left = self.shown_stage();
         let old = std::mem::replace(&mut self.stage, stage);

@@ -1,4 +1,4 @@
-//! Where what the 3-D view shows is: what the camera frames, and whom it follows.
+//! Where what the 3-D view shows is: what the camera frames and follows.
 
 use super::Model;
 use crate::document::{Document, SceneDocument, WorldDocument};

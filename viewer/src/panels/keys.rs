@@ -108,7 +108,7 @@ const WIDTH: f32 = 900.0;
 /// What the mouse does in the 3-D view.
 const MOUSE: [(&str, &str); 10] = [
     ("click", "select a character, or a unit of a world"),
-    ("drag a target", "move it; with Shift, everybody's"),
+    ("drag a target", "move it; with Shift, all targets"),
     ("Ctrl + click the ground", "put the selected character's target there"),
     ("drag a unit", "move it, where Patches says Move"),
     ("Q, E, Delete", "turn or remove it"),

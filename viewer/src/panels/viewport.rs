@@ -19,7 +19,7 @@ use throng_runtime::world::inhabitants::Wish;
 
 /// A target can be taken hold of within this distance of the pointer (points).
 const GRAB: f32 = 16.0;
-/// Targets of those who are not selected can be taken hold of in crowds of up to so many: in larger ones, they would be
+/// Targets of characters that are not selected can be dragged in crowds of up to so many: in larger ones, they would be
 /// everywhere the camera is to be turned from.
 const MAX_GRABBED: usize = 50;
 /// And within this distance (points).
@@ -41,7 +41,7 @@ pub struct State {
     pub aspect: f32,
 }
 
-/// What the view asks of who draws it.
+/// What the view asks of its caller.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn {
     /// Where.
@@ -175,7 +175,7 @@ fn upright(ray: &Ray, camera: Camera, place: Vec3) -> Option<Vec3> {
 
 /// Targets that can be moved.
 struct Targets {
-    /// One is that of everybody.
+    /// One for all characters.
     is_shared: bool,
     /// Character, its target, and where that hangs; none where it lies on the ground (m).
     all: Vec<(usize, Vec3, Option<Vec3>)>,

@@ -6,7 +6,7 @@ use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, ScreenDescri
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What drawing cost, shared with whoever shows it.
+/// Times of drawing, shared with the panel that shows them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DrawReport {
     /// What was drawn.
@@ -21,7 +21,7 @@ pub struct DrawReport {
 /// pixel and no depth buffer, which is what eframe makes unless told otherwise.
 #[derive(Clone)]
 pub struct SceneCallback {
-    /// What draws, shared with whoever uploads.
+    /// The renderer, shared with the upload.
     pub renderer: Arc<Mutex<SceneRenderer>>,
     /// From where.
     pub camera: Camera,

@@ -5,7 +5,7 @@ use wgpu::{DeviceDescriptor, Limits};
 /// A device for the view and for egui: the limits that WebGPU promises, less where the adapter falls short of them, and
 /// as much memory for crowds and pictures as it has.
 ///
-/// egui itself asks OpenGL for no more than WebGL has, which lacks the storage buffers of [`super::SceneRenderer`].
+/// egui itself asks OpenGL for no more than WebGL has, which has no storage buffers for [`super::SceneRenderer`].
 pub fn device_descriptor(adapter: &wgpu::Adapter) -> DeviceDescriptor<'static> {
     DeviceDescriptor { label: Some("viewer"), required_limits: limits(&adapter.limits()), ..Default::default() }
 }

@@ -82,7 +82,7 @@ pub(super) enum Output {
     },
     /// The shadow mask, blended by maximum.
     Mask,
-    /// A pass of somebody else: one sample, no depth.
+    /// A pass of egui: one sample, no depth.
     Window(wgpu::TextureFormat),
 }
 

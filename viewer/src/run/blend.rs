@@ -5,16 +5,16 @@ use super::blending::Blending;
 use super::reel::Reel;
 use crate::bundle::OpenBundle;
 use glam::Vec2;
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{BlendSpace, MAX_AXES, axis};
 use throng_runtime::simulation::wander::body_of;
+use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Cast, Contacts, Error, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
 /// Half-life of the difference between the requested and the blended point (s).
 const HALF_LIFE_S: f32 = 0.12;
 /// Distance of characters walking side by side (m).
 const BESIDE_M: f32 = 1.1;
-/// Farther out, numbers are too coarse to step evenly: the walk restarts (m).
+/// Distance from the origin at which the walk restarts, before rounding shows (m).
 const FAR_M: f32 = 5000.0;
 /// All of them at one step.
 #[derive(Clone, Debug, Default)]

@@ -45,13 +45,13 @@ pub(super) struct Choices {
 }
 
 impl Choices {
-    /// Before anybody has chosen.
+    /// Before any choice.
     pub fn new(characters: usize) -> Self {
         let none = LastChoice { step: 0, target: Vec3::ZERO, threat: Vec3::ZERO, weights: Arc::from([]) };
         Self { num: vec![0; characters], last: vec![none; characters] }
     }
 
-    /// Notes who has chosen at a step.
+    /// Records the choices of a step.
     ///
     /// - `targets`, `threats`: as they were before the step; there may be no threats (number of characters).
     /// - `weights`: what every goal counted.
@@ -92,7 +92,7 @@ impl Choices {
 pub struct Chooser<'a> {
     /// The tables.
     pub bundle: &'a OpenBundle,
-    /// Those with whom it moves.
+    /// Its companions.
     pub characters: &'a Characters,
     /// Its number among them.
     pub number: usize,

@@ -34,7 +34,8 @@ use crate::bundle::OpenBundle;
 use glam::{Vec2, Vec3};
 use recording::Recording;
 use simulation::Simulation;
-use throng_runtime::characters::{Characters, CharactersError};
+use throng_runtime::Result;
+use throng_runtime::characters::Characters;
 
 /// A run of a crowd, with the record of its last minute.
 #[derive(Clone, Debug)]
@@ -128,8 +129,8 @@ impl Run {
     /// One step forward: the next recorded one, or a new one at the end of the record.
     ///
     /// # Errors
-    /// [`CharactersError`] where a step cannot be taken.
-    pub fn step(&mut self, bundle: &OpenBundle) -> Result<(), CharactersError> {
+    /// [`Error`] where a step cannot be taken.
+    pub fn step(&mut self, bundle: &OpenBundle) -> Result<()> {
         let s = &mut self.simulation;
         self.recording.before(s);
         for input in self.recording.inputs(s.around.step) {
@@ -146,7 +147,7 @@ impl Run {
     ///
     /// # Errors
     /// [`throng_runtime::Error`] where a step cannot be repeated.
-    pub fn seek(&mut self, bundle: &OpenBundle, step: u32) -> throng_runtime::Result<()> {
+    pub fn seek(&mut self, bundle: &OpenBundle, step: u32) -> Result<()> {
         self.head.seek(step);
         let step = self.head.now();
         let keyframe = self.recording.keyframe_before(step);

@@ -3,23 +3,23 @@
 //! Bodies are not recorded. The state of every second is, and every input; a step in between is found again by repeating
 //! the steps after the state before it, which gives the same bodies to the last bit.
 
+mod state;
+
 use super::agents::{EventLog, Happened, What, With, first_agent};
-use super::choices::{About, Choices, RunGoal};
-use super::figures::{BoutFigures, Slip, StepFigures};
+use super::choices::RunGoal;
+use super::figures::StepFigures;
 use super::marks::{self, Mark};
 use super::reel::Head;
 use super::{Input, STEP_HZ};
 use glam::Vec3;
+use state::State;
 use std::collections::VecDeque;
 use std::fmt;
-use std::sync::Arc;
 use std::time::Instant;
-use throng_precompute::run::{AgentsMeter, FeetMeter};
+use throng_runtime::Result;
 use throng_runtime::crowd::Event as CrowdEvent;
 use throng_runtime::simulation::agents::{Agents, in_world};
 use throng_runtime::simulation::{CompiledScene, Event, GroupCast, Simulation};
-use throng_runtime::sparring::NO_THREAT_S;
-use throng_runtime::{Inline, Rayon, Result, Run as Threads};
 
 /// Steps between two states.
 const STATE_EVERY: u32 = 60;
@@ -36,31 +36,6 @@ const NODE_BYTES: usize = 64;
 const LEAST_STATES: usize = 2;
 /// Steps between two points of a trail.
 const TRAIL_EVERY: u32 = 6;
-/// Steps between two looks at all agents.
-const LOOK_EVERY: u32 = 2;
-/// Characters from which on a step is split over threads.
-const PARALLEL_FROM: usize = 200;
-
-/// Characters that choose by policies, in one group.
-#[derive(Clone, Debug)]
-struct Choosing {
-    cast: usize,
-    /// Number of the first of them.
-    first: usize,
-    goals: Arc<[RunGoal]>,
-    weights: Arc<[f32]>,
-    choices: Choices,
-}
-
-/// All that later steps depend on, and what was measured.
-#[derive(Clone)]
-struct State {
-    simulation: Simulation,
-    choosing: Vec<Choosing>,
-    feet: FeetMeter,
-    agents: Option<AgentsMeter>,
-    figures: StepFigures,
-}
 
 /// State of a scene at a step, before the inputs that were given there.
 #[derive(Clone)]
@@ -100,129 +75,6 @@ impl fmt::Debug for SceneRun {
     }
 }
 
-impl State {
-    fn new(simulation: Simulation) -> Self {
-        let choosing = simulation.groups().iter().filter_map(|g| Choosing::new(&simulation, g.cast, &g.characters));
-        let mut state = Self {
-            choosing: choosing.collect(),
-            feet: FeetMeter::new(simulation.num_characters()),
-            agents: AgentsMeter::new(&simulation),
-            figures: StepFigures::default(),
-            simulation,
-        };
-        let simulation = &state.simulation;
-        // Everybody has chosen already; what choices before a saved state were about is not known.
-        let is_at_start = simulation.time_s() == 0.0;
-        for c in &mut state.choosing {
-            let (targets, mut threats) = around(&simulation.casts()[c.cast]);
-            threats.fill(Vec3::new(0.0, NO_THREAT_S, 0.0));
-            let weights = std::mem::replace(&mut c.weights, Arc::from([]));
-            if is_at_start {
-                c.weights = Arc::clone(&weights);
-            }
-            c.observe(simulation, (&targets, &threats), 0);
-            c.weights = weights;
-        }
-        state.feet.observe(0.0, simulation, 0..simulation.num_characters());
-        state.figures.agents = state.agents.as_mut().map(|meter| meter.observe(simulation));
-        state.figures.bout = BoutFigures::of(simulation);
-        state
-    }
-
-    /// One step of everybody, and what is measured of it.
-    fn advance_to(&mut self, step: u32) -> Result<()> {
-        let simulation = &mut self.simulation;
-        let before: Vec<_> = self.choosing.iter().map(|c| around(&simulation.casts()[c.cast])).collect();
-        let was_s = simulation.time_s();
-        let is_large = simulation.num_characters() >= PARALLEL_FROM;
-        let threads: &dyn Threads = if is_large { &Rayon } else { &Inline };
-        simulation.step_to(f64::from(step) / f64::from(STEP_HZ), threads)?;
-        for (c, (targets, threats)) in self.choosing.iter_mut().zip(&before) {
-            c.observe(simulation, (targets, threats), step);
-        }
-        self.feet.clear();
-        self.feet.observe((simulation.time_s() - was_s) as f32, simulation, 0..simulation.num_characters());
-        self.figures.slip = Slip::from(&self.feet);
-        self.figures.bout = BoutFigures::of(simulation);
-        if let Some(meter) = self.agents.as_mut().filter(|_| step.is_multiple_of(LOOK_EVERY)) {
-            self.figures.agents = Some(meter.observe(simulation));
-        }
-        Ok(())
-    }
-
-    /// Lets an input take effect.
-    fn take(&mut self, input: &Input) -> Result<()> {
-        match input {
-            Input::Target { character, to } => {
-                for c in &self.choosing {
-                    if let GroupCast::Policy(practice) = self.simulation.cast_mut(c.cast) {
-                        let all = 0..practice.practice().targets().len();
-                        let mut moved = all.filter(|&m| character.is_none_or(|who| who == c.first + m));
-                        moved.try_for_each(|m| practice.set_home(m, *to))?;
-                    }
-                }
-            }
-            Input::Weights { of, weights } => {
-                let Some(c) = self.choosing.iter_mut().rev().find(|c| c.first <= *of) else { return Ok(()) };
-                match self.simulation.cast_mut(c.cast) {
-                    GroupCast::Policy(practice) => practice.set_weights(weights)?,
-                    GroupCast::Sparring(bouts) => bouts.set_weights(weights)?,
-                    _ => {}
-                }
-                c.weights = weights.as_slice().into();
-            }
-            Input::Play { character, segment } => {
-                let Some(c) = self.choosing.iter().rev().find(|c| c.first <= *character) else { return Ok(()) };
-                match self.simulation.cast_mut(c.cast) {
-                    GroupCast::Policy(practice) => practice.play(character - c.first, *segment)?,
-                    GroupCast::Sparring(bouts) => bouts.play(character - c.first, *segment)?,
-                    _ => {}
-                }
-            }
-            Input::Wish { character, wish } => {
-                let number = self.simulation.locate(*character).1;
-                let group = self.simulation.groups().iter().find(|g| g.characters.contains(character));
-                if let Some(GroupCast::Patches(people)) = group.map(|g| g.cast).map(|c| self.simulation.cast_mut(c)) {
-                    people.tell(number, *wish)?;
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-impl Choosing {
-    /// None for those who do not choose.
-    fn new(simulation: &Simulation, cast: usize, characters: &std::ops::Range<usize>) -> Option<Self> {
-        let boxers = match &simulation.casts()[cast] {
-            GroupCast::Policy(p) => p.practice().boxers(),
-            GroupCast::Sparring(s) => s.sparring().boxers(),
-            _ => return None,
-        };
-        let order = boxers.order_of(*boxers.ids().first()?).ok()?;
-        let goal = |&policy: &u32| {
-            let is_threat = boxers.motion_set().policy(policy as usize)?.grid().is_space_time();
-            Some(RunGoal { policy: policy as usize, about: if is_threat { About::Threat } else { About::Target } })
-        };
-        Some(Self {
-            cast,
-            first: characters.start,
-            goals: order.policies().iter().filter_map(goal).collect(),
-            weights: order.weights().into(),
-            choices: Choices::new(characters.len()),
-        })
-    }
-
-    fn observe(&mut self, simulation: &Simulation, about: (&[Vec3], &[Vec3]), step: u32) {
-        let characters = match &simulation.casts()[self.cast] {
-            GroupCast::Policy(p) => p.practice().characters(),
-            GroupCast::Sparring(s) => s.sparring().characters(),
-            _ => return,
-        };
-        self.choices.observe(characters, about, &self.weights, step);
-    }
-}
-
 /// About what a state of a simulation takes (bytes).
 fn state_bytes(simulation: &Simulation) -> usize {
     let bodies = simulation.poses().flatten().count();
@@ -231,15 +83,6 @@ fn state_bytes(simulation: &Simulation) -> usize {
         _ => 0,
     });
     bodies * BODY_BYTES + simulation.num_characters() * AGENT_BYTES + worlds.sum::<usize>()
-}
-
-/// Targets, and coming blows where there are opponents.
-fn around(cast: &GroupCast) -> (Vec<Vec3>, Vec<Vec3>) {
-    match cast {
-        GroupCast::Policy(p) => (p.practice().targets().iter().map(|t| t.position()).collect(), Vec::new()),
-        GroupCast::Sparring(s) => (s.sparring().heads().to_vec(), s.sparring().threats().to_vec()),
-        _ => Default::default(),
-    }
 }
 
 impl SceneRun {

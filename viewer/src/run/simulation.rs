@@ -11,9 +11,9 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 use std::time::Instant;
 use throng_precompute::slip::SlipMeter;
-use throng_runtime::Planar;
-use throng_runtime::characters::{Characters, CharactersError, CharactersSnapshot, Goal, Start};
+use throng_runtime::characters::{Characters, CharactersSnapshot, Goal, Start};
 use throng_runtime::world::inhabitants::Wish;
+use throng_runtime::{Planar, Result};
 
 /// Characters from which on a step is split over threads.
 const PARALLEL_FROM: usize = 1000;
@@ -126,7 +126,7 @@ impl Simulation {
     /// Characters on a loose grid, each with a target in some direction. No step has been taken.
     ///
     /// - `weights`: of the first behaviours, which are weighed.
-    pub fn new(bundle: &OpenBundle, config: RunConfig, weights: Vec<f32>) -> Result<Self, CharactersError> {
+    pub fn new(bundle: &OpenBundle, config: RunConfig, weights: Vec<f32>) -> Result<Self> {
         let num_states = bundle.tables().graph().states.len() as u32;
         let (starts, targets) = scatter(&config, num_states);
         let characters = Characters::new(bundle.motion_set(), config.characters(), &starts)?;
@@ -141,7 +141,7 @@ impl Simulation {
         Keyframe { characters: self.characters.snapshot(), around: self.around.clone() }
     }
 
-    pub fn restore(&mut self, bundle: &OpenBundle, keyframe: &Keyframe) -> throng_runtime::Result<()> {
+    pub fn restore(&mut self, bundle: &OpenBundle, keyframe: &Keyframe) -> Result<()> {
         self.characters.restore(bundle.motion_set(), &keyframe.characters)?;
         self.around.clone_from(&keyframe.around);
         self.slip.forget_step();
@@ -149,7 +149,7 @@ impl Simulation {
     }
 
     /// Lets an input take effect.
-    pub fn take(&mut self, bundle: &OpenBundle, input: &Input) -> Result<(), CharactersError> {
+    pub fn take(&mut self, bundle: &OpenBundle, input: &Input) -> Result<()> {
         match input {
             Input::Target { character, to } => self.move_target(*character, *to),
             Input::Weights { weights, .. } => self.around.weights = weights.as_slice().into(),
@@ -169,7 +169,7 @@ impl Simulation {
     }
 
     /// One step; the very first one only takes the first choices. Measures it.
-    pub fn step(&mut self, bundle: &OpenBundle) -> Result<StepFigures, CharactersError> {
+    pub fn step(&mut self, bundle: &OpenBundle) -> Result<StepFigures> {
         let dt = if self.around.step == 0 { 0.0 } else { 1.0 / STEP_HZ };
         let begin = Instant::now();
         self.move_characters(bundle, dt)?;
@@ -184,7 +184,7 @@ impl Simulation {
         Ok(figures)
     }
 
-    fn move_characters(&mut self, bundle: &OpenBundle, dt: f32) -> Result<(), CharactersError> {
+    fn move_characters(&mut self, bundle: &OpenBundle, dt: f32) -> Result<()> {
         let (motion_set, a) = (bundle.motion_set(), &self.around);
         let weighed = self.goals.iter().zip(a.weights.iter());
         let all = weighed.map(|(g, &weight)| Goal { policy: g.policy, weight, targets: &a.targets });

@@ -44,7 +44,7 @@ impl WorldRun {
     /// All inhabitants at rest where they start; they roam.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] where nobody can stay at a start, or two would share a unit.
+    /// [`throng_runtime::Error`] for a start without a rest cell, or where two would share a unit.
     pub fn new(world: &World, seed: u64, starts: &[Node]) -> Result<Self> {
         let characters = CharactersConfig { seed, ..CharactersConfig::default() };
         let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
@@ -112,7 +112,7 @@ impl WorldRun {
         &self.inhabitants
     }
 
-    /// Name of a character; nobody leaves (character < num_characters).
+    /// Name of a character; none leaves (character < num_characters).
     pub fn id(&self, character: usize) -> Id {
         self.inhabitants.ids()[character]
     }

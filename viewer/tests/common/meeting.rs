@@ -1,4 +1,4 @@
-//! A small scene of a crowd: two groups who meet between two walls, a pillar, and something that moves.
+//! A small scene of a crowd: two groups that meet between two walls, a pillar, and something that moves.
 
 use std::path::{Path, PathBuf};
 

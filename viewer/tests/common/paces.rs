@@ -49,7 +49,7 @@ impl Paces {
         self.folder.path().join("paces.throng")
     }
 
-    /// A scene of a crowd with bodies: two groups of so many who meet; those of one leave at their goal.
+    /// A scene of a crowd with bodies: two groups of so many that meet; those of one leave at their goal.
     pub fn crowd(&self, each: usize) -> PathBuf {
         let group = |from: f32, by: f32, end: &str| {
             format!(

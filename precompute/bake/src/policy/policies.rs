@@ -12,7 +12,7 @@ use glam::Vec2;
 use rand_pcg::Pcg64;
 use std::time::Instant;
 use throng_core::policy::{
-    ActionTable, PathRecord, PolicyError, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
+    ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
 };
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
@@ -89,8 +89,8 @@ impl PolicyTables {
     /// The runtime's view on a policy (index < policies.len()).
     ///
     /// # Errors
-    /// [`PolicyError`] never for what [`solve`] returned; for tables changed since, what does not fit.
-    pub fn table(&self, index: usize) -> Result<PolicyTable, PolicyError> {
+    /// [`throng_core::Error`] never for what [`solve`] returned; for tables changed since, what does not fit.
+    pub fn table(&self, index: usize) -> throng_core::Result<PolicyTable> {
         let p = &self.policies[index];
         let actions = ActionTable::new(&self.action_offsets, &self.action_segments, p.segments.len())?;
         let slices = PolicySlices {

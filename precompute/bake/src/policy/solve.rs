@@ -227,9 +227,8 @@ impl Solution {
     /// # Errors
     /// [`BuildError::Stage`] where the model does not hold together.
     pub fn table(&self, model: &ActionModel, best: &[u8]) -> Result<PolicyTable, BuildError> {
-        let fault = |e: throng_core::policy::PolicyError| {
-            stage_error(e.to_string(), "The motion graph is not sound: build it again.")
-        };
+        let fault =
+            |e: throng_core::Error| stage_error(e.to_string(), "The motion graph is not sound: build it again.");
         let actions = ActionTable::new(&model.action_offsets, &model.action_segments, model.segments.len());
         let slices = PolicySlices {
             segments: (&self.segments).into(),

@@ -3,9 +3,9 @@
 use super::report::fault;
 use glam::{Vec2, Vec3};
 use throng_motion::error::BuildError;
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::simulation::CompiledScene;
 use throng_runtime::simulation::scene::ShownStyle;
+use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Bundle, Cast, Inline, NUM_JOINTS};
 
 /// One style on the shown path.

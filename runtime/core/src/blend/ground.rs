@@ -1,7 +1,7 @@
 //! The ground that walkers stand on.
 
-use super::check_length;
 use glam::{Vec2, Vec3};
+use throng_base::error::{check, check_length};
 use throng_base::{Hash128, Result};
 
 /// Most knots along a side; a whole grid has at most twice as many (256 MiB).
@@ -55,19 +55,19 @@ impl HeightField {
     /// # Errors
     /// [`Error::Value`](throng_base::Error::Value) for a number out of its range, [`Error::Length`](throng_base::Error::Length) where heights are missing.
     pub fn new(origin: Vec2, spacing: f32, size: [usize; 2], heights: Vec<f32>) -> Result<Self> {
-        check("spacing of the ground", spacing, (1e-3..1e4).contains(&spacing), "between 0.001 and 10000 m")?;
+        check("spacing of the ground", None, spacing, (1e-3..1e4).contains(&spacing), "between 0.001 and 10000 m")?;
         for (what, v) in [("x of the ground's origin", origin.x), ("z of the ground's origin", origin.y)] {
-            check(what, v, v.abs() < 1e6, "finite and below 1e6 m")?;
+            check(what, None, v, v.abs() < 1e6, "finite and below 1e6 m")?;
         }
         for (what, n) in [("knots of the ground along x", size[0]), ("knots of the ground along z", size[1])] {
-            check(what, n as f32, (2..=MAX_KNOTS).contains(&n), "2 to 2^25")?;
+            check(what, None, n as f32, (2..=MAX_KNOTS).contains(&n), "2 to 2^25")?;
         }
         // No overflow: both are below 2^26.
         let knots = size[0] as u64 * size[1] as u64;
-        check("knots of the ground", knots as f32, knots <= 2 * MAX_KNOTS as u64, "at most 2^26 in all")?;
+        check("knots of the ground", None, knots as f32, knots <= 2 * MAX_KNOTS as u64, "at most 2^26 in all")?;
         check_length("heights", heights.len(), size[0] * size[1])?;
         for &h in &heights {
-            check("height of the ground", h, h.abs() < 1e4, "finite and below 10000 m")?;
+            check("height of the ground", None, h, h.abs() < 1e4, "finite and below 10000 m")?;
         }
         Ok(Self { origin, spacing, size, heights })
     }
@@ -101,10 +101,6 @@ impl HeightField {
         let slope = [along_x * on_x / self.spacing, (far - near) * on_z / self.spacing];
         Ground { height: near + (far - near) * fz, slope }
     }
-}
-
-fn check(what: &'static str, got: f32, good: bool, expected: &'static str) -> Result<()> {
-    throng_base::error::check(what, None, f64::from(got), good, expected)
 }
 
 /// The cell along an axis, the fraction within it, and 1 where the place is within the grid.

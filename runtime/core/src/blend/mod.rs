@@ -7,7 +7,6 @@ mod posture;
 mod records;
 mod slopes;
 mod space;
-pub mod walkers;
 mod warp;
 
 pub use grid::{MAX_KNOTS, WeightGrid};
@@ -17,7 +16,6 @@ pub use space::BlendSpace;
 
 use crate::format::Table;
 use crate::skeleton::Skeleton;
-use throng_base::{Error, Result};
 
 pub use records::{
     AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS,
@@ -43,8 +41,4 @@ pub struct Blends {
     pub skeleton: Skeleton,
     /// Tells these tables from others.
     pub fingerprint: u64,
-}
-
-fn check_length(what: &'static str, got: usize, expected: usize) -> Result<()> {
-    if got == expected { Ok(()) } else { Err(Error::Length { what, got, expected: expected.to_string() }) }
 }

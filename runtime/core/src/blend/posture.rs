@@ -1,11 +1,11 @@
 //! Blending of postures: a small matrix-vector product and an exponential map (Kim, Kim and Shin 2003a, section 4.2.3).
 
-use super::check_length;
 use super::records::{ChannelRow, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow, channel};
 use super::space::BlendSpace;
 use crate::skeleton::Joint;
 use glam::{Quat, Vec3};
 use throng_base::Result;
+use throng_base::error::check_length;
 use throng_base::simd::{LANES, Lanes, Q, V, Work, dispatch};
 
 /// Vectors of a channel row.

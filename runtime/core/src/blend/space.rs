@@ -3,17 +3,18 @@
 use super::grid::WeightGrid;
 use super::records::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, ReferenceRow};
 use super::warp::Timing;
-use super::{Blends, check_length, slopes};
+use super::{Blends, slopes};
 use crate::format::{FormatError, Table};
 use crate::skeleton::Skeleton;
 use throng_base::Result;
+use throng_base::error::check_length;
 use throng_base::simd::{LANES, Lanes, Work, dispatch};
 
 /// One blend space of a bundle (Kim, Kim and Shin 2003a, section 4). Owned: it keeps the bundle's file open.
 ///
 /// A query has three steps, each a batch over slices: [`BlendSpace::weights`] maps parameters to the weights of the
 /// examples, [`BlendSpace::advance`] moves generic time on by blended rates, and [`BlendSpace::pose`] blends postures.
-/// [`super::walkers::Walkers`] does all of it for characters on trajectories.
+/// [`crate::walkers::Walkers`] does all of it for characters on trajectories.
 #[derive(Clone, Debug)]
 pub struct BlendSpace {
     pub(crate) record: BlendRecord,

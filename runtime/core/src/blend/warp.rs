@@ -1,9 +1,9 @@
 //! Generic time: the clock that all examples share; it only moves forward (Kim, Kim and Shin 2003a, section 4.2.2).
 
-use super::check_length;
 use super::records::{ChannelRow, ExampleRecord, channel};
 use super::space::BlendSpace;
 use throng_base::Result;
+use throng_base::error::check_length;
 use throng_base::simd::{LANES, Lanes, Work, dispatch};
 
 /// Generic time before and after a contact over which its importance rises and falls.

@@ -2,10 +2,9 @@
 
 use super::{Bundle, tags};
 use crate::format::{FormatError, Table};
-use crate::policy::{
-    ActionTable, KIND_SPACE_TIME, PolicyError, PolicySlices, PolicyTable, StateGridRecord, TargetGrid,
-};
+use crate::policy::{ActionTable, KIND_SPACE_TIME, PolicySlices, PolicyTable, StateGridRecord, TargetGrid};
 use std::ops::Range;
+use throng_base::Error;
 
 /// Opens all policies: their own checks, names for all, and nothing left over.
 pub(super) fn open(t: &Bundle) -> Result<Vec<PolicyTable>, FormatError> {
@@ -48,7 +47,7 @@ struct Next {
 
 /// The policy that begins there.
 fn policy(t: &Bundle, actions: &ActionTable, index: usize, next: &mut Next) -> Result<PolicyTable, FormatError> {
-    let wrong = |e: PolicyError| FormatError::value(tags::POLICIES, index, e.to_string());
+    let wrong = |e: Error| FormatError::value(tags::POLICIES, index, e.to_string());
     let (s, r) = (t.sections(), &t.policy_records()[index]);
     if r.reward.reserved != [0; 2] {
         return Err(FormatError::value(tags::POLICIES, index, "its reserved fields are not zero"));

@@ -11,8 +11,8 @@ use crate::skeleton::NUM_JOINTS;
 use glam::{Quat, Vec3};
 use throng_base::Result;
 
-/// Gives everybody the state of the new bundle with the nearest pose; what the poses differ by decays as after any
-/// transition. Nothing has changed where it fails.
+/// Gives every character the state of the new bundle with the nearest pose; the difference of the poses decays as after
+/// a transition. Nothing has changed where it fails.
 pub(super) fn adopt(cast: &mut PolicyCharacters, new: &Bundle) -> Result<Adopted> {
     let motion_set = MotionSet::new(new);
     let names = &cast.bundle.meta().behaviours;
@@ -23,7 +23,7 @@ pub(super) fn adopt(cast: &mut PolicyCharacters, new: &Bundle) -> Result<Adopted
     }
     let poses = state_poses(&motion_set);
     let arrivals = arrivals(&motion_set);
-    let mut characters = Characters::with_room(&motion_set, *cast.characters.config(), cast.capacity())?;
+    let mut characters = Characters::with_capacity(&motion_set, *cast.characters.config(), cast.capacity())?;
     let mut out = Adopted { num_characters: cast.characters.num_characters(), farthest_m: 0.0 };
     for at in 0..out.num_characters {
         let old = &cast.characters;
@@ -54,7 +54,7 @@ fn state_poses(motion_set: &MotionSet) -> Vec<[Mat3x4; NUM_JOINTS]> {
     poses
 }
 
-/// The state whose joints are nearest to a pose, and the farthest of them (m); the first state for who has no pose yet.
+/// The state whose joints are nearest to a pose, and the farthest of them (m); without a pose, the first state.
 fn nearest(shown: Option<&[Mat3x4; NUM_JOINTS]>, poses: &[[Mat3x4; NUM_JOINTS]]) -> (usize, f32) {
     let Some(shown) = shown else { return (0, 0.0) };
     let squares = |pose: &[Mat3x4; NUM_JOINTS]| -> [f32; NUM_JOINTS] {

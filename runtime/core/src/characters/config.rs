@@ -1,7 +1,8 @@
 //! How characters move.
 
-use super::error::check;
-use super::{CharactersError, FootLockConfig, ReactionConfig};
+use super::{FootLockConfig, ReactionConfig};
+use throng_base::Result;
+use throng_base::error::check;
 
 /// How a character chooses among the actions of its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +31,7 @@ pub struct CharactersConfig {
     pub half_life_s: f32,
     /// How feet are locked.
     pub foot_lock: FootLockConfig,
-    /// How those who are struck give way, see [`super::Characters::push`].
+    /// How struck characters give way, see [`super::Characters::push`].
     pub reaction: ReactionConfig,
     /// How far a walked action may be bent towards the target; 0 leaves motion as captured (Lee, Choi and Lee 2006, section 6, linear
     /// path editing) (rad/m, >= 0).
@@ -59,29 +60,31 @@ impl Default for CharactersConfig {
 
 impl CharactersConfig {
     /// Every setting within its limits.
-    pub(super) fn check(&self) -> Result<(), CharactersError> {
+    pub(super) fn check(&self) -> Result<()> {
         check(
             "half_life_s",
+            None,
             self.half_life_s,
             self.half_life_s > 1e-3 && self.half_life_s < 10.0,
             "between 0.001 and 10",
         )?;
         let lock = self.foot_lock.half_life_s;
-        check("foot_lock.half_life_s", lock, lock > 1e-3 && lock < 10.0, "between 0.001 and 10")?;
+        check("foot_lock.half_life_s", None, lock, lock > 1e-3 && lock < 10.0, "between 0.001 and 10")?;
         let planted = self.foot_lock.planted_half_life_s;
         check(
             "foot_lock.planted_half_life_s",
+            None,
             planted,
             planted > 1e-3 && planted < 1e6,
             "between 0.001 and a million",
         )?;
         let most = self.foot_lock.max_correction_m;
-        check("foot_lock.max_correction_m", most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
+        check("foot_lock.max_correction_m", None, most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
         self.reaction.check()?;
         let bend = self.bend_rad_per_m;
-        check("bend_rad_per_m", bend, (0.0..10.0).contains(&bend), "between 0 and 10")?;
+        check("bend_rad_per_m", None, bend, (0.0..10.0).contains(&bend), "between 0 and 10")?;
         if let Choice::LookAhead { temperature } = self.choice {
-            check("temperature", temperature, (0.0..1e6).contains(&temperature), "between 0 and 1e6")?;
+            check("temperature", None, temperature, (0.0..1e6).contains(&temperature), "between 0 and 1e6")?;
         }
         Ok(())
     }

@@ -7,7 +7,6 @@ mod blow;
 mod config;
 mod control;
 mod decay;
-mod error;
 mod lanes;
 #[cfg(any(test, feature = "made-up"))]
 pub mod made_up;
@@ -15,10 +14,10 @@ mod motion_set;
 mod order;
 mod policy_cast;
 mod reaction;
-mod room;
 mod sample_job;
 mod scheduled_clip;
 mod snapshot;
+mod spawn;
 mod step;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -37,8 +36,6 @@ use blow::{Blows, PassedHits};
 pub use config::{CharactersConfig, Choice};
 pub(crate) use control::Asked;
 pub use control::uniform;
-pub use error::CharactersError;
-use error::{check, check_index};
 use glam::{Vec2, Vec3};
 pub use motion_set::MotionSet;
 pub use order::{Order, Policy};
@@ -48,8 +45,9 @@ pub use sample_job::SampleJob;
 pub use scheduled_clip::ScheduledClip;
 pub use snapshot::CharactersSnapshot;
 use step::{RANGE_BLOCKS, Range, Tick};
+use throng_base::error::{check, check_index, check_length};
 use throng_base::simd::LANES;
-use throng_base::{Inline, Run, run_each};
+use throng_base::{Error, Id, Inline, Result, Run, run_each};
 use times::Clock;
 pub use times::StepTimes;
 
@@ -119,21 +117,19 @@ impl Characters {
     /// Puts a character at every start. Poses are there after the first step.
     ///
     /// # Errors
-    /// [`CharactersError::Index`] for a state that does not exist, [`CharactersError::Value`] for a start that is not
+    /// [`Error::Index`] for a state that does not exist, [`Error::Value`] for a start that is not
     /// finite or a setting out of its range.
-    pub fn new(motion_set: &MotionSet, config: CharactersConfig, starts: &[Start]) -> Result<Self, CharactersError> {
+    pub fn new(motion_set: &MotionSet, config: CharactersConfig, starts: &[Start]) -> Result<Self> {
         config.check()?;
         let n = starts.len();
         let mut blocks = vec![Block::ZERO; n.div_ceil(LANES)];
         let arrivals = arrivals(motion_set);
         for (c, start) in starts.iter().enumerate() {
-            let limit = motion_set.graph.states.len();
-            let Some(state) = motion_set.graph.states.get(start.state as usize) else {
-                return Err(CharactersError::Index { what: "state", got: start.state as usize, limit });
-            };
-            let r = start.root;
+            let (who, states) = (Some(Id::first(c)), &motion_set.graph.states);
+            check_index("state", who, start.state as usize, states.len())?;
+            let (r, state) = (start.root, &states[start.state as usize]);
             for (what, got) in [("start x", r.x), ("start z", r.z), ("start heading", r.heading)] {
-                check(what, got, got.abs() < 1e6, "a finite number below 1e6")?;
+                check(what, who, got, got.abs() < 1e6, "a finite number below 1e6")?;
             }
             blocks[c / LANES].start(c % LANES, motion_set, r, state.frame, arrivals[start.state as usize]);
         }
@@ -174,12 +170,8 @@ impl Characters {
     /// Room for characters that enter later: see [`Characters::enter_laid`].
     ///
     /// # Errors
-    /// [`CharactersError::Value`] for a setting out of its range.
-    pub fn with_room(
-        motion_set: &MotionSet,
-        config: CharactersConfig,
-        capacity: usize,
-    ) -> Result<Self, CharactersError> {
+    /// [`Error::Value`] for a setting out of its range.
+    pub fn with_capacity(motion_set: &MotionSet, config: CharactersConfig, capacity: usize) -> Result<Self> {
         config.check()?;
         let blocks = vec![Block::ZERO; capacity.div_ceil(LANES)];
         let mut out = Self::with_blocks(motion_set, config, blocks, capacity, 0);
@@ -195,9 +187,9 @@ impl Characters {
     /// Moves every character on by `dt_s` on this thread. Allocates nothing.
     ///
     /// # Errors
-    /// [`CharactersError`] where `dt_s` is not in `0..=1`, goals do not fit, or the motion set is another bundle's;
+    /// [`Error`] where `dt_s` is not in `0..=1`, goals do not fit, or the motion set is another bundle's;
     /// nothing has moved then.
-    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), CharactersError> {
+    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<()> {
         self.step_on(motion_set, dt_s, goals, &Inline)
     }
 
@@ -205,13 +197,7 @@ impl Characters {
     ///
     /// # Errors
     /// As [`Characters::step`].
-    pub fn step_on(
-        &mut self,
-        motion_set: &MotionSet,
-        dt_s: f32,
-        goals: &[Goal<'_>],
-        run: &dyn Run,
-    ) -> Result<(), CharactersError> {
+    pub fn step_on(&mut self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>], run: &dyn Run) -> Result<()> {
         self.validate(motion_set, dt_s, goals)?;
         self.run(motion_set, dt_s, Asked::All(goals), run);
         Ok(())
@@ -222,7 +208,7 @@ impl Characters {
     /// # Errors
     /// As [`Characters::step`].
     #[cfg(feature = "rayon")]
-    pub fn par_step(&mut self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), CharactersError> {
+    pub fn par_step(&mut self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<()> {
         self.step_on(motion_set, dt_s, goals, &throng_base::Rayon)
     }
 
@@ -276,12 +262,12 @@ impl Characters {
     /// After the segment it chooses for itself again.
     ///
     /// # Errors
-    /// [`CharactersError::Index`] for a character or segment that does not exist, [`CharactersError::OtherBundle`] as
+    /// [`Error::Index`] for a character or segment that does not exist, [`Error::OtherBundle`] as
     /// [`Characters::step`]; nothing has changed then.
-    pub fn play(&mut self, motion_set: &MotionSet, character: usize, segment: u32) -> Result<(), CharactersError> {
+    pub fn play(&mut self, motion_set: &MotionSet, character: usize, segment: u32) -> Result<()> {
         self.check_bundle(motion_set)?;
-        check_index("character", character, self.num_characters)?;
-        check_index("segment", segment as usize, self.num_segments)?;
+        check_index("character", None, character, self.num_characters)?;
+        check_index("segment", None, segment as usize, self.num_segments)?;
         let laid = self.blocks[character / LANES].segment[character % LANES] == block::LAID;
         control::play(&mut self.blocks, character, segment, motion_set, &self.config);
         self.num_choosers += usize::from(laid);
@@ -315,12 +301,12 @@ impl Characters {
     /// - `displacement`: in the world (m).
     ///
     /// # Errors
-    /// [`CharactersError::Index`] for a character that does not exist, [`CharactersError::Value`] for a displacement
+    /// [`Error::Index`] for a character that does not exist, [`Error::Value`] for a displacement
     /// that is not finite; nothing has changed then.
-    pub fn push(&mut self, character: usize, joint: Joint, displacement: Vec3) -> Result<(), CharactersError> {
-        check_index("character", character, self.num_characters)?;
+    pub fn push(&mut self, character: usize, joint: Joint, displacement: Vec3) -> Result<()> {
+        check_index("character", None, character, self.num_characters)?;
         let largest = displacement.abs().max_element();
-        check("displacement", largest, displacement.is_finite() && largest < 1e3, "finite and below 1e3")?;
+        check("displacement", None, largest, displacement.is_finite() && largest < 1e3, "finite and below 1e3")?;
         if self.config.reaction.enabled {
             let block = &mut self.blocks[character / LANES];
             reaction::push(&mut block.reaction, character % LANES, &self.config.reaction, joint, displacement);
@@ -335,10 +321,10 @@ impl Characters {
     ///
     /// # Errors
     /// As [`Characters::push`].
-    pub fn shift(&mut self, character: usize, by: Vec2) -> Result<(), CharactersError> {
-        check_index("character", character, self.num_characters)?;
+    pub fn shift(&mut self, character: usize, by: Vec2) -> Result<()> {
+        check_index("character", None, character, self.num_characters)?;
         let largest = by.abs().max_element();
-        check("shift", largest, by.is_finite() && largest < 1e3, "finite and below 1e3")?;
+        check("shift", None, largest, by.is_finite() && largest < 1e3, "finite and below 1e3")?;
         let (block, lane) = (&mut self.blocks[character / LANES], character % LANES);
         block.clip_to_world[0][lane] += by.x;
         block.clip_to_world[1][lane] += by.y;
@@ -375,39 +361,32 @@ impl Characters {
         std::array::from_fn(|j| turn * pose[j].translation() + move_by)
     }
 
-    fn validate(&self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<(), CharactersError> {
+    fn validate(&self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<()> {
         self.check_bundle(motion_set)?;
-        check("dt_s", dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
         // Characters on scheduled clips choose nothing.
-        let fewest = usize::from(self.num_choosers > 0);
-        if goals.len() < fewest || goals.len() > MAX_GOALS {
-            let expected = "1 to 4";
-            return Err(CharactersError::Value { what: "the number of goals", got: goals.len() as f32, expected });
-        }
+        let (n, fewest) = (goals.len(), usize::from(self.num_choosers > 0));
+        check("the number of goals", None, n as f64, (fewest..=MAX_GOALS).contains(&n), "1 to 4")?;
         for g in goals {
-            let (got, expected) = (g.targets.len(), self.num_characters);
-            if got != expected {
-                return Err(CharactersError::Length { what: "targets", got, expected });
-            }
-            if g.policy >= motion_set.policies.len() {
-                return Err(CharactersError::Index { what: "policy", got: g.policy, limit: motion_set.policies.len() });
-            }
-            check("weight", g.weight, g.weight.abs() < 1e6, "a finite number below 1e6")?;
-            for t in g.targets {
-                let largest = t.abs().max_element();
-                check("target", largest, largest < 1e6 && !t.is_nan(), "finite coordinates below 1e6")?;
+            check_length("targets", g.targets.len(), self.num_characters)?;
+            check_index("policy", None, g.policy, motion_set.policies.len())?;
+            check("weight", None, g.weight, g.weight.abs() < 1e6, "a finite number below 1e6")?;
+            for (character, t) in g.targets.iter().enumerate() {
+                let (who, largest) = (Some(Id::first(character)), t.abs().max_element());
+                check("target", who, largest, largest < 1e6 && !t.is_nan(), "finite coordinates below 1e6")?;
             }
         }
         Ok(())
     }
 
-    fn check_bundle(&self, motion_set: &MotionSet) -> Result<(), CharactersError> {
+    fn check_bundle(&self, motion_set: &MotionSet) -> Result<()> {
         for (what, expected, got) in [
             ("frames", self.num_frames, motion_set.frames.len()),
             ("segments", self.num_segments, motion_set.graph.segments.len()),
         ] {
             if got != expected {
-                return Err(CharactersError::OtherBundle { what, expected, got });
+                let expected = format!("{expected}, as in the bundle the characters were made with");
+                return Err(Error::Length { what, got, expected });
             }
         }
         Ok(())

@@ -146,7 +146,7 @@ impl Order {
         check("the number of behaviours", who, n as f64, n <= MAX_GOALS, "0 to 4")?;
         for (&policy, &weight) in self.policies().iter().zip(self.weights()) {
             check_index("policy", who, policy as usize, motion_set.num_policies())?;
-            check("weight", who, weight.into(), weight.abs() < 1e6, "a finite number below 1e6")?;
+            check("weight", who, weight, weight.abs() < 1e6, "a finite number below 1e6")?;
         }
         self.check_target(who)
     }
@@ -156,7 +156,7 @@ impl Order {
         let (Vec3 { x, y, z }, threat) = (self.target, self.threat);
         let largest = if threat.is_nan() { f32::NAN } else { threat.abs().max_element() };
         for (what, got) in [("target x", x), ("target y", y), ("target z", z), ("threat", largest)] {
-            check(what, who, got.into(), got.abs() < 1e6, "a finite number below 1e6 (m)")?;
+            check(what, who, got, got.abs() < 1e6, "a finite number below 1e6 (m)")?;
         }
         Ok(())
     }

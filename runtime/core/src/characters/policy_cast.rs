@@ -37,9 +37,9 @@ impl Spawn {
 
 /// Characters that policies move, as a [`Cast`].
 ///
-/// All memory is allocated in [`PolicyCharacters::with_capacity`] but for loading and adopting. Those who are there
-/// stand side by side in memory, so that those who have left take no time. Random choices depend on the seed, the id
-/// and the number of choices alone.
+/// All memory is allocated in [`PolicyCharacters::with_capacity`] but for loading and adopting. Present
+/// characters lie side by side in memory, so that those that left take no time. Random choices depend on the seed, the
+/// id and the number of choices alone.
 #[derive(Clone, Debug)]
 pub struct PolicyCharacters {
     pub(super) bundle: Bundle,
@@ -47,7 +47,7 @@ pub struct PolicyCharacters {
     pub(super) characters: Characters,
     /// A segment that ends in each state.
     pub(super) arrivals: Vec<u32>,
-    /// Those who are there, in the order of bodies.
+    /// Ids of present characters, in the order of bodies.
     roster: Roster,
     pub(super) orders: Vec<Order>,
     roots: Vec<Planar>,
@@ -64,7 +64,7 @@ impl PolicyCharacters {
         if motion_set.graph().states.is_empty() {
             return Err(no_graph());
         }
-        let characters = Characters::with_room(&motion_set, config, capacity)?;
+        let characters = Characters::with_capacity(&motion_set, config, capacity)?;
         Ok(Self {
             bundle: bundle.clone(),
             arrivals: arrivals(&motion_set),
@@ -87,7 +87,7 @@ impl PolicyCharacters {
         &self.motion_set
     }
 
-    /// Those who are there, in the order of bodies.
+    /// Ids of present characters, in the order of bodies.
     pub fn ids(&self) -> &[Id] {
         self.roster.ids()
     }
@@ -158,7 +158,7 @@ impl PolicyCharacters {
     pub fn push(&mut self, id: Id, joint: Joint, displacement: Vec3) -> Result<()> {
         let largest = displacement.abs().max_element();
         let good = displacement.is_finite() && largest < 1e3;
-        check("displacement", Some(id), largest.into(), good, "finite and below 1e3 (m)")?;
+        check("displacement", Some(id), largest, good, "finite and below 1e3 (m)")?;
         let at = self.roster.row(id)?;
         self.characters.push(at, joint, displacement).unwrap_or_else(|e| unreachable!("checked: {e}"));
         Ok(())
@@ -225,7 +225,7 @@ pub(super) fn no_graph() -> Error {
 
 fn check_root(who: Option<Id>, root: Planar) -> Result<()> {
     for (what, got) in [("x", root.x), ("z", root.z), ("heading", root.heading)] {
-        check(what, who, got.into(), got.abs() < 1e6, "a finite number below 1e6")?;
+        check(what, who, got, got.abs() < 1e6, "a finite number below 1e6")?;
     }
     Ok(())
 }
@@ -274,7 +274,7 @@ impl Cast for PolicyCharacters {
 
     fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
         let good = (0.0..=super::MAX_STEP_S).contains(&dt_s);
-        check("dt_s", None, dt_s.into(), good, "between 0 and 1 (s)")?;
+        check("dt_s", None, dt_s, good, "between 0 and 1 (s)")?;
         self.characters.run(&self.motion_set, dt_s, Asked::Each(&self.orders), run);
         self.update_roots();
         self.events.clear();

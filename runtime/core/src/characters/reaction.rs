@@ -6,13 +6,14 @@
 //! and the neck bend, arms follow the trunk, and the legs reach from the hips to where the feet were.
 
 use super::anatomy::Anatomy;
-use super::{CharactersError, check};
 use crate::pose::{Lane, Lane3, ModelPose, PARENTS, Placement, get, load, move_leg, set, store};
 use crate::skeleton::Joint;
 use glam::Vec3;
+use throng_base::Result;
+use throng_base::error::check;
 use throng_base::simd::{LANES, Lanes, Q, V};
 
-/// How those who are struck give way.
+/// How struck characters give way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReactionConfig {
     /// False leaves bodies as the clips move them.
@@ -44,16 +45,16 @@ impl Default for ReactionConfig {
 }
 
 impl ReactionConfig {
-    pub(crate) fn check(&self) -> Result<(), CharactersError> {
+    pub(crate) fn check(&self) -> Result<()> {
         let half_life = self.half_life_s;
-        check("reaction.half_life_s", half_life, (1e-3..=10.0).contains(&half_life), "between 0.001 and 10")?;
+        check("reaction.half_life_s", None, half_life, (1e-3..=10.0).contains(&half_life), "between 0.001 and 10")?;
         for (what, got) in [
             ("reaction.max_displacement_m", self.max_displacement_m),
             ("reaction.trunk_share", self.trunk_share),
             ("reaction.hips_share", self.hips_share),
             ("reaction.limb_share", self.limb_share),
         ] {
-            check(what, got, (0.0..=1.0).contains(&got), "between 0 and 1")?;
+            check(what, None, got, (0.0..=1.0).contains(&got), "between 0 and 1")?;
         }
         Ok(())
     }

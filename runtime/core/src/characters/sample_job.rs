@@ -1,9 +1,10 @@
 //! Poses straight from the database, without characters.
 
-use super::CharactersError;
 use super::motion_set::MotionSet;
 use crate::pose::{Cursor, Mat3x4, sample, shared, to_model, write_matrices};
 use crate::skeleton::NUM_JOINTS;
+use throng_base::Result;
+use throng_base::error::{check, check_index, check_length};
 use throng_base::simd::{LANES, Lanes, Work, dispatch};
 
 /// Samples frames between rows and applies the hierarchy, in one pass over a batch.
@@ -24,29 +25,20 @@ pub struct SampleJob<'a> {
 
 impl SampleJob<'_> {
     /// # Errors
-    /// [`CharactersError`] where the output has another length or a frame does not exist.
-    pub fn validate(&self) -> Result<(), CharactersError> {
-        let (got, expected) = (self.matrices.len(), self.frames.len() * NUM_JOINTS);
-        if got != expected {
-            return Err(CharactersError::Length { what: "matrices", got, expected });
+    /// [`throng_base::Error`] where the output has another length or a frame does not exist.
+    pub fn validate(&self) -> Result<()> {
+        check_length("matrices", self.matrices.len(), self.frames.len() * NUM_JOINTS)?;
+        check_length("ratios", self.ratios.len(), self.frames.len())?;
+        for &ratio in self.ratios {
+            check("ratio", None, ratio, (0.0..=1.0).contains(&ratio), "between 0 and 1")?;
         }
-        let (got, expected) = (self.ratios.len(), self.frames.len());
-        if got != expected {
-            return Err(CharactersError::Length { what: "ratios", got, expected });
-        }
-        if let Some(&got) = self.ratios.iter().find(|r| !(0.0..=1.0).contains(*r)) {
-            return Err(CharactersError::Value { what: "ratio", got, expected: "between 0 and 1" });
-        }
-        let limit = self.motion_set.frames.len();
-        match self.frames.iter().find(|f| **f as usize >= limit) {
-            Some(&f) => Err(CharactersError::Index { what: "frame", got: f as usize, limit }),
-            None => Ok(()),
-        }
+        let num_frames = self.motion_set.frames.len();
+        self.frames.iter().try_for_each(|&frame| check_index("frame", None, frame as usize, num_frames))
     }
 
     /// # Errors
     /// As [`Self::validate`].
-    pub fn run(self) -> Result<(), CharactersError> {
+    pub fn run(self) -> Result<()> {
         self.validate()?;
         dispatch(self);
         Ok(())

@@ -1,15 +1,17 @@
-//! Courses: stretches of frames that a character is laid on by whoever moves it, in place of choosing by a policy.
+//! Scheduled clips: stretches of frames that a character plays in place of choosing by a policy.
 
 use super::block::{Block, LAID, NO_STATE};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::transition::{self, Change};
-use super::{Characters, CharactersConfig, CharactersError, check, check_index};
+use super::{Characters, CharactersConfig};
 use crate::patch::Placement;
 use crate::planar::Planar;
 use crate::pose::{Mat3x4, set};
 use crate::skeleton::NUM_JOINTS;
 use glam::{Vec2, Vec3};
+use throng_base::Result;
+use throng_base::error::{check, check_index};
 use throng_base::simd::LANES;
 
 /// A stretch of one clip, laid in the world.
@@ -42,23 +44,18 @@ impl ScheduledClip {
         Planar::new(end.x + m.x, end.z + m.z, end.heading + m.heading)
     }
 
-    fn check(&self, motion_set: &MotionSet) -> Result<(), CharactersError> {
+    fn check(&self, motion_set: &MotionSet) -> Result<()> {
         let last = self.frame as usize + self.num_frames as usize;
-        check_index("frame", last, motion_set.frames.len())?;
-        check_index("first frame of a scheduled clip", self.from_offset as usize, self.num_frames as usize)?;
-        if motion_set.clip_of(self.frame) != motion_set.clip_of(last as u32) {
-            let expected = "a number of frames that the clip has";
-            return Err(CharactersError::Value {
-                what: "length of a scheduled clip",
-                got: self.num_frames as f32,
-                expected,
-            });
-        }
+        check_index("frame", None, last, motion_set.frames.len())?;
+        check_index("first frame of a scheduled clip", None, self.from_offset as usize, self.num_frames as usize)?;
+        let in_clip = motion_set.clip_of(self.frame) == motion_set.clip_of(last as u32);
+        let expected = "a number of frames that the clip has";
+        check("length of a scheduled clip", None, self.num_frames, in_clip, expected)?;
         let (r, m) = (self.root, self.missing);
         let numbers = [("root x", r.x), ("root z", r.z), ("root heading", r.heading), ("lift", self.lift)];
         let missing = [("missing x", m.x), ("missing y", m.y), ("missing z", m.z), ("missing heading", m.heading)];
         for (what, got) in numbers.into_iter().chain(missing) {
-            check(what, got, got.abs() < 1e6, "a finite number below 1e6")?;
+            check(what, None, got, got.abs() < 1e6, "a finite number below 1e6")?;
         }
         Ok(())
     }
@@ -80,18 +77,18 @@ impl ScheduledClip {
 }
 
 impl Characters {
-    /// Puts characters on scheduled clips, each at the frame it begins at. They choose nothing: whoever made them lays them on
+    /// Puts characters on scheduled clips, each at the frame it begins at. They choose nothing: the caller lays them on
     /// the next scheduled clip before the last one ends. Poses are there after the first step.
     ///
     /// # Errors
-    /// [`CharactersError::Index`] or [`CharactersError::Value`] for a scheduled clip that leaves its clip or is not finite, or a setting
+    /// [`Error::Index`] or [`Error::Value`] for a scheduled clip that leaves its clip or is not finite, or a setting
     /// out of its range.
     pub fn new_laid(
         motion_set: &MotionSet,
         config: CharactersConfig,
         scheduled_clips: &[ScheduledClip],
-    ) -> Result<Self, CharactersError> {
-        let mut out = Self::with_room(motion_set, config, scheduled_clips.len())?;
+    ) -> Result<Self> {
+        let mut out = Self::with_capacity(motion_set, config, scheduled_clips.len())?;
         scheduled_clips.iter().try_for_each(|clip| out.enter_laid(motion_set, clip))?;
         Ok(out)
     }
@@ -100,14 +97,10 @@ impl Characters {
     /// step. Allocates nothing.
     ///
     /// # Errors
-    /// As [`Characters::lay`], and [`CharactersError::Index`] where there is no room; nothing has changed then.
-    pub fn enter_laid(
-        &mut self,
-        motion_set: &MotionSet,
-        scheduled_clip: &ScheduledClip,
-    ) -> Result<(), CharactersError> {
+    /// As [`Characters::lay`], and [`Error::Index`] beyond the capacity; nothing has changed then.
+    pub fn enter_laid(&mut self, motion_set: &MotionSet, scheduled_clip: &ScheduledClip) -> Result<()> {
         let at = self.num_characters;
-        check_index("character", at, self.matrices.len() / NUM_JOINTS)?;
+        check_index("character", None, at, self.matrices.len() / NUM_JOINTS)?;
         self.blocks[at / LANES].take(at % LANES, &Block::ZERO, 0);
         self.num_characters += 1;
         let started = self.start_laid(motion_set, at, scheduled_clip);
@@ -126,9 +119,9 @@ impl Characters {
         motion_set: &MotionSet,
         character: usize,
         scheduled_clip: &ScheduledClip,
-    ) -> Result<(), CharactersError> {
+    ) -> Result<()> {
         self.check_bundle(motion_set)?;
-        check_index("character", character, self.num_characters)?;
+        check_index("character", None, character, self.num_characters)?;
         scheduled_clip.check(motion_set)?;
         let (b, lane, root) = (&mut self.blocks[character / LANES], character % LANES, scheduled_clip.root);
         self.num_choosers -= usize::from(b.segment[lane] != LAID);
@@ -148,16 +141,11 @@ impl Characters {
     /// scheduled clip, a character stays at the end of its last one.
     ///
     /// # Errors
-    /// [`CharactersError::Index`] or [`CharactersError::Value`] for a character that does not exist or a scheduled clip that leaves its
-    /// clip or is not finite, [`CharactersError::OtherBundle`] as [`Characters::step`]; nothing has changed then.
-    pub fn lay(
-        &mut self,
-        motion_set: &MotionSet,
-        character: usize,
-        scheduled_clip: &ScheduledClip,
-    ) -> Result<(), CharactersError> {
+    /// [`Error::Index`] or [`Error::Value`] for a character that does not exist or a scheduled clip that leaves its
+    /// clip or is not finite, [`Error::OtherBundle`] as [`Characters::step`]; nothing has changed then.
+    pub fn lay(&mut self, motion_set: &MotionSet, character: usize, scheduled_clip: &ScheduledClip) -> Result<()> {
         self.check_bundle(motion_set)?;
-        check_index("character", character, self.num_characters)?;
+        check_index("character", None, character, self.num_characters)?;
         scheduled_clip.check(motion_set)?;
         let (b, lane) = (&mut self.blocks[character / LANES], character % LANES);
         let chose = b.segment[lane] != LAID;

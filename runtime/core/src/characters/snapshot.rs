@@ -12,7 +12,7 @@ use throng_base::simd::LANES;
 use throng_base::{Error, Result};
 
 /// State of characters at one instant: all that their next steps depend on, without poses. It can be written and read,
-/// and be of anybody then: [`Characters::restore`] checks it. (about 520 bytes a character)
+/// and be changed there: [`Characters::restore`] checks it. (about 520 bytes a character)
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct CharactersSnapshot {
     blocks: Vec<Block>,
@@ -56,7 +56,7 @@ impl Characters {
         self.restore_any(motion_set, snapshot)
     }
 
-    /// As [`Characters::restore`], whatever their number, as far as there is room.
+    /// As [`Characters::restore`], for any number within the capacity.
     ///
     /// # Errors
     /// As [`Characters::restore`].
@@ -65,7 +65,7 @@ impl Characters {
         let refuse = |why: String| Err(Error::Snapshot { what: "characters", why });
         let room = self.matrices.len() / NUM_JOINTS;
         if *n > room || blocks.len() != n.div_ceil(LANES) {
-            return refuse(format!("it has {n} characters, there is room for {room}"));
+            return refuse(format!("it has {n} characters, the capacity is {room}"));
         }
         if [*fingerprint; 2] != [self.fingerprint, motion_set.fingerprint] {
             return refuse("it was taken with another bundle".into());
@@ -78,7 +78,7 @@ impl Characters {
         Ok(())
     }
 
-    /// State of all who are there, eight to a block; lanes of nobody are zero, whoever was there before.
+    /// State of all characters, eight to a block; unused lanes are zero.
     pub(super) fn saved_blocks(&self) -> Vec<Block> {
         let mut blocks = self.blocks[..self.num_characters.div_ceil(LANES)].to_vec();
         clear_beyond(&mut blocks, self.num_characters);
@@ -94,7 +94,7 @@ impl Characters {
         self.num_choosers = (0..n).filter(|c| self.blocks[c / LANES].segment[c % LANES] != LAID).count();
     }
 
-    /// Poses everybody as they stand, and forgets the blows of the last step: nothing moves on.
+    /// Poses all characters as they stand and forgets the blows of the last step; time stands still.
     pub(super) fn pose_again(&mut self, motion_set: &MotionSet) {
         const POSES: usize = RANGE_BLOCKS * LANES * NUM_JOINTS;
         let n = self.num_characters;

@@ -115,7 +115,7 @@ fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: u
     }
 }
 
-/// Samples a block, displaces those who were struck, locks feet and writes its poses.
+/// Samples a block, displaces struck characters, locks feet and writes its poses.
 #[inline(always)]
 fn pose<F: Lanes>(
     block: &mut Block,

@@ -80,7 +80,7 @@ fn sampled_frames_are_those_of_the_rows() {
         }
     }
     let job = SampleJob { motion_set: &r, frames: &[120], ratios: &[0.0], matrices: &mut matrices[..NUM_JOINTS] };
-    assert!(matches!(job.run(), Err(CharactersError::Index { .. })));
+    assert!(matches!(job.run(), Err(Error::Index { .. })));
 }
 
 #[test]
@@ -215,18 +215,18 @@ fn refuses_what_does_not_fit() {
     let tables = tables();
     let r = MotionSet::new(&tables);
     let bad_state = [Start { root: Planar::IDENTITY, state: 4 }];
-    assert!(matches!(Characters::new(&r, plain(), &bad_state), Err(CharactersError::Index { .. })));
+    assert!(matches!(Characters::new(&r, plain(), &bad_state), Err(Error::Index { .. })));
     let mut characters = Characters::new(&r, plain(), &starts(2)).unwrap();
     let targets = targets(2);
     let goal = |policy, targets| [Goal { policy, weight: 1.0, targets }];
-    assert!(matches!(characters.step(&r, 0.1, &goal(0, &targets[..1])), Err(CharactersError::Length { .. })));
-    assert!(matches!(characters.step(&r, 0.1, &goal(1, &targets)), Err(CharactersError::Index { .. })));
-    assert!(matches!(characters.step(&r, f32::NAN, &goal(0, &targets)), Err(CharactersError::Value { .. })));
+    assert!(matches!(characters.step(&r, 0.1, &goal(0, &targets[..1])), Err(Error::Length { .. })));
+    assert!(matches!(characters.step(&r, 0.1, &goal(1, &targets)), Err(Error::Index { .. })));
+    assert!(matches!(characters.step(&r, f32::NAN, &goal(0, &targets)), Err(Error::Value { .. })));
     let far = [Vec3::NAN; 2];
-    assert!(matches!(characters.step(&r, 0.1, &goal(0, &far)), Err(CharactersError::Value { .. })));
+    assert!(matches!(characters.step(&r, 0.1, &goal(0, &far)), Err(Error::Value { .. })));
     assert!(characters.step(&r, 0.1, &[]).unwrap_err().to_string().contains("1 to 4"));
     // The same clips, another graph.
     let mut other = r.clone();
     other.graph.segments = other.graph.segments.part(0..3).unwrap();
-    assert!(matches!(characters.step(&other, 0.1, &goal(0, &targets)), Err(CharactersError::OtherBundle { .. })));
+    assert!(matches!(characters.step(&other, 0.1, &goal(0, &targets)), Err(Error::Length { what: "segments", .. })));
 }

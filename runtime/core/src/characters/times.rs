@@ -14,7 +14,7 @@ pub struct StepTimes {
     pub control_s: f64,
     /// Sampling between frames, adding the offsets of transitions, model space (s).
     pub sample_s: f64,
-    /// Displacing those who were struck (s).
+    /// Displacing struck characters (s).
     pub reaction_s: f64,
     /// Holding planted feet (s).
     pub foot_lock_s: f64,

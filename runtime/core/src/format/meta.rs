@@ -2,9 +2,10 @@
 
 use super::FormatError;
 use crate::hits::KIND_NAMES;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// Most bytes a META section may ask for while it is decoded (bytes).
+/// Most bytes an encoded section may ask for while it is decoded (bytes).
 const LIMIT: usize = 64 << 20;
 /// Lowest and highest frame rate of a bundle: within it, a step plays a bounded number of segments (Hz).
 const RATES_HZ: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
@@ -88,6 +89,28 @@ pub struct BlendMeta {
     pub examples: Vec<String>,
 }
 
+/// The bytes of a section that is encoded, by its tag.
+///
+/// # Errors
+/// [`FormatError::Layout`] where it cannot be encoded.
+pub fn encode(tag: &str, value: &impl Serialize) -> Result<Vec<u8>, FormatError> {
+    bincode::serde::encode_to_vec(value, bincode::config::standard())
+        .map_err(|e| FormatError::layout(format!("{tag} cannot be written: {e}")))
+}
+
+/// Reads the bytes of a section that is encoded, by its tag.
+///
+/// # Errors
+/// [`FormatError::Layout`] where they are damaged, ask for too much memory, or are followed by others.
+pub fn decode<T: DeserializeOwned>(tag: &str, bytes: &[u8]) -> Result<T, FormatError> {
+    let config = bincode::config::standard().with_limit::<LIMIT>();
+    match bincode::serde::decode_from_slice(bytes, config) {
+        Ok((value, used)) if used == bytes.len() => Ok(value),
+        Ok((_, used)) => Err(FormatError::layout(format!("{tag} has {} bytes, expected {used}", bytes.len()))),
+        Err(e) => Err(FormatError::layout(format!("{tag} cannot be read: {e}"))),
+    }
+}
+
 impl Meta {
     /// Names of the kinds of hits, by number: punch, kick, then those of tags.
     pub fn hit_kinds(&self) -> impl Iterator<Item = &str> {
@@ -99,8 +122,7 @@ impl Meta {
     /// # Errors
     /// [`FormatError::Layout`] where it cannot be encoded.
     pub fn encode(&self) -> Result<Vec<u8>, FormatError> {
-        bincode::serde::encode_to_vec(self, bincode::config::standard())
-            .map_err(|e| FormatError::layout(format!("META cannot be written: {e}")))
+        encode("META", self)
     }
 
     /// Reads a section's bytes.
@@ -108,12 +130,7 @@ impl Meta {
     /// # Errors
     /// [`FormatError::Layout`] where they are damaged, ask for too much memory, or are followed by others.
     pub fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
-        let config = bincode::config::standard().with_limit::<LIMIT>();
-        let (meta, used): (Self, usize) = bincode::serde::decode_from_slice(bytes, config)
-            .map_err(|e| FormatError::layout(format!("META cannot be read: {e}")))?;
-        if used != bytes.len() {
-            return Err(FormatError::layout(format!("META has {} bytes, expected {used}", bytes.len())));
-        }
+        let meta: Self = decode("META", bytes)?;
         if !RATES_HZ.contains(&meta.rate_hz) {
             return Err(FormatError::layout(format!("META gives a rate of {} Hz, expected 1 to 1000", meta.rate_hz)));
         }

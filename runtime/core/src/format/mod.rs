@@ -27,7 +27,7 @@ pub use error::FormatError;
 pub use header::Kind;
 pub use header::{ALIGN, Header, MAGIC, Section, Tag, VERSION};
 pub use layout::Layout;
-pub use meta::{BlendMeta, ClipMeta, Meta, PatchMeta, SourceMeta};
+pub use meta::{BlendMeta, ClipMeta, Meta, PatchMeta, SourceMeta, decode, encode};
 pub use records::{ClipRecord, FrameRow, SkeletonRecord};
 pub use storage::AlignedBytes;
 pub use storage::Storage;

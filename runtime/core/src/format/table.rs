@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub struct Table<T: 'static> {
     first: NonNull<T>,
     len: usize,
-    /// What the rows lie in; nobody reads it, but while it lives they do.
+    /// Owner of the memory of the rows; never read.
     keep: Option<Arc<dyn Any + Send + Sync>>,
 }
 

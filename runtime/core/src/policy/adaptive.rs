@@ -4,13 +4,14 @@
 //! an action in coordinates of the finest grid, for eight actions at once, and scales these to the counts of the state
 //! in which each action ends.
 
-use super::error::PolicyError;
 use super::grid::{Spot, TargetGrid, interval};
 use super::maths::{angle_of, least, nearest_index};
 use super::table::{PolicyTable, SegmentRecord};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use throng_base::error::check;
 use throng_base::simd::{LANES, Lanes};
+use throng_base::{Id, Result};
 
 /// Most cells of one state of an adaptive policy, since cells are counted in `f32`.
 pub const MAX_STATE_CELLS: usize = 1 << 24;
@@ -51,31 +52,18 @@ impl StateGridRecord {
 /// Checks that counts are in range and that the cells of the states are contiguous.
 ///
 /// - returns the number of cells of all states.
-pub(super) fn check_state_grids(grids: &[StateGridRecord], finest: &TargetGrid) -> Result<usize, PolicyError> {
+pub(super) fn check_state_grids(grids: &[StateGridRecord], finest: &TargetGrid) -> Result<usize> {
     let mut next = 0usize;
-    for (at, g) in grids.iter().enumerate() {
+    for (state, g) in grids.iter().enumerate() {
+        let who = Some(Id::first(state));
         for ((got, most), least) in g.counts().into_iter().zip(finest.counts()).zip([2, 2, 1]) {
-            if got < least || got > most {
-                let (got, limit) = (got as usize, most as usize + 1);
-                return Err(PolicyError::Index { what: "state grid counts (rings, angles, heights)", at, got, limit });
-            }
+            let expected = "2 or more (1 height), and no more than the finest grid has";
+            check("state grid count of rings, angles or heights", who, got, (least..=most).contains(&got), expected)?;
         }
-        if g.counts[3] != 0 || g.reserved != 0 {
-            return Err(PolicyError::Index { what: "state grid reserved fields", at, got: 1, limit: 1 });
-        }
-        if g.first as usize != next {
-            let (got, limit) = (g.first as usize, next + 1);
-            return Err(PolicyError::Index {
-                what: "state grid first cells, which follow each other,",
-                at,
-                got,
-                limit,
-            });
-        }
-        if g.num_cells() > MAX_STATE_CELLS {
-            let (got, limit) = (g.num_cells(), MAX_STATE_CELLS + 1);
-            return Err(PolicyError::Index { what: "state grid cells", at, got, limit });
-        }
+        check("state grid reserved field", who, g.reserved, g.counts[3] == 0 && g.reserved == 0, "0")?;
+        check("state grid first cell", who, g.first, g.first as usize == next, "the end of the grid before it")?;
+        let cells = g.num_cells();
+        check("state grid number of cells", who, cells as f64, cells <= MAX_STATE_CELLS, "at most 2^24")?;
         next += g.num_cells();
     }
     Ok(next)
@@ -279,7 +267,7 @@ mod tests {
             }
         }
 
-        fn open(&self) -> Result<PolicyTable, PolicyError> {
+        fn open(&self) -> Result<PolicyTable> {
             let actions = ActionTable::new(&self.offsets, &self.actions, self.segments.len())?;
             let slices = PolicySlices {
                 segments: (&self.segments).into(),
@@ -417,7 +405,7 @@ mod tests {
         let grid = TargetGrid::space_time([4, 6, 3], 1.2, 0.8, 0.3).expect("a valid grid");
         let mut tables = MadeUp::new(&grid, &[grid.counts()]);
         tables.record.grid = *grid.record();
-        assert!(matches!(tables.open(), Err(PolicyError::Index { what: "adaptive", .. })));
+        assert!(matches!(tables.open(), Err(throng_base::Error::Index { what: "adaptive", .. })));
     }
 
     /// Values computed with plain arrays.

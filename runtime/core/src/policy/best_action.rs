@@ -1,9 +1,10 @@
 //! Direct lookup: the stored best action of the cell nearest to the target.
 
-use super::look_ahead::{check_lengths, check_states, check_targets};
+use super::look_ahead::{check_states, check_targets};
 use super::table::{NO_ACTION, PolicyTable};
 use glam::Vec3;
 use throng_base::Result;
+use throng_base::error::check_length;
 
 /// Looks up the next action of every character in one pass.
 ///
@@ -29,7 +30,8 @@ impl BestActionJob<'_> {
     /// [`Error`](throng_base::Error) if the slices differ in length, a state does not exist or a target is not finite.
     pub fn validate(&self) -> Result<()> {
         let n = self.states.len();
-        check_lengths(&[("targets", self.targets.len()), ("actions", self.actions.len())], n)?;
+        check_length("targets", self.targets.len(), n)?;
+        check_length("actions", self.actions.len(), n)?;
         check_states(self.states, self.policy.actions().num_states())?;
         check_targets(self.targets)
     }

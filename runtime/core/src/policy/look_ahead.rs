@@ -5,7 +5,7 @@ use super::backup::{Motions, Targets, back_up};
 use super::ranked::RankedActions;
 use super::table::{MAX_ACTIONS, PolicyTable};
 use glam::Vec3;
-use throng_base::error::{check, check_index};
+use throng_base::error::{check, check_index, check_length};
 use throng_base::simd::{LANES, Lanes, Work, dispatch};
 use throng_base::{Error, Id, Result};
 
@@ -46,9 +46,10 @@ impl LookAheadJob<'_> {
     /// are of different motion graphs.
     pub fn validate(&self) -> Result<()> {
         let n = self.states.len();
-        check_lengths(&[("ranked", self.ranked.len())], n)?;
+        check_length("ranked", self.ranked.len(), n)?;
         for (goal, g) in self.goals.iter().enumerate() {
-            check_lengths(&[("weights", g.weights.len()), ("targets", g.targets.len())], n)?;
+            check_length("weights", g.weights.len(), n)?;
+            check_length("targets", g.targets.len(), n)?;
             check_targets(g.targets)?;
             check_weights(g.weights)?;
             let first = self.goals[0].policy;
@@ -254,15 +255,6 @@ impl Work for AllScores<'_> {
     }
 }
 
-pub(super) fn check_lengths(slices: &[(&'static str, usize)], num_characters: usize) -> Result<()> {
-    match slices.iter().find(|s| s.1 != num_characters) {
-        Some(&(what, got)) => {
-            Err(Error::Length { what, got, expected: format!("{num_characters}, one for each character") })
-        }
-        None => Ok(()),
-    }
-}
-
 pub(super) fn check_states(states: &[u32], num_states: usize) -> Result<()> {
     let mut states = states.iter().enumerate();
     states.try_for_each(|(c, &state)| check_index("state", Some(Id::first(c)), state as usize, num_states))
@@ -270,16 +262,14 @@ pub(super) fn check_states(states: &[u32], num_states: usize) -> Result<()> {
 
 fn check_weights(weights: &[f32]) -> Result<()> {
     let mut weights = weights.iter().enumerate();
-    weights.try_for_each(|(c, w)| {
-        check("weight", Some(Id::first(c)), f64::from(*w), w.abs() <= 1e6, "between -1e6 and 1e6")
-    })
+    weights.try_for_each(|(c, w)| check("weight", Some(Id::first(c)), *w, w.abs() <= 1e6, "between -1e6 and 1e6"))
 }
 
 pub(super) fn check_targets(targets: &[Vec3]) -> Result<()> {
     let is_place = |t: &Vec3| t.abs().max_element() < 1e15 && !t.is_nan();
     let Some(character) = targets.iter().position(|t| !is_place(t)) else { return Ok(()) };
     let coordinates = ["target x", "target y", "target z"].into_iter().zip(targets[character].to_array());
-    coordinates.into_iter().try_for_each(|(what, v)| {
-        check(what, Some(Id::first(character)), f64::from(v), v.abs() < 1e15, "finite and below 1e15 m")
-    })
+    coordinates
+        .into_iter()
+        .try_for_each(|(what, v)| check(what, Some(Id::first(character)), v, v.abs() < 1e15, "finite and below 1e15 m"))
 }

@@ -7,7 +7,6 @@
 mod adaptive;
 mod backup;
 mod best_action;
-mod error;
 mod grid;
 mod look_ahead;
 mod maths;
@@ -20,7 +19,6 @@ mod table;
 pub use adaptive::{MAX_STATE_CELLS, StateGridRecord};
 pub use backup::{Backups, GroundTargets};
 pub use best_action::BestActionJob;
-pub use error::PolicyError;
 pub use grid::{GridRecord, KIND_CYLINDER, KIND_POLAR, KIND_SPACE_TIME, MAX_AXIS, Stencil, TargetGrid};
 pub use look_ahead::{Goal, LookAheadJob};
 pub use maths::{angle_of, exp_neg, nearest_index};

@@ -1,10 +1,11 @@
 //! Where a behaviour is active.
 
-use super::error::PolicyError;
 use super::maths::angle_of;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::f32::consts::PI;
+use throng_base::Result;
+use throng_base::error::check;
 
 /// Targets for which a behaviour is active, in the character's frame; for others its weight is 0 (Lee and Lee 2004,
 /// section 6: the punch behaviour is activated only when the target is in the bounding box of effective hitting
@@ -34,14 +35,13 @@ impl RegionRecord {
     /// Checks the bounds.
     ///
     /// # Errors
-    /// [`PolicyError::Value`] for numbers that are not finite or bounds that do not ascend.
-    pub fn check(&self) -> Result<(), PolicyError> {
+    /// [`throng_base::Error::Value`] for numbers that are not finite or bounds that do not ascend.
+    pub fn check(&self) -> Result<()> {
         for (what, [low, high]) in
             [("region distance", self.distance), ("region angle", self.angle), ("region height", self.height)]
         {
-            if !(low <= high && low >= -1e6 && high <= 1e6) {
-                return Err(PolicyError::Value { what, at: 0, got: low, expected: "ascending bounds within 1e6" });
-            }
+            let good = low <= high && low >= -1e6 && high <= 1e6;
+            check(what, None, low, good, "ascending bounds within 1e6")?;
         }
         Ok(())
     }

@@ -1,11 +1,12 @@
 //! The reward of an action, computed from four samples of its motion; offline and online use the same function.
 
-use super::error::PolicyError;
 use super::maths::{exp_neg, greatest};
 use super::table::SegmentRecord;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::f32::consts::LOG2_E;
+use throng_base::Result;
+use throng_base::error::{check, check_index};
 use throng_base::simd::{Functions, Lanes};
 
 /// [`RewardRecord::combine`]: the weighted samples are added.
@@ -62,25 +63,19 @@ impl Reward {
     /// Checks a stored reward.
     ///
     /// # Errors
-    /// [`PolicyError`] for an unknown `combine` or `kernel`, a scale that is not positive, or numbers out of range.
-    pub fn new(record: RewardRecord) -> Result<Self, PolicyError> {
+    /// [`throng_base::Error`] for an unknown `combine` or `kernel`, a scale that is not positive, or numbers out of range.
+    pub fn new(record: RewardRecord) -> Result<Self> {
         for (what, got) in [("reward combine", record.combine), ("reward kernel", record.kernel)] {
-            if got > 1 {
-                return Err(PolicyError::Index { what, at: 0, got: got as usize, limit: 2 });
-            }
+            check_index(what, None, got as usize, 2)?;
         }
-        if !(record.scale > 1e-6 && record.scale < 1e6) {
-            let expected = "between 1e-6 and 1e6";
-            return Err(PolicyError::Value { what: "reward scale", at: 0, got: record.scale, expected });
-        }
+        let scale = record.scale;
+        check("reward scale", None, scale, scale > 1e-6 && scale < 1e6, "between 1e-6 and 1e6")?;
         for (what, got, low) in [
             ("reward offset", record.offset, 0.0),
             ("reward gain", record.gain, -1e3),
             ("reward height", record.height, -1e3),
         ] {
-            if !(low..=1e3).contains(&got) {
-                return Err(PolicyError::Value { what, at: 0, got, expected: "at most 1000, offsets from 0" });
-            }
+            check(what, None, got, (low..=1e3).contains(&got), "at most 1000, offsets from 0")?;
         }
         let inverse_scale = record.scale.recip();
         Ok(Self { record, inverse_scale, exponent_per_metre: -LOG2_E * inverse_scale })

@@ -1,7 +1,6 @@
 //! Policy tables as stored, and the checked view of them.
 
 use super::adaptive::{StateGridRecord, check_state_grids};
-use super::error::PolicyError;
 use super::grid::{GridRecord, TargetGrid};
 use super::region::RegionRecord;
 use super::reward::{Reward, RewardRecord};
@@ -10,6 +9,8 @@ use crate::format::Table;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::ops::Range;
+use throng_base::error::{check, check_index, check_length};
+use throng_base::{Error, Id, Result};
 
 /// Marks an unused slot for an action.
 pub const NO_ACTION: u8 = 255;
@@ -101,28 +102,18 @@ impl ActionTable {
     /// - `segments`: segment of each action (num_actions, < num_segments).
     ///
     /// # Errors
-    /// [`PolicyError`] where offsets do not ascend from 0 to the number of actions, a state has no action or more
+    /// [`Error`] where offsets do not ascend from 0 to the number of actions, a state has no action or more
     /// than [`MAX_ACTIONS`], or a segment does not exist.
-    pub fn new(
-        offsets: impl Into<Table<u32>>,
-        segments: impl Into<Table<u32>>,
-        num_segments: usize,
-    ) -> Result<Self, PolicyError> {
+    pub fn new(offsets: impl Into<Table<u32>>, segments: impl Into<Table<u32>>, num_segments: usize) -> Result<Self> {
         let (offsets, segments) = (offsets.into(), segments.into());
         let (Some(&first), Some(&last)) = (offsets.first(), offsets.last()) else {
-            return Err(PolicyError::Length { what: "action offsets", got: 0, expected: 1 });
+            return Err(Error::Length { what: "action offsets", got: 0, expected: "1 or more".into() });
         };
-        if first != 0 {
-            return Err(PolicyError::Index { what: "action offsets", at: 0, got: first as usize, limit: 1 });
-        }
-        if last as usize != segments.len() {
-            return Err(PolicyError::Length { what: "actions", got: segments.len(), expected: last as usize });
-        }
-        for (at, pair) in offsets.windows(2).enumerate() {
-            let (got, limit) = (pair[1] as usize, pair[0] as usize + MAX_ACTIONS + 1);
-            if pair[1] <= pair[0] || got >= limit {
-                return Err(PolicyError::Index { what: "action offsets", at: at + 1, got, limit });
-            }
+        check("first action offset", None, first, first == 0, "0")?;
+        check_length("actions", segments.len(), last as usize)?;
+        for (state, pair) in offsets.windows(2).enumerate() {
+            let good = pair[1] > pair[0] && (pair[1] - pair[0]) as usize <= MAX_ACTIONS;
+            check("end of the actions", Some(Id::first(state)), pair[1], good, "1 to 255 after their begin")?;
         }
         check_indices("action segments", segments.iter().map(|&s| s as usize), num_segments)?;
         Ok(Self { offsets, segments, num_segments })
@@ -201,8 +192,8 @@ impl PolicyTable {
     /// Checks and wraps the record and slices of a policy.
     ///
     /// # Errors
-    /// [`PolicyError`] names the slice whose length, index or number does not fit; nothing panics later.
-    pub fn new(record: &PolicyRecord, actions: ActionTable, slices: PolicySlices) -> Result<Self, PolicyError> {
+    /// [`Error`] names the slice whose length, index or number does not fit; nothing panics later.
+    pub fn new(record: &PolicyRecord, actions: ActionTable, slices: PolicySlices) -> Result<Self> {
         let grid = TargetGrid::new(record.grid)?;
         let reward = Reward::new(record.reward)?;
         check_length("policy states", record.num_states as usize, actions.num_states())?;
@@ -215,13 +206,15 @@ impl PolicyTable {
         // The look-ahead counts places in the table with 32 bits.
         check_indices("number of values", [num_values], u32::MAX as usize)?;
         check_length("best actions", slices.best.len(), num_values * num_choices)?;
-        check_numbers("discount", &[record.discount], |v| v > 0.0 && v < 1.0, "between 0 and 1")?;
+        check_numbers("discount", None, &[record.discount], |v| v > 0.0 && v < 1.0, "between 0 and 1")?;
         let figures = [record.epsilon, record.residual];
-        check_numbers("epsilon and residual", &figures, |v| (0.0..1e6).contains(&v), "between 0 and 1e6")?;
-        check_numbers("values", &slices.values, |v| v.abs() < 1e6, "below 1e6")?;
+        check_numbers("epsilon and residual", None, &figures, |v| (0.0..1e6).contains(&v), "between 0 and 1e6")?;
+        for (at, &v) in slices.values.iter().enumerate() {
+            check("value", Some(Id::first(at)), v, v.abs() < 1e6, "below 1e6")?;
+        }
         check_segments(&slices.segments, actions.num_states(), grid.is_polar())?;
         record.region.check()?;
-        check_numbers("centre", &record.centre, |v| v.abs() < 1e3, "below 1000")?;
+        check_numbers("centre", None, &record.centre, |v| v.abs() < 1e3, "below 1000")?;
         check_length("paths", slices.paths.len(), if grid.is_space_time() { actions.num_segments() } else { 0 })?;
         check_paths(&slices.paths)?;
         let table = Self {
@@ -356,7 +349,7 @@ impl PolicyTable {
     }
 
     /// Checks that every stored action exists in its state and that every cell has a first choice.
-    fn check_best(&self) -> Result<(), PolicyError> {
+    fn check_best(&self) -> Result<()> {
         for state in 0..self.actions.num_states() as u32 {
             let limit = self.actions.segments_of(state).len();
             let cells = self.cells_of(state);
@@ -364,7 +357,7 @@ impl PolicyTable {
             for (at, &a) in row.clone().zip(&self.best[row]) {
                 let none_allowed = at % self.num_choices > 0;
                 if usize::from(a) >= limit && !(a == NO_ACTION && none_allowed) {
-                    return Err(PolicyError::Index { what: "best actions", at, got: a.into(), limit });
+                    check_index("best action", Some(Id::first(at)), a.into(), limit)?;
                 }
             }
         }
@@ -378,7 +371,7 @@ fn check_resolution(
     grid: &TargetGrid,
     state_grids: &[StateGridRecord],
     num_states: usize,
-) -> Result<usize, PolicyError> {
+) -> Result<usize> {
     check_indices("adaptive", [record.adaptive as usize], if grid.is_space_time() { 1 } else { 2 })?;
     if record.adaptive == 0 {
         check_length("state grids", state_grids.len(), 0)?;
@@ -388,60 +381,44 @@ fn check_resolution(
     check_state_grids(state_grids, grid)
 }
 
-fn check_length(what: &'static str, got: usize, expected: usize) -> Result<(), PolicyError> {
-    if got == expected { Ok(()) } else { Err(PolicyError::Length { what, got, expected }) }
-}
-
-fn check_indices(
-    what: &'static str,
-    indices: impl IntoIterator<Item = usize>,
-    limit: usize,
-) -> Result<(), PolicyError> {
-    match indices.into_iter().enumerate().find(|&(_, got)| got >= limit) {
-        Some((at, got)) => Err(PolicyError::Index { what, at, got, limit }),
-        None => Ok(()),
-    }
+fn check_indices(what: &'static str, indices: impl IntoIterator<Item = usize>, limit: usize) -> Result<()> {
+    let mut indices = indices.into_iter().enumerate();
+    indices.try_for_each(|(at, got)| check_index(what, Some(Id::first(at)), got, limit))
 }
 
 fn check_numbers(
     what: &'static str,
+    who: Option<Id>,
     numbers: &[f32],
     is_good: impl Fn(f32) -> bool,
     expected: &'static str,
-) -> Result<(), PolicyError> {
-    match numbers.iter().enumerate().find(|&(_, &v)| !is_good(v)) {
-        Some((at, &got)) => Err(PolicyError::Value { what, at, got, expected }),
-        None => Ok(()),
-    }
+) -> Result<()> {
+    numbers.iter().try_for_each(|&got| check(what, who, got, is_good(got), expected))
 }
 
 /// Checks that paths are finite and have a duration.
-fn check_paths(paths: &[PathRecord]) -> Result<(), PolicyError> {
-    for p in paths {
-        check_numbers("path points", p.points.as_flattened(), |v| v.abs() < 1e6, "below 1e6")?;
-        check_numbers("path duration", &[p.duration_s], |v| v > 1e-6 && v < 1e6, "between 1e-6 and 1e6")?;
+fn check_paths(paths: &[PathRecord]) -> Result<()> {
+    for (at, p) in paths.iter().enumerate() {
+        let who = Some(Id::first(at));
+        check_numbers("path points", who, p.points.as_flattened(), |v| v.abs() < 1e6, "below 1e6")?;
+        check("path duration", who, p.duration_s, p.duration_s > 1e-6 && p.duration_s < 1e6, "between 1e-6 and 1e6")?;
     }
     Ok(())
 }
 
 /// Checks that ends exist, numbers are finite and below their limits, and factors are in range.
-fn check_segments(segments: &[SegmentRecord], num_states: usize, polar: bool) -> Result<(), PolicyError> {
+fn check_segments(segments: &[SegmentRecord], num_states: usize, polar: bool) -> Result<()> {
     check_indices("segment end", segments.iter().map(|s| s.end as usize), num_states)?;
     let moderate = |v: f32| v.abs() < 1e6;
     for (at, s) in segments.iter().enumerate() {
-        let named = |result: Result<(), PolicyError>| {
-            result.map_err(|e| match e {
-                PolicyError::Value { what, got, expected, .. } => PolicyError::Value { what, at, got, expected },
-                other => other,
-            })
-        };
-        named(check_numbers("segment displacement", &s.displacement, moderate, "below 1e6"))?;
-        named(check_numbers("segment samples", &s.inner, moderate, "below 1e6"))?;
-        named(check_numbers("segment heights", &s.heights, moderate, "below 1e6"))?;
-        named(check_numbers("segment weights", &s.weights, |v| (0.0..1e6).contains(&v), "between 0 and 1e6"))?;
-        named(check_numbers("segment discount", &[s.discount], |v| v > 0.0 && v < 1.0, "between 0 and 1"))?;
+        let who = Some(Id::first(at));
+        check_numbers("segment displacement", who, &s.displacement, moderate, "below 1e6")?;
+        check_numbers("segment samples", who, &s.inner, moderate, "below 1e6")?;
+        check_numbers("segment heights", who, &s.heights, moderate, "below 1e6")?;
+        check_numbers("segment weights", who, &s.weights, |v| (0.0..1e6).contains(&v), "between 0 and 1e6")?;
+        check_numbers("segment discount", who, &[s.discount], |v| v > 0.0 && v < 1.0, "between 0 and 1")?;
         let outer = [s.weights[0], s.weights[3]];
-        named(check_numbers("segment outer weights", &outer, |v| polar || v == 0.0, "0, as in a grid with heights"))?;
+        check_numbers("segment outer weights", who, &outer, |v| polar || v == 0.0, "0, as in a grid with heights")?;
     }
     Ok(())
 }

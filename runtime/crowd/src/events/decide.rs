@@ -11,7 +11,7 @@ use crate::space::cells::Cells;
 use crate::space::plan::Plan;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::filter::Filter;
-use crate::steering::forces::{Surroundings, Walker, felt_within, forces, minded_within};
+use crate::steering::forces::{Surroundings, Walker, contact_horizon, felt_within, forces};
 use crate::steering::keep_right::between_walls;
 use crate::steering::neighbours::{Heed, Look, Rows};
 use crate::steering::retreat::{Blocked, Half};
@@ -293,7 +293,7 @@ impl<V: Space> Decider<'_, V> {
         let heed = Heed {
             perception: field.perception_m,
             felt: felt_within(me, field),
-            horizon: minded_within(field, &self.scenery.steering),
+            horizon: contact_horizon(field, &self.scenery.steering),
             room: field.comfort_m + ROUNDING,
         };
         let look = Look { cells: self.cells, at, time: self.time, agent, me, heed };

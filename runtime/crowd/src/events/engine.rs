@@ -1,4 +1,4 @@
-//! The engine: everybody's state, and the loop that takes events in the order of time.
+//! The engine: the state of all agents, and the loop that takes events in the order of time.
 
 use crate::error::CrowdError;
 use crate::events::decide::{AgentState, Cause, Decider, Decision, Scratch};
@@ -29,7 +29,7 @@ pub(crate) struct Engine<V> {
     pub states: Vec<AgentState<V>>,
     /// Route that belongs to the place of an agent alone; [`NONE`] where there is none (capacity).
     pub own_routes: Vec<u32>,
-    /// Routes for places that have none yet, so that whoever comes there takes no memory.
+    /// Spare routes, so that spawning takes no memory.
     pub spare: Vec<Spline<V>>,
     /// Places for which memory is taken at once.
     pub room: usize,
@@ -42,7 +42,7 @@ pub(crate) struct Engine<V> {
     pub refreshes: u64,
     pub now: f64,
     pub counts: Counts,
-    /// What happened since [`Engine::run`] was called last.
+    /// Events since the last call of [`Engine::run`].
     pub events: Vec<Event>,
     /// Takes the place of the engine's own scheme, if there is one.
     #[cfg(feature = "baselines")]
@@ -57,14 +57,14 @@ pub(crate) struct Engine<V> {
 }
 
 impl<V: Space> Engine<V> {
-    /// Puts everybody where they start, and takes all memory that [`Engine::run`] needs.
+    /// Puts all agents at their starts, and takes all memory that [`Engine::run`] needs.
     ///
     /// # Errors
     /// [`CrowdError`] for a setting out of its range, or a start or subgoal that cannot be.
     pub fn new(setup: Setup<V>) -> Result<Self, CrowdError> {
         let (scenery, cells, grid) = Scenery::new(&setup)?;
         let capacity = setup.config.capacity.max(setup.agents.len());
-        // An event comes with a few others; a fixed step with some of everybody.
+        // An event comes with a few others; a fixed step with some of every agent.
         let most_events = FULL + 4 * capacity.max(64);
         let mut engine = Self {
             watchdog: Watchdog::new(capacity, scenery.interval, setup.config.scheme.most_events()),
@@ -161,12 +161,12 @@ impl<V: Space> Engine<V> {
         state.generation = state.generation.wrapping_add(1);
     }
 
-    /// When the grid is filled next: times do not depend on when anybody asks for anything.
+    /// When the grid is filled next: times do not depend on calls.
     pub fn next_refresh(&self) -> f64 {
         self.refreshes as f64 * self.scenery.steering.refresh_s
     }
 
-    /// Fills the grid with everybody, if it is time to.
+    /// Fills the density grid, if it is time to.
     pub fn refresh_grid_until(&mut self, time: f64) {
         if self.next_refresh() > time {
             return;
@@ -260,7 +260,7 @@ impl<V: Space> Engine<V> {
         }
     }
 
-    /// Counts and notes an event of an agent that happens now.
+    /// Counts and notes an event of an agent at this time.
     pub fn tell(&mut self, agent: u32, kind: EventKind) {
         self.counts.add(kind);
         self.events.push(Event { time: self.now, agent: self.id(agent), kind });

@@ -46,7 +46,7 @@ pub enum EventKind {
     Stuck,
 }
 
-/// Something that happened to an agent.
+/// An event of an agent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
     /// When (s).
@@ -86,7 +86,7 @@ pub struct Counts {
     pub decisions: u64,
     /// Fixed steps that were taken, parts of one each for itself (`Scheme::Fixed`).
     pub steps: u64,
-    /// Fixed steps that were undone, as somebody overlapped.
+    /// Fixed steps that were undone for an overlap.
     pub undone: u64,
     /// Agents that overlapped others at the end of a shortest step, which was taken nevertheless.
     pub overlaps: u64,

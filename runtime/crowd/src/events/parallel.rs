@@ -43,12 +43,12 @@ pub(crate) struct Windows<V> {
     who: Vec<u32>,
     /// Whom each makes act after it.
     partners: Vec<u32>,
-    /// Each is used by one thread at a time: nobody ever waits for a lock.
+    /// Each is used by one thread at a time: no lock is waited for.
     parts: Vec<Mutex<Part<V>>>,
     /// Last level that used each cell, counted over all windows.
     levels: Vec<u32>,
     base: u32,
-    /// What happened, with the order of its event in the window.
+    /// Events, with their order in the window.
     events: Vec<(u32, Event)>,
     left: Vec<(u32, u32)>,
 }
@@ -154,7 +154,7 @@ impl<V: Space> Engine<V> {
         done
     }
 
-    /// Notes what happened in the order of time, and frees the places of agents that left.
+    /// Notes events in the order of time, and frees the places of agents that left.
     fn tell_in_order(&mut self, windows: &mut Windows<V>) {
         windows.events.sort_by_key(|e| e.0);
         self.events.extend(windows.events.drain(..).map(|(_, event)| event));
@@ -276,7 +276,7 @@ impl<V: Space> Engine<V> {
 mod tests {
     use super::*;
     use crate::EventKind;
-    use crate::tests::{Drive, crossing};
+    use crate::tests::drive::{Drive, crossing};
     use glam::Vec2;
 
     #[test]

@@ -15,7 +15,7 @@ use throng_base::prefetch;
 #[derive(Clone, Debug)]
 pub(crate) struct Prefetcher {
     scout: Scout,
-    /// Agents found at the last events, the latest first; [`NONE`] for nobody.
+    /// Agents found at the last events, the latest first; [`NONE`] where unused.
     found: [u32; 2],
 }
 

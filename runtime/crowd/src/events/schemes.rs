@@ -19,7 +19,7 @@ pub(crate) struct SchemeRef<'a> {
 }
 
 /// The scheme of Kim, Kim and Shin (2003b), section 2.1: a bound stays in the region around the cell it is registered
-/// in, so that it can only meet those who are registered in neighbouring cells.
+/// in, so that it can only meet agents registered in neighbouring cells.
 pub(crate) const REGISTRATION: SchemeRef<'static> = SchemeRef { lists: None };
 
 /// There are no lists.
@@ -154,7 +154,7 @@ mod tests {
     }
 
     fn finds_the_first<V: Space>(mut plans: Vec<Plan<V>>, first: f32) -> Result<(), TestCaseError> {
-        // Nobody ever overlaps anybody.
+        // No two agents ever overlap.
         let me = plans[0];
         plans.retain(|p| p.index == 0 || (p.at(NOW).0 - me.at(NOW).0).length() > p.radius + me.radius + 1e-4);
         (0..).zip(&mut plans).for_each(|(index, p)| p.index = index);

@@ -35,7 +35,7 @@ struct Saved<V> {
     baseline: Option<Baseline<V>>,
 }
 
-/// Nobody can have walked farther from where everybody starts (m).
+/// No agent can have walked farther from the starts (m).
 const FARTHEST_M: f32 = 1e6;
 /// By how much rounding may bring a speed or an acceleration beyond its limit, as a factor. More would not do: no agent
 /// is looked for as far away as a faster one could come from, see [`crate::safety::reach`].
@@ -215,7 +215,7 @@ impl<V: Space> Engine<V> {
             && (state.field as usize) < self.scenery.fields.len()
     }
 
-    /// A number that differs, but for one chance in 2^64, where the motion of anybody differs.
+    /// A hash of the state (64 bits): equal for equal motion of all.
     pub fn hash(&self) -> u64 {
         let mut hash = StateHash::new(self.now.to_bits());
         for (index, state) in (0u32..).zip(&self.states).filter(|(_, m)| m.cell != NONE) {
@@ -235,7 +235,7 @@ impl<V: Space> Engine<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::{Drive, crossing};
+    use crate::tests::drive::{Drive, crossing};
     use glam::{Vec2, Vec3};
 
     /// What becomes of a snapshot of a crowd that was changed by hand.

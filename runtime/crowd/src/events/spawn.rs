@@ -6,7 +6,7 @@ use crate::events::engine::Engine;
 use crate::routes::order::{Go, Way};
 use crate::routes::spline::Spline;
 use crate::safety::others::violation;
-use crate::safety::rule::{Candidate, MARGIN, room, violation_of_solid};
+use crate::safety::rule::{Candidate, MARGIN, clearance, violation_of_solid};
 use crate::scenery::check_agent;
 use crate::space::plan::Plan;
 use crate::steering::filter::Filter;
@@ -28,7 +28,7 @@ impl<V: Space> Engine<V> {
         self.check_limits(id, &agent)?;
         let plan = self.standing(index, agent.position, agent.velocity, (agent.radius, agent.acceleration));
         self.scenery.check_place(id, agent.position)?;
-        self.check_room(id, &plan)?;
+        self.check_clearance(id, &plan)?;
         let route = match agent.route {
             Some(route) => route,
             None => self.stay(index, agent.position),
@@ -86,8 +86,8 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    /// There is room for an agent, even if it brakes at once.
-    fn check_room(&self, id: Id, plan: &Plan<V>) -> Result<(), CrowdError> {
+    /// Checks that an agent that brakes at once overlaps nothing.
+    fn check_clearance(&self, id: Id, plan: &Plan<V>) -> Result<(), CrowdError> {
         let at = self.cells.coordinates(plan.position);
         let candidate = Candidate::new(*plan);
         let mut error = None;
@@ -97,13 +97,14 @@ impl<V: Space> Engine<V> {
                     return;
                 }
                 // Two that could brake at once only have to be apart.
-                let room = if other.end <= self.now {
-                    room(plan, other) - MARGIN
+                let clearance = if other.end <= self.now {
+                    clearance(plan, other) - MARGIN
                 } else {
                     violation(&candidate, other).map_or(1.0, |v| -v.depth)
                 };
-                if room < 0.0 {
-                    error = Some(CrowdError::Overlap { first: self.id(other.index), second: id, overlap_m: -room });
+                if clearance < 0.0 {
+                    error =
+                        Some(CrowdError::Overlap { first: self.id(other.index), second: id, overlap_m: -clearance });
                 }
             });
         });
@@ -129,7 +130,7 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    /// Puts an agent elsewhere, at rest. Who has come to the end of its own way stays there; others go on with their order.
+    /// Puts an agent elsewhere, at rest. It goes on with its order from there, or stays without one.
     ///
     /// # Errors
     /// [`CrowdError`] for a place that is taken or out of range, or from which no way leads to its goal; nothing has
@@ -142,7 +143,7 @@ impl<V: Space> Engine<V> {
         self.scenery.check_place(id, position)?;
         let old = self.cells.plan(id.index);
         let plan = self.standing(id.index, position, V::default(), (old.radius, old.limit));
-        self.check_room(id, &plan)?;
+        self.check_clearance(id, &plan)?;
         let state = self.states[id.index()];
         let spline = &self.scenery.splines[state.route as usize];
         let is_own = state.route == self.own_routes[id.index()];
@@ -191,7 +192,7 @@ impl<V: Space> Engine<V> {
         let speed = order.speed_mps.unwrap_or(self.states[id.index()].speed);
         let good = (0.0..=self.scenery.speed).contains(&speed);
         let expected = "at least 0, and at most `largest_speed_mps` of the config";
-        throng_base::error::check("speed", Some(id), speed.into(), good, expected)?;
+        throng_base::error::check("speed", Some(id), speed, good, expected)?;
         let plan = self.cells.plan(id.index);
         let position = plan.at(self.now).0;
         let number = match &order.way {

@@ -25,7 +25,7 @@ struct Count {
 /// An agent with too many events.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Storm {
-    /// The other one of its last event with somebody; [`NONE`] if there was none.
+    /// The partner of its last event; [`NONE`] without one.
     pub partner: u32,
     pub events: u32,
     pub most: u32,

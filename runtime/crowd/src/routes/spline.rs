@@ -77,13 +77,13 @@ impl<V: Space> Piece<V> {
 const STAY_M: f32 = 0.5;
 
 impl<V: Space> Spline<V> {
-    /// Of one who stays at a place.
+    /// The route of an agent that stays at a place.
     pub fn staying(at: V) -> Self {
         let route = Route { subgoals: vec![at], arrival_radius: STAY_M, at_end: AtEnd::Stay };
         Self { route, pieces: Vec::new(), goal: at }
     }
 
-    /// Makes it that of one who stays at a place. Allocates nothing.
+    /// Makes it the route of an agent that stays at a place. Allocates nothing.
     pub fn stay(&mut self, at: V) {
         self.route.subgoals.clear();
         self.route.subgoals.push(at);

@@ -63,9 +63,9 @@ impl Streets {
     /// As [`Streets::new`].
     pub fn with(obstacles: &[Obstacle], heights: Option<[f32; 2]>, clearance_m: f32, nearest_m: f32) -> Result<Self> {
         let good = clearance_m > 0.0 && clearance_m < 1e6;
-        check("clearance_m", None, clearance_m.into(), good, "above 0 and below 1e6")?;
+        check("clearance_m", None, clearance_m, good, "above 0 and below 1e6")?;
         let good = (0.0..=clearance_m).contains(&nearest_m);
-        check("nearest_m", None, nearest_m.into(), good, "between 0 and the clearance")?;
+        check("nearest_m", None, nearest_m, good, "between 0 and the clearance")?;
         let all = obstacles.iter().enumerate().filter_map(|(n, o)| Some((n, Outline::of(o, heights)?)));
         let (owners, outlines): (Vec<_>, Vec<_>) = all.unzip();
         let bounds: Vec<_> = outlines.iter().map(Outline::bounds).collect();
@@ -408,7 +408,7 @@ mod tests {
         assert_eq!(map.flat_corners(to, from), Err(NoWay::Start(0)));
         assert_eq!(map.flat_corners(from, Vec2::new(4.2, 1.0)), Err(NoWay::Goal(0)), "too near");
         assert!(map.flat_corners(from, Vec2::new(4.4, 1.0)).is_ok(), "nearer than the clearance, but not too near");
-        assert!(map.flat_corners(Vec2::new(4.2, 1.0), from).is_ok(), "one who stands at the wall gets away from it");
+        assert!(map.flat_corners(Vec2::new(4.2, 1.0), from).is_ok(), "an agent at the wall gets away from it");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Why nobody ever overlaps anybody: the rule, the bounds that say when two can meet, and who has to be compared.
+//! Why no two agents ever overlap: the rule, the bounds on when two can meet, and the pairs that are compared.
 
 pub(crate) mod bound;
 pub(crate) mod others;

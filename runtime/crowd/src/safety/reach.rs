@@ -14,7 +14,7 @@ const ROOM: f32 = 0.01;
 /// A plan with any acceleration.
 pub(crate) struct Reach<'a, V> {
     pub cells: &'a Cells<V>,
-    /// Largest speed of anybody (m/s).
+    /// Largest speed of any agent (m/s).
     pub fastest: f32,
     /// Where it starts.
     pub fresh: &'a Plan<V>,
@@ -81,7 +81,7 @@ impl<V: Space> Work for Find<'_, V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::safety::rule::{Candidate, room};
+    use crate::safety::rule::{Candidate, clearance};
     use crate::steering::neighbours::tests::{NOW, crowd, rows_around};
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
@@ -117,8 +117,8 @@ mod tests {
                             let (position, velocity) = p.at(time.min(p.end));
                             Plan { position, velocity, ..*p }
                         };
-                        let room = room(&still(&me.plan), &still(&other));
-                        prop_assert!(room > 0.0, "{} overlaps by {} m at {time}", other.index, -room);
+                        let clearance = clearance(&still(&me.plan), &still(&other));
+                        prop_assert!(clearance > 0.0, "{} overlaps by {} m at {time}", other.index, -clearance);
                     }
                 }
             }
@@ -147,7 +147,7 @@ mod tests {
         ) {
             const FASTEST: f32 = 1.6;
             let (velocity, limit) = (Vec2::from_array(v), 5.0);
-            // As candidates are made: no faster at the end than anybody may be.
+            // As candidates are made: no faster at the end than the largest speed.
             let last = (velocity + Vec2::from_array(a).clamp_length_max(limit) * length).clamp_length_max(FASTEST);
             let acceleration = (last - velocity) / length;
             let mut plan = Plan { velocity, acceleration, limit, moving: f32::INFINITY, ..Plan::default() };

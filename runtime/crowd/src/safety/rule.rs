@@ -1,13 +1,13 @@
-//! The safety rule: why nobody ever overlaps anybody.
+//! The safety rule: why no two agents ever overlap.
 //!
 //! The *stop region* S(s) of an agent at time s is what its disc or ball sweeps if it brakes with all its force from s
 //! on: all within its radius of the line from x to x + v|v| / 2A. An agent that brakes never leaves the stop
 //! region it had when it began to.
 //!
 //! Plans are made at different times. Let T be the time of an agent's next event; its plan until then is known to
-//! everybody. Agents keep this invariant: **for each pair (k, j) and all s from now on, S_k(min(s, T_k)) and
+//! all. Agents keep this invariant: **for each pair (k, j) and all s from now on, S_k(min(s, T_k)) and
 //! S_j(min(s, T_j)) have no point in common**, and neither have S_k(min(s, T_k)) and an obstacle that stands. As
-//! a disc is a part of its stop region, nobody overlaps anybody before the next event. The invariant outlasts every
+//! a disc is a part of its stop region, no two agents overlap before the next event. The invariant outlasts every
 //! event:
 //!
 //! - At T_k, k takes a plan for which it holds (found by [`crate::safety::others`]), or brakes. Braking is always right: then S_k(s) is
@@ -20,10 +20,10 @@
 //!
 //! By induction over the events, no two agents ever overlap. Nothing is asked of the forces.
 //!
-//! Only pairs that are registered in cells next to each other are compared. Everybody's stop region stays within its
+//! Only pairs that are registered in cells next to each other are compared. Each agent's stop region stays within its
 //! own region R, which reaches half a cell beyond its cell C: regions of cells that are not next to each other are
 //! disjoint. Of the pairs in such cells, only those whose stop regions can meet are compared (see `reach.rs`): those of
-//! the others cannot, whatever they do with their largest accelerations, as long as nobody is faster than
+//! the others cannot, whatever they do with their largest accelerations, as long as no agent is faster than
 //! the largest speed. `spawn` refuses faster agents, and `candidate` makes no plan that ends faster; in between, the speed of an
 //! agent that keeps its acceleration is never above that at both ends.
 //!
@@ -34,8 +34,7 @@ use crate::Space;
 use crate::space::plan::{Plan, stop};
 use crate::space::solid::Solid;
 
-/// Room that is kept beyond what the rule asks for, against rounding, which is less than that within 500 m of the origin.
-/// (m)
+/// Margin against rounding, whose error is smaller within 500 m of the origin (m).
 pub(crate) const MARGIN: f32 = 1e-4;
 
 /// A plan to be compared with others: both ends of its stop region now and at its end.
@@ -150,7 +149,7 @@ pub(crate) fn lever<V: Space>(me: &Candidate<V>) -> f32 {
 }
 
 /// Room between two stop regions that stand; below zero where they overlap. For agents that are put somewhere.
-pub(crate) fn room<V: Space>(a: &Plan<V>, b: &Plan<V>) -> f32 {
+pub(crate) fn clearance<V: Space>(a: &Plan<V>, b: &Plan<V>) -> f32 {
     let ends = |p: &Plan<V>| (p.position, stop(p.position, p.velocity, p.limit));
     let ((a0, a1), (b0, b1)) = (ends(a), ends(b));
     // The distance of two segments is that of an end of one to the other, or that of their lines between the ends.
@@ -215,8 +214,8 @@ mod tests {
                 let (position, velocity) = p.at(s.min(p.end));
                 Plan { position, velocity, ..*p }
             };
-            let room = room(&still(me), &still(other));
-            prop_assert!(room > 0.0, "stop regions overlap by {} m after {} s", -room, s - 100.0);
+            let clearance = clearance(&still(me), &still(other));
+            prop_assert!(clearance > 0.0, "stop regions overlap by {} m after {} s", -clearance, s - 100.0);
         }
         Ok(())
     }

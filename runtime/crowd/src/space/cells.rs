@@ -88,7 +88,7 @@ struct Bunch {
 /// A grid of square or cubic cells, each with its agents.
 ///
 /// The grid is a torus: what is farther away than its extents shares cells with what is near. That costs a look at
-/// agents who are far away, but nothing is ever outside, and there are at most 16 cells for each agent,
+/// agents that are far away, but nothing is ever outside, and there are at most 16 cells for each agent,
 /// or 1024.
 #[derive(Clone, Debug)]
 pub(crate) struct Cells<V> {
@@ -136,7 +136,7 @@ impl<V: Space> Cells<V> {
         cells
     }
 
-    /// Takes everybody out.
+    /// Takes all agents out.
     pub fn clear(&mut self) {
         self.bunches[..self.num_cells].iter_mut().for_each(|b| b.len = 0);
         self.free.clear();
@@ -249,7 +249,7 @@ impl<V: Space> Cells<V> {
         &room[..num]
     }
 
-    /// Memory for the numbers of everybody, see [`Cells::agents_around`].
+    /// Memory for the numbers of all agents, see [`Cells::agents_around`].
     pub fn room(capacity: usize) -> Vec<u32> {
         Vec::with_capacity(capacity + BUNCH)
     }

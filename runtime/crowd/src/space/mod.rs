@@ -61,7 +61,7 @@ pub trait Space:
     /// Larger of each coordinate.
     fn max(self, other: Self) -> Self;
 
-    /// Perpendicular to a direction, to the right of somebody facing that way, head up; of the same length, except
+    /// Perpendicular to a direction, to the right of an agent facing that way, head up; of the same length, except
     /// that there is no right to straight up and down in 3-D, where X takes its place.
     fn right(self) -> Self;
 

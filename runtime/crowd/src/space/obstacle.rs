@@ -3,7 +3,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Something that nobody enters.
+/// Something that no agent enters.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Obstacle<V = Vec3> {
@@ -14,7 +14,7 @@ pub enum Obstacle<V = Vec3> {
         /// (m, > 0)
         radius: f32,
     },
-    /// A disc or ball on its way through points, at constant speed between two of them; it stops for nobody. Agents
+    /// A disc or ball on its way through points, at constant speed between two of them; it never stops. Agents
     /// get out of its way as far as they can: a trapped one is struck, and a [`crate::EventKind::Struck`] tells so.
     Mover {
         /// Where it is at which time. Before the first and after the last it stands still.

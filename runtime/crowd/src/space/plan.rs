@@ -3,7 +3,7 @@
 use crate::Space;
 use serde::{Deserialize, Serialize};
 
-/// One agent's motion from its last event to its next one, as everybody near it may rely on.
+/// One agent's motion from its last event to its next one, as agents near it may rely on.
 ///
 /// The acceleration is constant; where it brakes to rest, until it stands. All others keep out of the
 /// [`Plan::stop_region`] that it has until `end`, see [`crate::safety::rule`].

@@ -68,7 +68,7 @@ macro_rules! config_of_numbers {
 }
 
 config_of_numbers! {
-/// How agents steer, beyond the parameters of their [`crate::Field`]: the same for everybody in a crowd.
+/// How agents steer, beyond the parameters of their [`crate::Field`]: the same for all agents of a crowd.
 ///
 /// The defaults were found by trial, mostly in corridors 1.6 to 14 m wide with 38 to 2000 agents. Squares are those of
 /// the density grid, whose side is [`SteeringConfig::square_radii`] times the largest radius.
@@ -101,7 +101,7 @@ SteeringConfig {
     clear_s: f32 = 0.4, 0.01, 10.0;
     /// Share of the sum of two radii within which one agent is in front of the other and not beside it (0 to 1).
     front_width: f32 = 0.88, 0.0, 1.0;
-    /// Distance to the goal from which on an agent keeps less and less room behind those who stand (m, 0.01 to 100).
+    /// Distance to the goal from which on an agent keeps less and less distance to standing agents (m, 0.01 to 100).
     pressing_m: f32 = 4.0, 0.01, 100.0;
 
     // Directions.
@@ -118,21 +118,21 @@ SteeringConfig {
     past_cosine: f32 = 0.02, 0.0, 1.0;
     /// Gap to a solid that counts as none (m, 0 to 1).
     touching_m: f32 = 0.02, 0.0, 1.0;
-    /// Share of [`crate::Field::right`] that counts where nobody comes toward an agent. With all of it, those who walk
+    /// Share of [`crate::Field::right`] that counts without oncoming agents. With all of it, those who walk
     /// behind each other drift to the right; with none, large head-on crowds take longer to sort (0 to 1).
     right_among_own: f32 = 0.5, 0.0, 1.0;
 
     // The crowd seen from afar.
-    /// Time between two looks at where everybody is (s, 0.01 to 10).
+    /// Time between two fillings of the density grid (s, 0.01 to 10).
     refresh_s: f64 = 0.25, 0.01, 10.0;
     /// Side of a square of the density grid, in radii of the largest agent (1 to 100).
     square_radii: f32 = 4.0, 1.0, 100.0;
     /// Places along each direction where the grid is looked at, nearest first: so far away that no agent finds itself
     /// there (squares, 1 to 100).
     lane_places: [f32; 3] = [1.7, 3.2, 4.7], 1.0, 100.0;
-    /// How many of these tell how fast those who are there walk; farther away, only where they want to go counts (0 to 3).
+    /// How many of these tell how fast agents there walk; farther away, only where they want to go counts (0 to 3).
     crowding_places: u32 = 2, 0.0, 3.0;
-    /// Places straight ahead where those who come toward an agent are looked for (squares, 0 to 100).
+    /// Places straight ahead where oncoming agents are looked for (squares, 0 to 100).
     ahead_places: [f32; 5] = [3.0, 5.0, 7.0, 9.0, 11.0], 0.0, 100.0;
     /// The same still farther away, where no walls tell an agent where to go. 1000 agents on a disc that go to the
     /// opposite points turn aside before they are dense, and progress with 0.7 m/s in place of 0.5 m/s (squares, 0 to 100).
@@ -168,8 +168,8 @@ SteeringConfig {
     /// to 1000).
     wall_at_hand_m: f32 = 2.0, 0.0, 1000.0;
 
-    // Stepping back. If nobody does, a third of small groups never get through corridors, and none of the large ones.
-    /// Time without progress after which an agent may step back: about what it takes to go round somebody. 0.3 s and 2 s
+    // Stepping back. Without it, a third of small groups never get through corridors, and none of the large ones.
+    /// Time without progress after which an agent may step back: about what it takes to go round an agent. 0.3 s and 2 s
     /// make no difference beyond that of seeds (s, 0 to 100).
     patience_s: f64 = 0.7, 0.0, 100.0;
     /// The same in the left half of the way between walls. With 0.7 s narrow corridors take a tenth longer, with 0.2 s
@@ -181,7 +181,7 @@ SteeringConfig {
     /// The same between walls, where whole columns have to back out. Of 300 agents in a corridor of 2 m, 118 get through
     /// within 300 s with 12 and 196 with 18; with 32 corridors of 3 m take longer (squares, 0 to 100).
     retreat_squares_between_walls: u32 = 18, 0.0, 100.0;
-    /// How many times as many as those who go its way have to be against an agent (0.1 to 100).
+    /// Oncoming agents for each agent that goes its way, from which on it steps back (0.1 to 100).
     outnumbered_ratio: f32 = 1.3, 0.1, 100.0;
     /// How many more they have to be. With 8, the few more often stand where they should step back; with 0, wide
     /// corridors with 8 agents take a fifth longer (0 to 100).

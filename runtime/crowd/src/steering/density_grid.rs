@@ -20,17 +20,17 @@ const ROUNDING: f32 = 1.001;
 /// How many agents are in each square of a grid, how they move and where they want to go, a short time ago.
 ///
 /// An agent that looks for its way sees beyond its neighbours where others want to go the same way and where they come
-/// toward it: so lanes form before it meets anybody. The grid is a torus, as that of the cells.
+/// toward it: so lanes form before agents meet. The grid is a torus, as that of the cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct DensityGrid<V> {
     per_m: f32,
     bits: [u32; 3],
     squares: Vec<Square<V>>,
-    /// A bit for each square, set where somebody is in it: so few that they stay in the processor's caches, while of a
+    /// A bit for each square, set where it is occupied: so few that they stay in the processor's caches, while of a
     /// large crowd that is spread out hardly any square does. Not kept, see [`DensityGrid::mark`].
     #[serde(skip)]
     anybody: Vec<u64>,
-    /// Where nobody is.
+    /// An empty square.
     #[serde(skip)]
     empty: Square<V>,
 }
@@ -142,7 +142,7 @@ impl<V: Space> DensityGrid<V> {
         (((deep | fold(1)) << self.bits[0]) | fold(0)) as usize
     }
 
-    /// Forgets everybody.
+    /// Empties the grid.
     pub fn clear(&mut self) {
         for (word, squares) in self.anybody.iter_mut().zip(self.squares.chunks_mut(WORD)) {
             let mut left = std::mem::take(word);
@@ -179,7 +179,7 @@ impl<V: Space> DensityGrid<V> {
         self.squares.iter().all(|s| s.may_be(fastest))
     }
 
-    /// Finds out in which squares somebody is, for one that was kept.
+    /// Marks the occupied squares of a restored grid.
     pub fn mark(&mut self) {
         let word = |some: &[Square<V>]| (0..).zip(some).fold(0, |word, (i, s)| word | u64::from(s.num > 0.0) << i);
         self.anybody = self.squares.chunks(WORD).map(word).collect();
@@ -227,9 +227,9 @@ mod tests {
         let there = at * grid.per_m();
         let square = *grid.square(there);
         assert_eq!(square.num(), 4.0);
-        assert!(square.against(Vec2::X / 1.3).abs() < 1e-5, "the one who stands is left out");
+        assert!(square.against(Vec2::X / 1.3).abs() < 1e-5, "a standing agent is left out");
         assert!((square.against(Vec2::NEG_X / 1.3) - 6.0).abs() < 1e-5, "2 each");
-        assert!((square.against(Vec2::Y / 1.3) - 3.0).abs() < 1e-5, "1 each for those who cross, less one");
+        assert!((square.against(Vec2::Y / 1.3) - 3.0).abs() < 1e-5, "1 for each crossing agent, less one");
         assert_eq!((square.agreed(Vec2::X), square.opposed(Vec2::X)), (3.0, 1.0));
         assert_eq!((square.agreed(Vec2::Y), square.opposed(Vec2::Y)), (2.0, 2.0));
         assert_eq!(grid.square(there + Vec2::X).num(), 0.0);

@@ -41,7 +41,7 @@ pub(crate) fn prefetch_coming<V: Space>(grid: &DensityGrid<V>, position: V, ahea
 }
 
 /// Added to the scores of directions to the right in the open, where so many come toward an agent: two crowds that meet head-on
-/// slide past each other instead of pressing, and those who all cross in one place go round it. Between walls, see
+/// slide past each other instead of pressing, and agents that cross in one place go round it. Between walls, see
 /// [`crate::steering::keep_right`].
 #[inline]
 pub(crate) fn evades(field: &Field, coming: f32, steering: &SteeringConfig) -> f32 {
@@ -128,12 +128,12 @@ mod tests {
     use super::*;
     use glam::Vec2;
 
-    /// A place in squares from the middle of a square where somebody is.
+    /// A place in squares from the middle of an occupied square.
     fn place(grid: &DensityGrid<Vec2>, at: Vec2) -> Vec2 {
         (at + 0.5) * grid.side()
     }
 
-    /// What somebody there who goes along X prefers.
+    /// What an agent there that goes along X prefers.
     fn prefer(grid: &DensityGrid<Vec2>, left: f32) -> [f32; DIRECTIONS] {
         let directions = Vec2::X.fan();
         let far = Far { position: place(grid, Vec2::ZERO), directions: &directions, speed: 1.3, left };

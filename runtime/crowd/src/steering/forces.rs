@@ -46,15 +46,15 @@ pub(crate) struct Surroundings<'a, V> {
 /// Forces on a walker.
 ///
 /// Differs from Kim, Kim and Shin (2003b): the turning force has a part that looks ahead, toward the direction that leads on fastest (see
-/// [`Sight`]), beside eq. 22, which only knows who is near; the weights of eq. 16 take the desired velocity where that
-/// is larger, so that agents that were stopped try to go on. New are the room and the time that are kept behind agents in front
+/// [`Sight`]), beside eq. 22, which knows near agents only; the weights of eq. 16 take the desired velocity where that
+/// is larger, so that agents that were stopped try to go on. New are the distance and the time that are kept behind agents in front
 /// (see [`pace`]), the preference for directions in which others want the same, which makes lanes (see
-/// [`crate::steering::far_field`]), that everybody keeps to the right between walls (see [`crate::steering::keep_right`]), and that the few step back
+/// [`crate::steering::far_field`]), that agents keep to the right between walls (see [`crate::steering::keep_right`]), and that the few step back
 /// before the many in a jam (see [`crate::steering::retreat`]).
 pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
     let &Surroundings { seen, solids, near, walls, grid, interests, steering } = around;
     let mut sight = Sight::along(me.desired, me.speed, field.horizon_s, steering);
-    vectorize(|| sight.see_all(seen, -me.radius, field.comfort_m, minded_within(field, steering)));
+    vectorize(|| sight.see_all(seen, -me.radius, field.comfort_m, contact_horizon(field, steering)));
     for &s in near {
         sight.see_solid(&solids[s as usize], me.position, me.radius);
     }
@@ -112,11 +112,11 @@ pub(crate) fn felt_within<V: Space>(me: &Walker<V>, field: &Field) -> f32 {
 
 /// Time beyond which a contact does not matter (s).
 #[inline]
-pub(crate) fn minded_within(field: &Field, steering: &SteeringConfig) -> f32 {
+pub(crate) fn contact_horizon(field: &Field, steering: &SteeringConfig) -> f32 {
     field.horizon_s.max(steering.open_s).max(steering.clear_s)
 }
 
-/// Largest speed along a heading behind another agent: with time to brake when that one does, and room left when both
+/// Largest speed along a heading behind another agent: with time to brake when that one does, and a distance left when both
 /// stand. So a dense group keeps gaps for others to pass, and those behind do not press.
 #[inline]
 fn pace<V: Space>(heading: V, (room, time): (f32, f32), front_width: f32, other: &Seen<V>) -> f32 {

@@ -82,7 +82,7 @@ mod tests {
         let place = |p, at_hand| Some(Between { place: p, at_hand });
         assert_eq!(at(0.0, Vec2::X, &[0, 1]), place(0.0, false));
         assert_eq!(at(1.0, Vec2::X, &[0, 1]), place(0.5, true));
-        assert_eq!(at(1.0, Vec2::NEG_X, &[0, 1]), place(-0.5, true), "its left for who comes back");
+        assert_eq!(at(1.0, Vec2::NEG_X, &[0, 1]), place(-0.5, true), "its left on the way back");
         assert_eq!((at(-1.7, Vec2::X, &[1]), at(1.7, Vec2::X, &[0])), (place(-1.0, true), place(1.0, true)));
         assert_eq!((at(1.0, Vec2::Y, &[0, 1]), at(1.0, Vec2::X, &[])), (None, None), "no wall is beside it");
         assert_eq!(at(30.0, Vec2::X, &[0, 1]), None, "they are far away");

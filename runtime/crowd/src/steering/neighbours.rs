@@ -1,4 +1,4 @@
-//! The neighbour query: who is registered near an agent, found once in each event, eight at a time.
+//! The neighbour query: agents registered near an agent, found once in each event, eight at a time.
 
 use crate::Space;
 use crate::space::batch::{Eight, Vectors, bits, nth};
@@ -44,7 +44,7 @@ pub(crate) struct Row {
     /// How long their plans go on (s).
     pub until: Eight,
     pub agents: [u32; LANES],
-    /// Bit i is set where the i-th is somebody.
+    /// Bit i is set where lane i holds an agent.
     pub there: u8,
 }
 
@@ -109,7 +109,7 @@ impl Rows {
     }
 }
 
-/// A query for everybody who is registered in a cell and its neighbours.
+/// A query for all agents registered in a cell and its neighbours.
 pub(crate) struct Look<'a, V> {
     pub cells: &'a Cells<V>,
     /// Coordinates of the cell.

@@ -1,4 +1,4 @@
-//! Stepping back where two crowds press against each other and nobody makes progress.
+//! Stepping back where two crowds press against each other without progress.
 
 use crate::Space;
 use crate::steering::config::SteeringConfig;
@@ -71,7 +71,7 @@ mod tests {
     fn smaller_group_steps_back() {
         let mut grid = DensityGrid::new(1.2, Vec2::splat(60.0), 100);
         let side = grid.side();
-        // Twelve who want to go along X stand before two who want to go the other way.
+        // Twelve agents that want to go along X stand before two that want to go the other way.
         for i in 0..12 {
             grid.add(Vec2::X * side * (0.5 - (i % 3) as f32), Vec2::ZERO, Vec2::X);
         }
@@ -85,7 +85,7 @@ mod tests {
             None,
             "the twelve do not"
         );
-        assert_eq!(blocked(Vec2::Y * 20.0, Vec2::X).retreat(&grid, &SteeringConfig::DEFAULT), None, "nobody is there");
+        assert_eq!(blocked(Vec2::Y * 20.0, Vec2::X).retreat(&grid, &SteeringConfig::DEFAULT), None, "an empty place");
     }
 
     #[test]

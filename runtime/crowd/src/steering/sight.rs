@@ -4,7 +4,7 @@ use crate::space::solid::Solid;
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::far_field::{Far, Lean, facing};
-use crate::steering::forces::{Walker, minded_within};
+use crate::steering::forces::{Walker, contact_horizon};
 use crate::{Field, Space};
 
 /// Number of directions that are looked in.
@@ -27,7 +27,7 @@ pub(crate) struct Seen<V> {
     pub distance: f32,
     /// Sum of the radii (m).
     pub radii: f32,
-    /// False for a moving obstacle, which stops for nobody.
+    /// False for a moving obstacle, which stops for no agent.
     pub yields: bool,
 }
 
@@ -204,7 +204,7 @@ impl<'a, V: Space> Sight<'a, V> {
             let say = scores[i] - scores[best] + steering.softness;
             if say > 0.0 && beside[i] > steering.near_cosine {
                 heading += self.directions[i] * say;
-                free += self.free[i].min(minded_within(field, steering)) * say;
+                free += self.free[i].min(contact_horizon(field, steering)) * say;
                 sum += say;
             }
         }
@@ -243,11 +243,11 @@ mod tests {
             sight.open[0]
         };
         // Met after 1 s, half the horizon: half of what it goes faster is lost.
-        assert!((open(1.9, 0.0) - 0.5).abs() < 1e-5, "one who stands");
-        assert!((open(0.86, 1.04) - 0.9).abs() < 1e-5, "one who goes at four fifths of its speed");
-        assert!((open(3.2, -1.3) - 0.5).abs() < 1e-5, "one who comes toward it counts as one who stands");
+        assert!((open(1.9, 0.0) - 0.5).abs() < 1e-5, "a standing agent");
+        assert!((open(0.86, 1.04) - 0.9).abs() < 1e-5, "an agent at four fifths of its speed");
+        assert!((open(3.2, -1.3) - 0.5).abs() < 1e-5, "an oncoming agent counts as standing");
         assert_eq!((open(0.7, 1.3), open(3.3, 0.0)), (1.0, 1.0), "as fast as it is, and met after the horizon");
-        assert!((open(1.25, 0.65) - 0.75).abs() < 1e-5, "one who goes at half its speed");
+        assert!((open(1.25, 0.65) - 0.75).abs() < 1e-5, "an agent at half its speed");
     }
 
     #[test]
@@ -260,7 +260,7 @@ mod tests {
         other.see_solid(&wall, Vec2::ZERO, 0.3);
         other.see(&ahead, 0.0);
         assert_eq!((one.free, one.open), (other.free, other.open));
-        assert!((one.open[0] - 1.5 / 1.3 / 2.0).abs() < 0.02, "the wall, not who walks before it: {:?}", one.open);
+        assert!((one.open[0] - 1.5 / 1.3 / 2.0).abs() < 0.02, "the wall, not the agent before it: {:?}", one.open);
     }
 
     #[test]

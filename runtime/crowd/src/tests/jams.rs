@@ -1,4 +1,4 @@
-//! Tests of small crowds that would jam if everybody just pressed on.
+//! Tests of small crowds that would jam if all agents just pressed on.
 
 use super::{Drive, Shares};
 use crate::events::engine::Engine;
@@ -60,7 +60,7 @@ fn run(setup: Setup<Vec2>, seconds: usize) -> Report {
     report
 }
 
-/// Walls along X, longer than anybody walks.
+/// Walls along X, longer than any agent walks.
 fn corridor(sides: [f32; 2]) -> Vec<Obstacle<Vec2>> {
     sides.map(|y| wall([-120.0, y], [120.0, y], 0.0)).to_vec()
 }
@@ -98,7 +98,7 @@ fn smaller_group_steps_back_in_a_corridor() {
         setup.obstacles = corridor([-1.2, 1.2]);
         left_over += run(setup, 65).left_over;
     }
-    // If nobody did, more than a third of all 456 would be there still.
+    // If none did, more than a third of all 456 would be there still.
     assert!(left_over < 50, "{left_over}");
 }
 
@@ -208,7 +208,7 @@ fn agent_touching_long_wall_walks_on() {
 #[test]
 fn agents_at_their_goals_make_way() {
     let mut setup = Setup::default();
-    // A ring of goals with gaps of 0.3 m; the last one has to get in between those who stand.
+    // A ring of goals with gaps of 0.3 m; the last agent has to get in between standing ones.
     for i in 0..12 {
         let goal = Vec2::from_angle(i as f32 * std::f32::consts::TAU / 12.0) * 1.75;
         let from = if i == 0 { Vec2::new(-6.0, 0.1) } else { goal };

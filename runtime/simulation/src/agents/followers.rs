@@ -8,7 +8,7 @@ use crate::wander::skeletons;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 use throng_base::Result;
-use throng_core::blend::walkers::{Walkers, WalkersConfig};
+use throng_core::walkers::{Walkers, WalkersConfig};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{Crowd, Space};
 

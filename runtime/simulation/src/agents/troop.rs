@@ -4,7 +4,7 @@ use crate::kind::{PART, refused};
 use glam::{Vec2, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::{Bytes, Error, Result, Run, run_each};
-use throng_core::blend::walkers::{Control, WalkerStart, Walkers};
+use throng_core::walkers::{Control, WalkerStart, Walkers};
 use throng_core::{Bodies, Cast, Planar};
 use throng_crowd::{Crowd, Id};
 

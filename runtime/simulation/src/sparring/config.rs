@@ -82,5 +82,5 @@ impl Default for SparringConfig {
 
 /// An error where a number is out of its range.
 pub(super) fn within(what: &'static str, got: f32, least: f32, most: f32, expected: &'static str) -> Result<()> {
-    check(what, None, got.into(), (least..=most).contains(&got), expected)
+    check(what, None, got, (least..=most).contains(&got), expected)
 }

@@ -200,7 +200,7 @@ impl Cast for TargetPractice {
     fn order(&mut self, id: Id, order: Order) -> Result<()> {
         let (row, home) = (self.boxers.row(id)?, order.target());
         let largest = if home.is_nan() { f32::NAN } else { home.abs().max_element() };
-        check("target", Some(id), largest.into(), largest <= 1e5, "finite coordinates up to 1e5 (m)")?;
+        check("target", Some(id), largest, largest <= 1e5, "finite coordinates up to 1e5 (m)")?;
         self.boxers.order(id, order)?;
         let target = &mut self.state.targets[row];
         target.home = home;

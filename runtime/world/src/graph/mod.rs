@@ -1,21 +1,24 @@
 //! The graph over a world: nodes are (instance, cell), edges are links and joints. It is never stored, only walked.
 
+mod baked;
 mod bounds;
 mod joints;
 mod passages;
 mod rest;
 mod steps;
 
+pub(crate) use baked::Baked;
+pub use baked::PathCosts;
 pub(crate) use bounds::Bounds;
 pub(crate) use steps::{Crossing, Walk};
 pub use steps::{Node, Step};
 
-use super::baked::Baked;
 use super::path_hierarchy::PathHierarchy;
-use super::{InstanceRecord, WorldError, WorldView, is_set};
+use super::{InstanceRecord, WorldView, is_set};
 use glam::Vec3;
 use joints::JointIndex;
 use std::sync::{Arc, OnceLock};
+use throng_core::format::FormatError;
 use throng_core::patch::{CellRecord, KIND_TILE, LinkRecord, NONE, Patches, Placement};
 
 /// A world with its patches, and what is worked out of them once: where every instance's nodes are counted from, which
@@ -43,8 +46,8 @@ impl WorldGraph {
     /// [`super::WorldData::check`].
     ///
     /// # Errors
-    /// [`WorldError::Layout`] where the world has no instance, or more nodes than can be counted.
-    pub fn new(patches: &Patches, world: &WorldView) -> Result<Self, WorldError> {
+    /// [`FormatError::Layout`] where the world has no instance, or more nodes than can be counted.
+    pub fn new(patches: &Patches, world: &WorldView) -> Result<Self, FormatError> {
         let mut graph = Self::bare(patches, world)?;
         graph.to_rest = rest::ways(&graph);
         graph.bounds = Bounds::new(&graph);
@@ -56,20 +59,20 @@ impl WorldGraph {
     ///
     /// # Errors
     /// As [`WorldGraph::new`], and where what the file keeps does not go with the world.
-    pub(crate) fn from_baked(patches: &Patches, world: &WorldView, baked: Baked) -> Result<Self, WorldError> {
+    pub(crate) fn from_baked(patches: &Patches, world: &WorldView, baked: Baked) -> Result<Self, FormatError> {
         let mut graph = Self::bare(patches, world)?;
         (graph.to_rest, graph.narrow, graph.bounds) = (baked.to_rest, baked.narrow, baked.bounds);
         if !graph.is_sound() || !baked.hierarchy.is_sound(&graph) {
-            return Err(WorldError::layout("its path costs (section WPTH) are not those of its instances"));
+            return Err(FormatError::layout("its path costs (section WPTH) are not those of its instances"));
         }
         let _ = graph.hierarchy.set(baked.hierarchy);
         Ok(graph)
     }
 
     /// Counts nodes, and looks joints up.
-    fn bare(patches: &Patches, world: &WorldView) -> Result<Self, WorldError> {
+    fn bare(patches: &Patches, world: &WorldView) -> Result<Self, FormatError> {
         if world.instances.is_empty() {
-            return Err(WorldError::layout("the world has no instance: nobody can be there"));
+            return Err(FormatError::layout("the world has no instance: no character can be there"));
         }
         let mut first_node = Vec::with_capacity(world.instances.len() + 1);
         let mut next = 0u32;
@@ -78,7 +81,7 @@ impl WorldGraph {
             next = next
                 .checked_add(patches.patches[r.patch as usize].num_cells)
                 .filter(|n| *n < NONE)
-                .ok_or_else(|| WorldError::layout("the world has more cells than can be counted"))?;
+                .ok_or_else(|| FormatError::layout("the world has more cells than can be counted"))?;
         }
         first_node.push(next);
         Ok(Self {

@@ -1,6 +1,6 @@
 //! Narrow passages: tiles that lead from one place to another and nowhere else.
 //!
-//! Who waits in one bars it; so nobody comes to rest there on the way, and it is taken as a whole.
+//! A character that waits in one bars it; so none rests there on the way, and it is taken as a whole.
 
 use super::WorldGraph;
 use throng_core::patch::NONE;

@@ -15,7 +15,7 @@ use throng_core::{Adopted, Bodies, Bundle, Cast, NUM_JOINTS, Planar, Status};
 /// Who is put elsewhere comes to a place to stay that is no farther away than this (m).
 pub const PLACED_WITHIN_M: f32 = 1.5;
 
-/// What happened to an inhabitant.
+/// An event of an inhabitant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InhabitantEvent {
     /// It has done what it was to do.
@@ -25,13 +25,13 @@ pub enum InhabitantEvent {
 }
 
 impl Inhabitants {
-    /// What one plays who stands at a node (one can stay there).
+    /// The motion of a character that stands at a node (a rest node).
     fn standing(&self, graph: &WorldGraph, node: Node) -> Option<ScheduledClip> {
         let rest = graph.step_to_rest(node)?;
         lay::scheduled_clip(graph, self.world.motion_set(), &rest, None)
     }
 
-    /// That nobody else holds a unit of an instance.
+    /// Checks that all units of an instance are free.
     fn check_free(&self, graph: &WorldGraph, who: Id, c: u32, instance: u32) -> Result<()> {
         match self.reservations.other(graph.resources(instance), c) {
             None => Ok(()),
@@ -48,7 +48,7 @@ impl Inhabitants {
             let nearest = graph.nearest_rest(point);
             let far = nearest.map_or(f32::INFINITY, away);
             let expected = "at most 1.5; name a point nearer to where one can stay";
-            check("distance to the nearest place to stay (m)", Some(id), far.into(), far <= PLACED_WITHIN_M, expected)?;
+            check("distance to the nearest place to stay (m)", Some(id), far, far <= PLACED_WITHIN_M, expected)?;
             self.check_free(graph, id, c as u32, nearest.map_or(0, |n| n.instance))?;
             return Err(Error::Occupied { who: id, by: "somebody".into() });
         };
@@ -84,7 +84,7 @@ impl Cast for Inhabitants {
     ///
     /// # Errors
     /// [`Error::Full`], [`Error::Occupied`] where another one holds what is needed there, [`Error::Index`] or
-    /// [`Error::Value`] for a node that does not exist or where nobody can stay.
+    /// [`Error::Value`] for a node that does not exist or where no character can stay.
     fn spawn(&mut self, start: Node) -> Result<Id> {
         let (world, next, c) = (self.world.clone(), self.roster.next()?, self.states.len());
         let graph = world.graph();
@@ -126,7 +126,7 @@ impl Cast for Inhabitants {
     fn place(&mut self, id: Id, root: Planar) -> Result<()> {
         let c = self.roster.row(id)?;
         for (what, got) in [("x", root.x), ("z", root.z), ("heading", root.heading)] {
-            check(what, Some(id), got.into(), got.abs() < 1e6, "a finite number below 1e6")?;
+            check(what, Some(id), got, got.abs() < 1e6, "a finite number below 1e6")?;
         }
         let world = self.world.clone();
         let graph = world.graph();
@@ -153,7 +153,7 @@ impl Cast for Inhabitants {
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::NoWay`] where it is plain that no way leads there, [`Error::Index`] or [`Error::Value`]
-    /// for a place, instance or tag that is not there or where nobody can stay.
+    /// for a place, instance or tag that is not there or where no character can stay.
     fn order(&mut self, id: Id, wish: Wish) -> Result<()> {
         let c = self.roster.row(id)?;
         let target = self.target_of(id, c, wish)?;
@@ -176,7 +176,7 @@ impl Cast for Inhabitants {
         Ok(())
     }
 
-    /// [`Status::Blocked`] for who waits: for a way that others hold, or for its place, in which another one stays.
+    /// [`Status::Blocked`] for a character that waits for a reserved way or a taken place.
     fn status(&self, id: Id) -> Result<Status> {
         let c = self.roster.row(id)?;
         let graph = self.world.graph();
@@ -221,7 +221,7 @@ impl Cast for Inhabitants {
     /// A world belongs to its bundle: there is no other one to go on with.
     ///
     /// # Errors
-    /// [`Error::OtherBundle`] for another bundle. Open the world that was stitched with it, and put everybody in anew.
+    /// [`Error::OtherBundle`] for another bundle: open the world that was stitched with it, and spawn again.
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
         let (expected, got) = (self.world.bundle_hash(), new.hash());
         match expected == got {

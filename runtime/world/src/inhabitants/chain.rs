@@ -48,7 +48,7 @@ impl Chains {
         self.ranges[to] = self.ranges[from];
     }
 
-    /// The same by one step, and room for those after it.
+    /// The same by one step; returns the slots after it.
     pub fn begin(&mut self, character: usize, step: Step) -> &mut [Step] {
         let room = &mut self.steps[character * MAX_CHAIN..][..MAX_CHAIN];
         room[0] = step;
@@ -56,7 +56,7 @@ impl Chains {
         &mut room[1..]
     }
 
-    /// Adds steps that were put in the room, or takes the chain away where there are too many.
+    /// Adds the steps that were written there, or removes the chain where there are too many.
     ///
     /// - returns false where there are too many.
     pub fn extend(&mut self, character: usize, num_steps: usize) -> bool {

@@ -12,9 +12,9 @@ use throng_core::characters::{CharactersConfig, MAX_STEP_S};
 pub struct InhabitantsConfig {
     /// How they move; its seed is that of random ways too.
     pub characters: CharactersConfig,
-    /// How long somebody waits for a place that others hold before going out of their way (s, > 0).
+    /// How long a character waits for a reserved place before it makes a detour (s, > 0).
     pub patience_s: f32,
-    /// Most paths that are planned in one step; who asks for more waits for the next one (> 0).
+    /// Most paths that are planned in one step; further requests wait for the next one (> 0).
     pub plans_per_step: usize,
     /// Steps of a planned path that are kept; the rest is planned again on the way (8 to 65536).
     pub max_path: usize,
@@ -29,7 +29,7 @@ impl Default for InhabitantsConfig {
 impl InhabitantsConfig {
     pub(super) fn check(&self) -> Result<()> {
         let patience = self.patience_s;
-        check("patience_s", None, patience.into(), patience > 0.0 && patience < 1e6, "more than 0 and below 1e6")?;
+        check("patience_s", None, patience, patience > 0.0 && patience < 1e6, "more than 0 and below 1e6")?;
         check("plans_per_step", None, self.plans_per_step as f64, self.plans_per_step > 0, "at least 1")?;
         let max = self.max_path;
         check("max_path", None, max as f64, (8..=65536).contains(&max), "between 8 and 65536")
@@ -52,12 +52,12 @@ pub enum Wish {
         /// See [`crate::World::near`].
         place: Place,
     },
-    /// Go to where the free place to stay is that is nearest to a point, and stay there; to another one where somebody else is
+    /// Go to the free place that is nearest to a point, and stay there; to another one where it is taken
     /// sooner.
     GoNear {
         /// In the world (m).
         place: Vec3,
-        /// No farther away than that, for the hips of who stays there (m).
+        /// Largest distance of the hips from the point (m).
         within_m: f32,
     },
     /// Go to the nearest free instance whose motion shows a tag, and do that again and again, then stay.
@@ -88,7 +88,7 @@ pub enum Doing {
     Walking,
     /// Waits for what others hold.
     Waiting,
-    /// Makes room for others, or tries another way.
+    /// Moves out of the way, or tries another way.
     Detour,
     /// Does what it was to perform.
     Performing,
@@ -116,5 +116,5 @@ pub struct InhabitantState {
 }
 
 pub(super) fn check_time(dt_s: f32) -> Result<()> {
-    check("dt_s", None, dt_s.into(), (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1 (s)")
+    check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1 (s)")
 }

@@ -1,4 +1,4 @@
-//! Control: who comes to the end of its motion in this step decides how to go on.
+//! Control: a character that comes to the end of its motion in this step decides how to go on.
 //!
 //! Decisions are made in the order of the characters, on one thread; they are few.
 
@@ -18,12 +18,12 @@ pub(super) const MAX_IMPATIENCE: u32 = 3;
 const MAX_REJOINED: usize = 8;
 /// Most nodes that are opened in looking for it.
 const MAX_REJOIN_OPENED: usize = 1000;
-/// Times that somebody loses patience before it stays blocked: with those who go on, and with those who do not.
+/// Times that a character loses patience before it stays blocked: in all, and behind characters that stay.
 pub(super) const MAX_TRIES: u32 = 20;
 const MAX_TRIES_SETTLED: u32 = 3;
-/// Steps of its path after which who lost patience is calmer again.
+/// Steps of its path after which a character is patient again.
 pub(super) const CALM_AFTER: u32 = 6;
-/// Share of its patience that somebody has with one whose way it bars itself: who gives way, and who insists.
+/// Share of its patience that a character has where two bar each other's way: the one that gives way, and the other.
 const GIVES_WAY: f32 = 0.25;
 const INSISTS: f32 = 4.0;
 /// Who lost patience walks this much further to avoid an instance that others hold (frames).
@@ -51,7 +51,7 @@ impl Inhabitants {
         Ok(())
     }
 
-    /// Plans for those who asked first.
+    /// Plans the oldest requests.
     fn plan_paths(&mut self, graph: &WorldGraph) {
         for _ in 0..self.config.plans_per_step {
             let Some(c) = self.paths.next() else { return };
@@ -108,7 +108,7 @@ impl Inhabitants {
             if self.states[c].detour == 0 {
                 self.pause(c);
             }
-            // On through: who only steps aside to rest has not gone far.
+            // A step aside to rest is not counted.
             let at = self.states[c].at;
             let on = self.pick(graph, c, |s| s.to != at && !graph.is_rest(s.to));
             let step = on.and_then(|step| self.go(graph, c, step));
@@ -140,7 +140,7 @@ impl Inhabitants {
         }
     }
 
-    /// True for who has done for long enough what it was to perform.
+    /// True once a character has performed its action long enough.
     fn has_performed(&self, c: usize) -> bool {
         let state = &self.states[c];
         match state.wish {
@@ -244,14 +244,14 @@ impl Inhabitants {
 
     /// Notes that another one holds what is needed.
     ///
-    /// Who waits for one who goes on loses patience in the end and makes a detour. Who finds its place taken by one who
-    /// stays waits, and makes room for others who ask for it; so does who lost patience too often.
+    /// Behind a character that goes on, it waits, loses patience and makes a detour. If its place is taken by one that
+    /// stays, or it lost patience too often, it waits and moves out of the way of others.
     fn refuse(&mut self, graph: &WorldGraph, c: usize, holder: usize) {
         let is_blocked = self.states[holder].doing == Doing::Blocked;
         let is_settled = is_blocked || self.stays(holder);
         let is_taken = is_settled && self.taken_by(graph, c).is_some();
         self.forget_tries(c);
-        // Of two who bar each other's way, one gives way soon and the other one late.
+        // Of two that bar each other's way, one gives way soon and the other one late.
         let share = match self.needs_what_is_held(graph, holder, c) {
             true if holder < c => GIVES_WAY,
             true => INSISTS,
@@ -290,7 +290,7 @@ impl Inhabitants {
         self.paths.forget(c, self.paths.target(c));
     }
 
-    /// Tries count since anybody was last told something: where nobody is, everybody comes to rest in the end.
+    /// Tries count since the last order: without new ones, all characters come to rest in the end.
     fn forget_tries(&mut self, c: usize) {
         let state = &mut self.states[c];
         if std::mem::replace(&mut state.told, self.num_orders) != self.num_orders {
@@ -298,7 +298,7 @@ impl Inhabitants {
         }
     }
 
-    /// Sends one who is to go near a place to another free place there; false where there is none.
+    /// Sends a character to another free place near its target; false where there is none.
     fn try_another(&mut self, graph: &WorldGraph, c: usize) -> bool {
         let turned = self.turn_to_free(graph, c);
         if turned {

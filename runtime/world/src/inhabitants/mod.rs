@@ -50,9 +50,9 @@ struct State {
     until_s: f64,
     /// How long it has done what it was to perform (frames).
     performed: u32,
-    /// True where it is blocked, and somebody else cannot pass.
+    /// True where it is blocked, and another character cannot pass.
     in_the_way: bool,
-    /// Times that it lost patience, and of these with who does not go on; since when, see `num_orders`.
+    /// Times that it lost patience, and of these behind characters that do not go on; since when, see `num_orders`.
     tries: [u32; 2],
     told: u32,
 }
@@ -91,14 +91,14 @@ impl State {
 /// [`Inhabitants::new`], but for saving and loading.
 ///
 /// Each holds the units of the instance it is in, and takes all that it needs up to the next node from which a rest
-/// cell can be reached without more. Others keep out of them. Who does not get what it needs goes to rest within what it
-/// holds, tries again, and after a while makes a random detour, longer each time. Who finds its place taken by one who
-/// stays there waits where it is, and makes room for others, until the place is free or it is told something else.
+/// cell can be reached without more. Others keep out of them. A character refused a reservation rests within the units
+/// it holds, tries again, and after a while makes a random detour, longer each time. If its place is taken by one that
+/// stays, it waits, and moves out of the way of others, until the place is free or it gets another order.
 #[derive(Clone, Debug)]
 pub struct Inhabitants {
     world: World,
     config: InhabitantsConfig,
-    /// Those who are there, in the order of bodies. All that follows is in the same order.
+    /// Ids of present characters, in the order of bodies. All that follows is in the same order.
     roster: Roster,
     characters: Characters,
     roots: Vec<Planar>,
@@ -112,7 +112,7 @@ pub struct Inhabitants {
     events: Vec<(Id, InhabitantEvent)>,
     rate_hz: f32,
     time_s: f64,
-    /// Times that somebody was told something, entered, left or was put elsewhere.
+    /// Number of orders, and of characters that entered, left or were placed.
     num_orders: u32,
 }
 
@@ -127,7 +127,7 @@ impl Inhabitants {
         Ok(Self {
             world: world.clone(),
             roster: Roster::with_capacity(capacity),
-            characters: Characters::with_room(motion_set, config.characters, capacity)?,
+            characters: Characters::with_capacity(motion_set, config.characters, capacity)?,
             roots: Vec::with_capacity(capacity),
             states: Vec::with_capacity(capacity),
             chains: Chains::new(capacity),
@@ -135,7 +135,7 @@ impl Inhabitants {
             reservations: Reservations::new(graph.world().units.len(), capacity),
             planner: Planner::new(graph),
             offers: offers::by_tag(graph),
-            // In one step, somebody may find no way and somebody may arrive.
+            // In one step, one may find no way and another may arrive.
             events: Vec::with_capacity(2 * capacity),
             rate_hz: motion_set.rate_hz,
             time_s: 0.0,
@@ -154,7 +154,7 @@ impl Inhabitants {
         self.roster.capacity()
     }
 
-    /// Those who are there, in the order of bodies.
+    /// Ids of present characters, in the order of bodies.
     pub fn ids(&self) -> &[Id] {
         self.roster.ids()
     }

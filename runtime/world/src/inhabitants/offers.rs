@@ -23,13 +23,13 @@ pub(super) fn by_tag(graph: &WorldGraph) -> Vec<Vec<u32>> {
     out
 }
 
-/// What waiting is weighed by against going elsewhere: who walks comes that far (m/s).
+/// Speed by which waiting is weighed against a walk elsewhere (m/s).
 const WALK_MPS: f32 = 1.2;
 /// Who has come to stay stays that long, as far as others can tell (s).
 const STAY_S: f32 = 60.0;
 
 impl Inhabitants {
-    /// The instance that offers a tag and is soonest to be had: near, and free or soon left by who holds it.
+    /// The instance that offers a tag and is soonest to be had: near, and free or soon released.
     pub(super) fn nearest_offer(&self, graph: &WorldGraph, character: usize, tag: u16) -> Option<u32> {
         let list = self.offers.get(usize::from(tag).checked_sub(1)?)?;
         let here = graph.place(self.states[character].at).translation();

@@ -1,4 +1,4 @@
-//! Planned paths of all characters, and the queue of those who wait for one.
+//! Planned paths of all characters, and the queue of requests for one.
 
 use super::snapshot::{are_steps, is_node};
 use crate::plan::{Plan, Target};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// The path of one character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Path {
-    /// Where it leads; none for those who roam.
+    /// Where it leads; none for a roaming character.
     pub target: Option<Target>,
     /// Node that the next step begins at.
     pub from: Option<Node>,
@@ -20,7 +20,7 @@ pub(super) struct Path {
     asked: bool,
 }
 
-/// Of all characters: their paths and what is left of the steps, and those who wait for one in their order.
+/// Of all characters: their paths, the steps left, and the queue of requests.
 pub(super) type SavedPaths = (Vec<Path>, Vec<Vec<Step>>, Vec<u32>);
 
 /// Paths of all characters; memory for all of them.
@@ -29,7 +29,7 @@ pub(super) struct Paths {
     paths: Vec<Path>,
     steps: Vec<Step>,
     max_path: usize,
-    /// Those who wait for a path, from `first` on around.
+    /// Characters that wait for a path, a ring from `first` on.
     queue: Vec<u32>,
     first: usize,
     len: usize,
@@ -74,7 +74,7 @@ impl Paths {
     }
 
     /// Lets a path begin at another node, from which other steps lead to where its step `joined` (of those left) ends.
-    /// Where there is no room, its last steps are given up.
+    /// Its last steps are given up where they do not fit.
     pub fn rejoin(&mut self, character: usize, from: Node, way: &[Step], joined: usize) {
         let p = &mut self.paths[character];
         let steps = &mut self.steps[character * self.max_path..][..self.max_path];
@@ -128,7 +128,7 @@ impl Paths {
         self.steps.copy_within(last * self.max_path..(last + 1) * self.max_path, character * self.max_path);
     }
 
-    /// The next one who waits for a path.
+    /// The next character that waits for a path.
     pub fn next(&mut self) -> Option<usize> {
         if self.len == 0 {
             return None;
@@ -178,7 +178,7 @@ impl Paths {
         &mut self.steps[character * self.max_path..][..self.max_path]
     }
 
-    /// Takes the path whose steps were put in its room.
+    /// Takes the path whose steps were written to its slots.
     pub fn set(&mut self, character: usize, from: Node, plan: Plan) {
         let p = &mut self.paths[character];
         (p.from, p.next, p.end, p.plan) = (Some(from), 0, plan.num_stored, Some(plan));

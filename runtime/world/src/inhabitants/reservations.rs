@@ -89,7 +89,7 @@ impl Reservations {
         }
     }
 
-    /// Gives all that a character holds to another one, who holds nothing.
+    /// Gives all reservations of a character to another one, which has none.
     pub fn hand_over(&mut self, from: u32, to: u32) {
         let mut unit = std::mem::replace(&mut self.first[from as usize], NONE);
         self.first[to as usize] = unit;

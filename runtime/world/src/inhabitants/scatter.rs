@@ -6,9 +6,9 @@ use glam::Vec3;
 use throng_core::characters::uniform;
 use throng_core::patch::{CellRecord, NONE};
 
-/// Rest cells at random places for up to `n` characters, each in an instance whose units nobody else has.
+/// Rest cells at random places for up to `n` characters, each in an instance whose units are free.
 ///
-/// - returns fewer where the world has no room for more.
+/// - returns fewer where the world is full.
 pub fn scatter(graph: &WorldGraph, n: usize, seed: u64) -> Vec<Node> {
     let mut order: Vec<u32> = (0..graph.num_instances() as u32).collect();
     for i in (1..order.len()).rev() {

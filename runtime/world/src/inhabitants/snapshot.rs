@@ -44,7 +44,7 @@ impl Inhabitants {
         SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 1, setup: setup.finish() }
     }
 
-    /// Takes a state that may be anybody's, or changes nothing and says what does not fit.
+    /// Takes a state of unknown origin, or changes nothing and says what does not fit.
     fn restore(
         &mut self,
         ((time_s, num_orders), roster, characters, states, chains, paths): &Saved,
@@ -62,11 +62,14 @@ impl Inhabitants {
         bodies.restore_any(world.motion_set(), characters).map_err(|_| "its motion is not of the bundle")?;
         let is_laid = |c| bodies.segment(c).0 == u32::MAX;
         check(bodies.num_characters() == n && (0..n).all(is_laid), "its rows do not fit together")?;
-        check(states.iter().all(|s| is_sound(graph, s)), "somebody is where the world has no place")?;
+        check(states.iter().all(|s| is_sound(graph, s)), "a character is where the world has no place")?;
         for (c, (state, chain)) in states.iter().zip(chains).enumerate() {
             let (end, place) = (bodies.scheduled_end(world.motion_set(), c), graph.place(state.at));
-            check((end.x - place.x).hypot(end.z - place.z) < ASTRAY_M, "somebody's motion leads elsewhere")?;
-            check(chain.len() <= MAX_CHAIN && are_steps(graph, state.at, chain), "somebody goes where no step leads")?;
+            check((end.x - place.x).hypot(end.z - place.z) < ASTRAY_M, "a character's motion leads elsewhere")?;
+            check(
+                chain.len() <= MAX_CHAIN && are_steps(graph, state.at, chain),
+                "a character goes where no step leads",
+            )?;
             check(
                 state.wish.is_roaming() == paths.0.get(c).is_none_or(|p| p.target.is_none()),
                 "a wish has no target",

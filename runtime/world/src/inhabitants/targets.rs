@@ -1,4 +1,4 @@
-//! Where wishes lead: to places that there are, and that nobody else has.
+//! Where wishes lead: to places that exist and are free.
 
 use super::{Doing, InhabitantEvent, Inhabitants, Wish};
 use crate::plan::Target;
@@ -20,7 +20,7 @@ impl Inhabitants {
             Wish::GoTo { instance } => {
                 check_index("instance", who, instance as usize, graph.num_instances())?;
                 let has_place = graph.rest_cells(instance).next().is_some();
-                check("instance", who, instance.into(), has_place, "one in which one can stay")?;
+                check("instance", who, instance, has_place, "one in which one can stay")?;
                 Target::Rest { instance }
             }
             Wish::GoToPlace { place } => {
@@ -36,15 +36,9 @@ impl Inhabitants {
                 Target::Rest { instance }
             }
             Wish::Perform { tag, seconds } => {
-                check("seconds", who, seconds.into(), (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
+                check("seconds", who, seconds, (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
                 let offer = self.nearest_offer(graph, c, tag);
-                check(
-                    "tag",
-                    who,
-                    tag.into(),
-                    offer.is_some(),
-                    "one of motion that begins where one can come to and stay",
-                )?;
+                check("tag", who, tag, offer.is_some(), "one of motion that begins where one can come to and stay")?;
                 // Another instance may offer it where no way leads to this one.
                 return Ok(offer.map(|instance| Target::Tag { instance, tag }));
             }
@@ -78,7 +72,7 @@ impl Inhabitants {
         }
     }
 
-    /// The instance of the place to stay that is nearest to a point, of those that nobody else holds or is on the way to.
+    /// The instance of the free place to stay that is nearest to a point and no other character's target.
     ///
     /// - `but`: not that one.
     fn free_near(&mut self, graph: &WorldGraph, c: usize, point: Vec3, within_m: f32, but: Option<u32>) -> Option<u32> {
@@ -104,13 +98,13 @@ impl Inhabitants {
         self.stays(other).then_some(other)
     }
 
-    /// True for who has come to stay. Who came in this step may be told to go on before the next one.
+    /// True for a character that has come to stay. One that came in this step may be told to go on before the next one.
     pub(super) fn stays(&self, c: usize) -> bool {
         let came = (self.roster.ids()[c], InhabitantEvent::Fulfilled);
         self.states[c].doing == Doing::Arrived && !self.events.contains(&came)
     }
 
-    /// Sends one who is to go near a place to another free place there; false where there is none.
+    /// Sends a character to another free place near its target; false where there is none.
     pub(super) fn turn_to_free(&mut self, graph: &WorldGraph, c: usize) -> bool {
         let Wish::GoNear { place, within_m } = self.states[c].wish else { return false };
         let now = self.paths.target(c).map(|t| t.instance());
@@ -119,7 +113,7 @@ impl Inhabitants {
         true
     }
 
-    /// Lets one who is to go near a place stay where it is, if that is near enough; false where it is not.
+    /// Lets a character stay where it is, if that is near enough to its target; false where it is not.
     pub(super) fn stay_near(&mut self, graph: &WorldGraph, c: usize) -> bool {
         let (Wish::GoNear { place, within_m }, here) = (self.states[c].wish, self.states[c].at.instance) else {
             return false;
@@ -137,5 +131,5 @@ impl Inhabitants {
 pub(super) fn check_place(graph: &WorldGraph, who: Option<Id>, node: Node) -> Result<()> {
     check_index("instance", who, node.instance as usize, graph.num_instances())?;
     check_index("cell", who, node.cell as usize, graph.num_cells(node.instance) as usize)?;
-    check("cell", who, node.cell.into(), graph.is_rest(node), "one where one can stay, see `World::near` and `scatter`")
+    check("cell", who, node.cell, graph.is_rest(node), "one where one can stay, see `World::near` and `scatter`")
 }

@@ -82,7 +82,7 @@ impl Clusters {
         Some(self.of[instance as usize]).filter(|d| *d != NONE)
     }
 
-    /// Number of an instance among the members of its cluster.
+    /// Number of an instance within its cluster.
     pub fn number(&self, cluster: u32, instance: u32) -> u32 {
         self.members[cluster as usize].partition_point(|&m| m < instance) as u32
     }

@@ -1,5 +1,6 @@
 //! Searches over whole frames: arcs by where they begin, and Dijkstra with buckets in place of a heap (Dial 1969).
 
+use crate::queue::Buckets;
 use serde::{Deserialize, Serialize};
 
 /// Stands where there is no way.
@@ -48,15 +49,19 @@ impl<T: Copy> Arcs<T> {
 }
 
 /// Memory of searches.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Dial {
     costs: Vec<u32>,
     /// States by cost.
-    buckets: Vec<Vec<u32>>,
-    /// States in the buckets.
-    open: usize,
+    queue: Buckets,
     /// Cost of the state that is visited.
     cost: u32,
+}
+
+impl Default for Dial {
+    fn default() -> Self {
+        Self { costs: Vec::new(), queue: Buckets::new(0, LONGEST), cost: 0 }
+    }
 }
 
 impl Dial {
@@ -70,20 +75,15 @@ impl Dial {
     ) {
         self.costs.clear();
         self.costs.resize(num_states, u32::MAX);
-        self.buckets.resize(usize::from(UNREACHED) + 1, Vec::new());
-        (self.open, self.cost) = (0, 0);
+        self.queue.clear();
+        self.queue.grow(num_states);
+        self.cost = 0;
         for (state, cost) in sources {
             self.reach(state, cost);
         }
-        while self.open > 0 {
-            let Some(state) = self.buckets[self.cost as usize].pop() else {
-                self.cost += 1;
-                continue;
-            };
-            self.open -= 1;
-            if self.costs[state as usize] == self.cost {
-                visit(self, state);
-            }
+        while let Some((cost, state)) = self.queue.pop() {
+            self.cost = cost;
+            visit(self, state);
         }
     }
 
@@ -92,8 +92,7 @@ impl Dial {
         let total = (self.cost + u32::from(frames)).min(LONGEST);
         if total < self.costs[to as usize] {
             self.costs[to as usize] = total;
-            self.buckets[total as usize].push(to);
-            self.open += 1;
+            self.queue.push(to, total);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Landmarks: ways all around a world, and what it costs to come to them from everywhere (Goldberg and Harrelson 2005).
 //!
-//! Who goes from one place to another and on to a landmark goes no shorter way than who goes straight to the landmark: so
-//! much the way to the other place costs at least.
+//! The way to a landmark over another place is no shorter than the direct one: the difference of both places' costs to
+//! the landmark is a lower bound of the cost between them.
 
 use super::dial::{Dial, UNREACHED};
 use super::{Entrance, PathHierarchy, each};

@@ -1,7 +1,7 @@
 //! Regions: parts of a floor in which one can walk about as on an endless plane.
 //!
-//! Around a corner costs on a plane say too little. So a floor with corners is parted into rectangles; who goes from one
-//! to another goes through one of the portals between them, each of which is an edge between two tiles.
+//! Costs on a plane are too low around a corner. So a floor with corners is split into rectangles; ways between them lead
+//! through portals, each of which is an edge between two tiles.
 
 use std::collections::BTreeSet;
 

@@ -1,8 +1,8 @@
 //! What it costs within the target's cluster to come to the target: Dijkstra backwards, only as far as it is asked for.
 
-use super::buckets::Buckets;
 use crate::WorldGraph;
 use crate::path_hierarchy::PathHierarchy;
+use crate::queue::Buckets;
 
 /// Costs of the cells of one cluster; memory of the search for them. Its states are those that the costs_in's links lead
 /// back to, see `ClusterCosts::back`.

@@ -1,9 +1,7 @@
 //! Path planning in two layers (Lee, Choi and Lee 2006, section 7): over the ways into and out of what stands on open ground, then over the
 //! motion itself, towards what the upper layer says is near.
 
-mod buckets;
 mod end;
-mod heap;
 mod inside;
 mod next_entrances;
 mod nodes;
@@ -69,15 +67,15 @@ impl Target {
 pub struct Plan {
     /// Steps of the whole way.
     pub num_steps: usize,
-    /// Steps that there was room for: the first ones.
+    /// Number of steps written, the first ones.
     pub num_stored: usize,
     /// Time it takes (frames).
     pub num_frames: u32,
     /// Sum of the distances from the start to the end of what is played (m).
     pub length_m: f32,
-    /// No way takes less (frames).
+    /// Lower bound of the time (frames).
     pub least_frames: u32,
-    /// Ways opened in the upper layer: into and out of what is climbed, sat on or slid down, and from room to room.
+    /// Portals and entrances opened in the upper layer.
     pub opened_instances: usize,
     /// Nodes opened in the lower layer.
     pub opened_nodes: usize,
@@ -97,7 +95,7 @@ impl Planner {
     }
 
     /// Looks for a way from a node to a target that takes at most [`WORST`] times as long as the fastest one, and writes
-    /// as many of its first steps as there is room for; a way to where it begins has none. Allocates nothing.
+    /// as many of its first steps as fit; a way to where it begins has none. Allocates nothing.
     ///
     /// - returns `None` where no way leads there.
     ///
@@ -107,7 +105,7 @@ impl Planner {
         self.prove(graph, from, target, plan, out)
     }
 
-    /// The same for who cannot wait: takes a way that may be worse. [`Plan::least_frames`] tells by how much at most.
+    /// The same in less time: the path may be worse. [`Plan::least_frames`] tells by how much at most.
     pub fn plan_soon(&mut self, graph: &WorldGraph, from: Node, target: Target, out: &mut [Step]) -> Option<Plan> {
         self.find(graph, from, target, &|_| 0.0, &[(HASTE, usize::MAX)], out)
     }

@@ -1,7 +1,7 @@
 //! The lower layer: A* over nodes, in memory that is used again by every search.
 
-use super::heap::Heap;
 use crate::graph::Walk;
+use crate::queue::Heap;
 use crate::{Node, Step, WorldGraph};
 use bytemuck::{Pod, Zeroable};
 use throng_core::patch::NONE;
@@ -59,7 +59,7 @@ pub(crate) struct Nodes {
 struct State {
     /// The search that came to it, an even number, and 1 where it was opened.
     stamp: u32,
-    /// Of the best way there, and from there on; not a number where nobody asked for that (frames).
+    /// Of the best way there, and from there on; not a number where not asked for (frames).
     cost: f32,
     estimate: f32,
     /// What the best way there had cost when the links from it were followed; infinite before (frames).
@@ -67,7 +67,7 @@ struct State {
 }
 
 impl State {
-    /// Of a node that nobody came to.
+    /// Of a node that was not reached.
     fn new(stamp: u32) -> Self {
         Self { stamp, cost: f32::INFINITY, estimate: f32::NAN, left: f32::INFINITY }
     }
@@ -113,7 +113,7 @@ impl Nodes {
         Found::Nothing
     }
 
-    /// Writes the first steps of a way, as many as there is room for, and returns how many it has.
+    /// Writes the first steps of a way, as many as fit, and returns how many it has.
     pub fn path(&self, way: u32, out: &mut [Step]) -> usize {
         let mut len = 0;
         self.walk(way, |_| len += 1);

@@ -5,9 +5,9 @@ mod tests;
 
 use super::Target;
 use super::end::End;
-use super::heap::Heap;
 use super::next_entrances::{NextEntrance, NextEntrances};
 use crate::path_hierarchy::{Entrance, Landmarks, PathHierarchy, Spot, ToLandmarks};
+use crate::queue::Heap;
 use crate::{Node, WorldGraph};
 use throng_core::patch::NONE;
 
@@ -68,7 +68,7 @@ impl Upper {
         }
     }
 
-    /// A* from the target backwards, until more ways on would hardly help whoever begins at `from`, nor be part of any way
+    /// A* from the target backwards, until more ways on would hardly help from `from`, nor be part of any way
     /// that costs less than `most`.
     ///
     /// - returns false where no way leads from there to the target.
@@ -261,8 +261,7 @@ impl Upper {
         self.reach_region(hierarchy, region, state, cost);
     }
 
-    /// True where another way on from a region costs no more from any of the cells that one begins at: who comes to them
-    /// might take that one as well.
+    /// True where another way on from the region costs no more from any of the cells that this one begins at.
     fn is_dominated(&self, hierarchy: &PathHierarchy, state: u32, cost: f32) -> bool {
         let is_less = |&(other, most): &(u32, u16)| {
             let o = other as usize;

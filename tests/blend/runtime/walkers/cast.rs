@@ -1,7 +1,7 @@
 //! Entering, leaving, orders that stay, events.
 
 use super::*;
-use throng_runtime::blend::walkers::WalkerEvent;
+use throng_runtime::walkers::WalkerEvent;
 
 #[test]
 fn those_who_stay_do_not_notice_who_enters_and_leaves() {
@@ -9,7 +9,7 @@ fn those_who_stay_do_not_notice_who_enters_and_leaves() {
     let mut alone = Outing::new(&made_up, WalkersConfig::default(), 5);
     let mut walkers =
         Walkers::with_capacity(made_up.space(), &bodies(), WalkersConfig::default(), 20).expect("walkers");
-    // Others before, between and behind them, who leave one after the other.
+    // Others before, between and behind them, which leave one after the other.
     let mut others = Vec::new();
     let mut ids = Vec::new();
     for c in 0..20 {
@@ -20,7 +20,7 @@ fn those_who_stay_do_not_notice_who_enters_and_leaves() {
         alone.step(wandering);
         if let Some(id) = others.pop() {
             walkers.order(id, Control::walk(Vec2::Y)).expect("an order");
-            walkers.despawn(id).expect("somebody");
+            walkers.despawn(id).expect("a walker");
             assert!(matches!(walkers.order(id, Control::default()), Err(Error::Gone(gone)) if gone == id));
         }
         for (c, id) in ids.iter().enumerate() {
@@ -30,7 +30,7 @@ fn those_who_stay_do_not_notice_who_enters_and_leaves() {
         }
         walkers.step(DT_S, &Inline).expect("a step");
         for (c, id) in ids.iter().enumerate() {
-            let body = walkers.bodies().get(*id).expect("somebody");
+            let body = walkers.bodies().get(*id).expect("a walker");
             assert_eq!((body.root, body.model), (alone.walkers.root(c), alone.walkers.pose(c)), "{c}");
         }
     }
@@ -41,7 +41,7 @@ fn those_who_stay_do_not_notice_who_enters_and_leaves() {
 fn walkers_beyond_the_capacity_are_refused() {
     let mut outing = Outing::new(&MadeUp::locomotion(), WalkersConfig::default(), 3);
     assert!(matches!(outing.walkers.spawn(start(3)), Err(Error::Full { capacity: 3 })));
-    outing.walkers.despawn(outing.ids[0]).expect("somebody");
+    outing.walkers.despawn(outing.ids[0]).expect("a walker");
     let next = outing.walkers.spawn(start(3)).expect("room");
     assert_ne!(next, outing.ids[0]);
     assert!(outing.walkers.status(outing.ids[0]).is_err());
@@ -51,14 +51,14 @@ fn walkers_beyond_the_capacity_are_refused() {
 fn orders_stay_until_the_next_one() {
     let mut outing = Outing::new(&MadeUp::locomotion(), WalkersConfig::default(), 2);
     let [a, b] = [outing.ids[0], outing.ids[1]];
-    assert_eq!(outing.walkers.status(a).expect("somebody"), Status::Idle);
+    assert_eq!(outing.walkers.status(a).expect("a walker"), Status::Idle);
     outing.walkers.order(a, Control::walk(Vec2::new(0.0, 1.5))).expect("an order");
     let arc = Control { turning_rate: Some(0.5), ..Control::walk(Vec2::new(0.0, 1.0)) };
     outing.walkers.order(b, arc).expect("an order");
     for _ in 0..120 {
         outing.walkers.step(DT_S, &Inline).expect("a step");
     }
-    assert_eq!(outing.walkers.status(a).expect("somebody"), Status::There);
+    assert_eq!(outing.walkers.status(a).expect("a walker"), Status::There);
     let (straight, turned) = (outing.walkers.root(0), outing.walkers.root(1));
     assert!(straight.x.abs() < 1e-3 && (straight.z - 3.0).abs() < 1e-3, "{straight:?}");
     // A radius of 2 m, and 1 rad of it.
@@ -75,8 +75,8 @@ fn placed_walkers_stand_there_at_once_and_go_on_from_there() {
     (0..100).for_each(|_| outing.step(wandering));
     let neighbour = *outing.walkers.pose(6);
     let there = Planar::new(50.0, -20.0, 1.0);
-    outing.walkers.place(outing.ids[7], there).expect("somebody");
-    assert_eq!(outing.walkers.bodies().get(outing.ids[7]).expect("somebody").root, there);
+    outing.walkers.place(outing.ids[7], there).expect("a walker");
+    assert_eq!(outing.walkers.bodies().get(outing.ids[7]).expect("a walker").root, there);
     assert_eq!(*outing.walkers.pose(6), neighbour, "others are posed anew");
     let feet = |o: &Outing| [Joint::LeftFoot, Joint::RightFoot].map(|j| o.walkers.joint_positions(7)[j.index()]);
     outing.walkers.order(outing.ids[7], Control::default()).expect("an order");

@@ -9,7 +9,7 @@ use super::made_up::MadeUp;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use throng_runtime::blend::HeightField;
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Cast, Contacts, Error, Id, Inline, Joint, Mat3x4, Planar, Rayon, Run, Skeleton, Status};
 
 const DT_S: f32 = 1.0 / 60.0;

@@ -27,7 +27,7 @@ fn snapshots_lead_to_the_same_steps() {
     outing.walkers.save(&mut bytes);
     let go_on = |outing: &mut Outing| {
         (0..50).for_each(|_| outing.step(jumping));
-        outing.walkers.despawn(outing.ids[3]).expect("somebody");
+        outing.walkers.despawn(outing.ids[3]).expect("a walker");
         let next = outing.walkers.spawn(start(3)).expect("room");
         (next, outing.walkers.bodies().model.to_vec(), outing.walkers.hash())
     };

@@ -20,7 +20,7 @@ fn order(world: &mut WorldDocument, order: Order) -> Result<Option<usize>, Strin
     world.order(order).unwrap();
     match world.take_in(true) {
         Some(Taken::Changed(place)) => Ok(place),
-        Some(Taken::Begun) => panic!("nobody asked for other characters"),
+        Some(Taken::Begun) => panic!("other characters were not asked for"),
         Some(Taken::Refused) => Err(world.refused().unwrap().why.clone()),
         None => panic!("nothing came of {order:?}"),
     }

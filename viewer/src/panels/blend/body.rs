@@ -1,10 +1,10 @@
-//! The body that walks, and who walks beside it.
+//! The walking body, and its companion.
 
 use super::slider;
 use crate::run::{Beside, Blending, LEGS, SIZES};
 use eframe::egui::{Grid, Ui};
 
-/// Shows size, legs, retargeting and who walks beside.
+/// Shows size, legs, retargeting and the companion.
 pub fn show(ui: &mut Ui, wanted: &mut Blending) {
     Grid::new("body").num_columns(2).spacing([8.0, 3.0]).show(ui, |ui| {
         for (name, tip, value, range) in [

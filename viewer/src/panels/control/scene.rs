@@ -1,8 +1,8 @@
-//! A scene: who is there, how many, the seed, saved states, what the selected character is told, and what has happened.
+//! A scene: groups, numbers, seed, saved states, orders of the selected character, and events.
 
 use super::{behaviours, target};
 use crate::command::{Command, SceneCommand};
-use crate::document::{MAX_CHARACTERS, SceneChoice, SceneDocument};
+use crate::document::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument};
 use crate::model::Model;
 use crate::panels::words;
 use crate::run::Input;
@@ -101,7 +101,7 @@ fn choose(ui: &mut Ui, scene: &SceneDocument, dragged: &mut Option<SceneChoice>,
         }
         let label = ui.label("characters").on_hover_text("Of all groups, each with its share");
         let slider =
-            Slider::new(&mut wanted.characters, 1..=MAX_CHARACTERS).update_while_editing(false).logarithmic(true);
+            Slider::new(&mut wanted.characters, 1..=MAX_SCENE_CHARACTERS).update_while_editing(false).logarithmic(true);
         is_dragged |= ui.add(slider).labelled_by(label.id).dragged();
         ui.end_row();
         let label = ui.label("seed").on_hover_text("Of places, paths and choices");

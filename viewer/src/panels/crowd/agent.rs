@@ -107,7 +107,7 @@ fn row(ui: &mut Ui, (name, tip): (&str, &str), colour: Color32, force: Vec3, (ah
     ui.end_row();
 }
 
-/// Where a force points, for who goes some way; up and down where that is most of it.
+/// Direction of a force relative to the heading; up or down where that is most of it.
 fn direction(force: Vec3, ahead: Vec3) -> String {
     if force.y.abs() > 0.8 * force.length() {
         return if force.y > 0.0 { "up".into() } else { "down".into() };

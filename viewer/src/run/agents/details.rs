@@ -61,7 +61,7 @@ fn engine(simulation: &Simulation, who: usize) -> Option<(&Crowd, Id)> {
     }
 }
 
-/// Centre and radius of the time-varying bound of an agent; none for other characters and those who have left (m).
+/// Centre and radius of the time-varying bound of an agent; none for other characters and after it has left (m).
 pub fn bound(simulation: &Simulation, who: usize) -> Option<(Vec3, f32)> {
     let (crowd, id) = engine(simulation, who)?;
     crowd.bound(id, crowd.now())
@@ -76,7 +76,7 @@ pub fn way(simulation: &Simulation, who: usize) -> Vec<Vec3> {
     }
 }
 
-/// More of an agent; none for other characters and those who have left.
+/// More of an agent; none for other characters and after it has left.
 pub fn details(simulation: &Simulation, who: usize) -> Option<Details> {
     let (crowd, id) = engine(simulation, who)?;
     let (agent, f) = (crowd.agent(id)?, crowd.forces(id)?);

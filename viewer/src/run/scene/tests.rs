@@ -18,7 +18,7 @@ fn steps(run: &mut SceneRun, count: u32) {
     (0..count).for_each(|_| run.step().unwrap());
 }
 
-/// Where everybody and every joint is, as bits.
+/// Places of all characters and joints, as bits.
 fn poses(run: &SceneRun) -> Vec<u32> {
     let simulation = run.simulation();
     let joints = |who| simulation.joint_positions(who).into_iter().flatten();
@@ -137,7 +137,7 @@ fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count()
             }
         }
     }
-    assert!(inactive > 0, "nobody was ever out of reach");
+    assert!(inactive > 0, "no target was ever out of reach");
     assert_eq!(document.weights(3).unwrap().0, ["approach", "throw-punches", "evade"]);
 }
 

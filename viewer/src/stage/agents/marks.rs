@@ -11,12 +11,12 @@ use glam::Vec3;
 const MARK_S: f64 = 0.6;
 /// What happens seldom stays longer (s).
 const RARE_S: f64 = 2.5;
-/// Marks of what happens all the time that are drawn at most: more would hide who they are about. Those of the selected
+/// Most marks of frequent events that are drawn: more would hide who they are about. Those of the selected
 /// agent are drawn all the same.
 const MAX_MARKS: usize = 120;
 /// Marks of what happens seldom that are drawn at most.
 const MAX_RARE: usize = 500;
-/// Radius of marks of agents who have left (m).
+/// Radius of marks of agents that have left (m).
 const GONE_M: f32 = 0.3;
 /// Height over the ground (m).
 const MARK_Y: f32 = 0.022;

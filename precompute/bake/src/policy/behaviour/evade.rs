@@ -4,7 +4,7 @@
 //! sparring. Here the opponent's motion is reduced to where the blow will land and the time left until then, which are
 //! the axes of a space-time grid.
 
-use super::super::config::{BehaviourConfig, KernelConfig, RewardForm, without_advice};
+use super::super::config::{BehaviourConfig, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::Behaviour;
 use crate::graph::MotionGraph;
@@ -54,7 +54,7 @@ impl Evade {
         let reward = RewardRecord { height: height as f32, ..*reward.record() };
         Ok(Self {
             region: c.region.make(&c.name, true, default)?,
-            reward: Reward::new(reward).map_err(|e| c.fault("height", without_advice(&e)))?,
+            reward: Reward::new(reward).map_err(|e| c.fault("height", e))?,
             discount: c.discount_at(rate_hz),
             config: config.clone(),
             grid,

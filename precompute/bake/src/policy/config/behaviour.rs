@@ -1,11 +1,9 @@
 //! One behaviour, as the configuration describes it.
 
-use super::{CentreConfig, GridConfig, RegionConfig, without_advice};
+use super::{CentreConfig, GridConfig, RegionConfig};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use throng_core::policy::{
-    COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_WITHIN, PolicyError, Reward, RewardRecord,
-};
+use throng_core::policy::{COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_WITHIN, Reward, RewardRecord};
 use throng_motion::error::BuildError;
 
 /// One behaviour: what is rewarded, over which cells of the target, and where it is active.
@@ -202,8 +200,7 @@ impl BehaviourConfig {
         };
         let record = RewardRecord::new(combine, kernel, self.scale.unwrap_or(scale) as f32);
         let (offset, gain) = (self.offset as f32, self.gain.unwrap_or(gain) as f32);
-        Reward::new(RewardRecord { offset, gain, ..record })
-            .map_err(|e: PolicyError| self.fault("scale", without_advice(&e)))
+        Reward::new(RewardRecord { offset, gain, ..record }).map_err(|e| self.fault("scale", e))
     }
 }
 

@@ -1,13 +1,14 @@
 //! Cells of a behaviour's target.
 
+use super::AdaptiveConfig;
 use super::region::ANGLE_TOLERANCE;
-use super::{AdaptiveConfig, without_advice};
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::PI;
 use std::f64::consts;
-use throng_core::policy::{MAX_AXIS, PolicyError, TargetGrid};
+use throng_core::Error;
+use throng_core::policy::{MAX_AXIS, TargetGrid};
 use throng_motion::error::BuildError;
 
 /// Cells of the target. What is absent is taken from the behaviour's kind:
@@ -233,8 +234,8 @@ fn fault(behaviour: &str, key: &str, why: impl std::fmt::Display) -> BuildError 
 }
 
 /// What the runtime's own check says of the grid as a whole.
-fn wrong(behaviour: &str, e: &PolicyError) -> BuildError {
-    BuildError::Config { message: format!("behaviour \"{behaviour}\", key `grid`: {}", without_advice(e)) }
+fn wrong(behaviour: &str, e: &Error) -> BuildError {
+    BuildError::Config { message: format!("behaviour \"{behaviour}\", key `grid`: {e}") }
 }
 
 #[cfg(test)]

@@ -13,7 +13,6 @@ pub use grid::{BoundsConfig, GridConfig};
 pub use region::RegionConfig;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use throng_core::policy::PolicyError;
 
 /// How policies are solved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -34,10 +33,4 @@ impl Default for PolicyConfig {
     fn default() -> Self {
         Self { epsilon: 1e-4, max_sweeps: 500, choices: 4, compare_samples: 10_000 }
     }
-}
-
-/// What is wrong without the advice to rebuild the bundle, which does not help a configuration.
-pub(super) fn without_advice(e: &PolicyError) -> String {
-    let text = e.to_string();
-    text.strip_suffix("; rebuild the bundle").unwrap_or(&text).trim_start_matches("policy table ").to_owned()
 }

@@ -4,8 +4,8 @@
 use crate::slip::Soles;
 use glam::{Quat, Vec3};
 use throng_motion::clip::joint_transforms;
-use throng_runtime::blend::walkers::Control;
 use throng_runtime::blend::{BlendSpace, MAX_AXES, Posture, channel};
+use throng_runtime::walkers::Control;
 use throng_runtime::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
 /// Ankle and ball of both feet.

@@ -7,7 +7,7 @@ use crate::slip::{SoleMeter, Soles};
 use glam::Vec3;
 use throng_motion::error::BuildError;
 use throng_runtime::blend::BlendSpace;
-use throng_runtime::blend::walkers::{WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::walkers::{WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Bundle, Cast, Contacts, Inline, Joint, NUM_JOINTS, Planar};
 
 /// Characters that are looked at, and for how long (s).

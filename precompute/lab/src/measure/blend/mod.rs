@@ -15,10 +15,10 @@ use throng_bake::config::BuildConfig;
 use throng_bake::examples::BlendConfig;
 use throng_bake::examples::cardinal::CardinalBasis;
 use throng_motion::error::BuildError;
-use throng_runtime::blend::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::blend::{BlendSpace, MAX_AXES, Posture, axis};
 use throng_runtime::simulation::scene::BodiesConfig;
 use throng_runtime::simulation::wander::skeletons;
+use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Bundle, Cast, Inline, NUM_JOINTS, Planar};
 
 /// Characters of a batch.

@@ -167,7 +167,7 @@ fn links(t: &Bundle, p: &PatchRecord, cells: &[CellRecord], links: &[LinkRecord]
             return Err(FormatError::value(
                 tags::PATCH_CELLS,
                 index,
-                "nobody can stay there: no link leads back to it",
+                "no character can stay there: no link leads back to it",
             ));
         }
     }

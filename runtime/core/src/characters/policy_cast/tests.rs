@@ -75,7 +75,7 @@ fn neither_threads_nor_who_left_before_change_what_others_do() {
     step(&mut whole, 20);
     (0..20).for_each(|_| split.step(DT, &TwoThreads).unwrap());
     assert_eq!(whole.hash(), split.hash());
-    // Others move to the places of those who leave; only those are told apart by it.
+    // Others move to the rows of those that leave; ids stay.
     for i in [0, 7, 130, 131, 250, 299] {
         split.despawn(Id::first(i)).unwrap();
     }

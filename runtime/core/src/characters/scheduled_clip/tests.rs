@@ -4,6 +4,7 @@ use super::*;
 use crate::characters::tests::{starts, tables, targets};
 use crate::characters::{CharactersConfig, FootLockConfig, Goal};
 use crate::skeleton::{Joint, NUM_JOINTS};
+use throng_base::Error;
 
 const RATE: f32 = 30.0;
 
@@ -72,7 +73,7 @@ fn without_another_course_a_character_stays_exactly_at_the_end() {
 }
 
 #[test]
-fn time_that_is_left_over_is_spent_on_the_next_course_even_where_courses_are_shorter_than_a_tick() {
+fn time_left_goes_to_the_next_scheduled_clip_even_within_a_tick() {
     let tables = tables();
     let r = MotionSet::new(&tables);
     let mut characters =
@@ -93,7 +94,7 @@ fn time_that_is_left_over_is_spent_on_the_next_course_even_where_courses_are_sho
 }
 
 #[test]
-fn nothing_jumps_where_courses_change() {
+fn poses_do_not_jump_where_scheduled_clips_change() {
     let tables = tables();
     let r = MotionSet::new(&tables);
     let foot_lock = FootLockConfig { enabled: false, ..FootLockConfig::default() };
@@ -162,7 +163,7 @@ fn laid_characters_may_play_segments_again_and_choosers_may_be_laid() {
     let mut characters = Characters::new(&r, CharactersConfig::default(), &starts(2)).unwrap();
     characters.step(&r, 0.1, &goals).unwrap();
     for c in 0..2 {
-        assert!(characters.step(&r, 0.1, &[]).is_err(), "somebody chooses");
+        assert!(characters.step(&r, 0.1, &[]).is_err(), "a character chooses");
         let root = characters.scheduled_end(&r, c);
         characters.lay(&r, c, &ScheduledClip { lift: 1.0, ..scheduled_clip(5, 30, root) }).unwrap();
     }
@@ -177,7 +178,7 @@ fn laid_characters_may_play_segments_again_and_choosers_may_be_laid() {
 }
 
 #[test]
-fn courses_that_leave_their_clip_or_are_nowhere_are_refused() {
+fn scheduled_clips_beyond_their_clip_or_not_finite_are_refused() {
     let tables = tables();
     let r = MotionSet::new(&tables);
     let good = scheduled_clip(0, 20, Planar::IDENTITY);
@@ -196,5 +197,5 @@ fn courses_that_leave_their_clip_or_are_nowhere_are_refused() {
         assert!(Characters::new_laid(&r, CharactersConfig::default(), &[c]).is_err(), "{c:?}");
         assert!(characters.lay(&r, 0, &c).is_err(), "{c:?}");
     }
-    assert!(matches!(characters.lay(&r, 1, &good), Err(CharactersError::Index { .. })));
+    assert!(matches!(characters.lay(&r, 1, &good), Err(Error::Index { .. })));
 }

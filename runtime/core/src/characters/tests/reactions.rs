@@ -216,15 +216,15 @@ fn refuses_pushes_that_cannot_be() {
     let tables = tables();
     let r = MotionSet::new(&tables);
     let mut t = Characters::new(&r, plain(), &starts(2)).unwrap();
-    assert!(matches!(t.push(2, Joint::Head, Vec3::X), Err(CharactersError::Index { what: "character", .. })));
+    assert!(matches!(t.push(2, Joint::Head, Vec3::X), Err(Error::Index { what: "character", .. })));
     for by in [Vec3::NAN, Vec3::INFINITY, Vec3::X * 1e4] {
-        assert!(matches!(t.push(0, Joint::Head, by), Err(CharactersError::Value { what: "displacement", .. })));
+        assert!(matches!(t.push(0, Joint::Head, by), Err(Error::Value { what: "displacement", .. })));
     }
-    assert!(matches!(t.shift(0, Vec2::NAN), Err(CharactersError::Value { what: "shift", .. })));
+    assert!(matches!(t.shift(0, Vec2::NAN), Err(Error::Value { what: "shift", .. })));
     let reaction = ReactionConfig { hips_share: 1.5, ..ReactionConfig::default() };
     let config = CharactersConfig { reaction, ..plain() };
     let refused = Characters::new(&r, config, &starts(2));
-    assert!(matches!(refused, Err(CharactersError::Value { what: "reaction.hips_share", .. })));
+    assert!(matches!(refused, Err(Error::Value { what: "reaction.hips_share", .. })));
 }
 
 #[test]

@@ -113,8 +113,8 @@ fn a_played_segment_starts_at_once_and_without_a_jump() {
         characters.step(&r, dt, &goals).unwrap();
     }
     assert!(characters.last_choice(1).is_some(), "it chooses for itself again");
-    assert!(matches!(characters.play(&r, 3, 0), Err(CharactersError::Index { what: "character", .. })));
-    assert!(matches!(characters.play(&r, 0, 4), Err(CharactersError::Index { what: "segment", .. })));
+    assert!(matches!(characters.play(&r, 3, 0), Err(Error::Index { what: "character", .. })));
+    assert!(matches!(characters.play(&r, 0, 4), Err(Error::Index { what: "segment", .. })));
 }
 
 #[test]

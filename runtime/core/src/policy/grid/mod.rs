@@ -2,13 +2,14 @@
 
 mod place;
 
-use super::error::PolicyError;
 use super::maths::{angle_of, nearest_index, split_interval};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 pub use place::Stencil;
 pub(super) use place::{Place, Spot, interval};
 use std::f32::consts::{PI, TAU};
+use throng_base::Result;
+use throng_base::error::{check, check_index};
 
 /// [`GridRecord::kind`] of a polar grid: angles cover the full circle, one height, farther targets clamp to the last
 /// ring.
@@ -84,20 +85,13 @@ impl TargetGrid {
     ///   makes the distances grow outwards (m, > radius / (num_rings - 1)^2).
     ///
     /// # Errors
-    /// [`PolicyError::Value`] names what is out of its range.
-    pub fn polar(
-        num_rings: u32,
-        num_angles: u32,
-        radius: f32,
-        inner_spacing: f32,
-        falloff: f32,
-    ) -> Result<Self, PolicyError> {
+    /// [`throng_base::Error::Value`] names what is out of its range.
+    pub fn polar(num_rings: u32, num_angles: u32, radius: f32, inner_spacing: f32, falloff: f32) -> Result<Self> {
         let last = num_rings.max(2) as f32 - 1.0;
         let share = radius / last;
-        if !(inner_spacing > share / last && inner_spacing <= share * 1.0001) && num_rings > 2 {
-            let expected = "above radius / (rings - 1)^2 and at most radius / (rings - 1)";
-            return Err(PolicyError::Value { what: "grid inner_spacing", at: 0, got: inner_spacing, expected });
-        }
+        let good = num_rings <= 2 || inner_spacing > share / last && inner_spacing <= share * 1.0001;
+        let expected = "above radius / (rings - 1)^2 and at most radius / (rings - 1)";
+        check("grid inner_spacing", None, inner_spacing, good, expected)?;
         // spacing + growth = inner_spacing, spacing last + growth last^2 = radius.
         let growth = ((radius - inner_spacing * last) / (last * (last - 1.0)).max(1.0)).max(0.0);
         let growth = if num_rings > 2 && growth > 1e-6 * radius { growth } else { 0.0 };
@@ -122,8 +116,8 @@ impl TargetGrid {
     /// (angle, distance, height) (rad, m, m).
     ///
     /// # Errors
-    /// [`PolicyError::Value`] names what is out of its range.
-    pub fn cylinder(counts: [u32; 3], min: Vec3, max: Vec3, falloff: f32) -> Result<Self, PolicyError> {
+    /// [`throng_base::Error::Value`] names what is out of its range.
+    pub fn cylinder(counts: [u32; 3], min: Vec3, max: Vec3, falloff: f32) -> Result<Self> {
         let step = |i: usize| (max[i] - min[i]) / (counts[i].max(2) - 1) as f32;
         Self::new(GridRecord {
             kind: KIND_CYLINDER,
@@ -144,8 +138,8 @@ impl TargetGrid {
     /// A space-time grid: a polar grid of equal distances to `radius` times the times from 0 to `horizon_s`.
     ///
     /// # Errors
-    /// [`PolicyError::Value`] names what is out of its range.
-    pub fn space_time(counts: [u32; 3], radius: f32, horizon_s: f32, falloff: f32) -> Result<Self, PolicyError> {
+    /// [`throng_base::Error::Value`] names what is out of its range.
+    pub fn space_time(counts: [u32; 3], radius: f32, horizon_s: f32, falloff: f32) -> Result<Self> {
         let [num_rings, num_angles, num_heights] = counts;
         let polar = Self::polar(num_rings, num_angles, radius, radius / (num_rings.max(2) - 1) as f32, falloff)?;
         let height_spacing = horizon_s / (num_heights.max(2) - 1) as f32;
@@ -155,23 +149,14 @@ impl TargetGrid {
     /// Checks a stored grid.
     ///
     /// # Errors
-    /// [`PolicyError::Index`] for counts and kinds out of range, [`PolicyError::Value`] for lengths and angles.
-    pub fn new(record: GridRecord) -> Result<Self, PolicyError> {
+    /// [`throng_base::Error::Index`] for an unknown kind, [`throng_base::Error::Value`] for counts, lengths and angles out of range.
+    pub fn new(record: GridRecord) -> Result<Self> {
         let counts = [record.num_rings, record.num_angles, record.num_heights];
-        for (at, (&n, least)) in counts.iter().zip([2, 2, 1]).enumerate() {
-            if n < least || n > MAX_AXIS {
-                return Err(PolicyError::Index {
-                    what: "grid counts (rings, angles, heights)",
-                    at,
-                    got: n as usize,
-                    limit: MAX_AXIS as usize + 1,
-                });
-            }
+        let names = ["grid rings", "grid angles", "grid heights"];
+        for ((what, n), least) in names.into_iter().zip(counts).zip([2, 2, 1]) {
+            check(what, None, n, (least..=MAX_AXIS).contains(&n), "2 (1 height) to 4096")?;
         }
-        if record.kind > KIND_SPACE_TIME {
-            let (got, limit) = (record.kind as usize, KIND_SPACE_TIME as usize + 1);
-            return Err(PolicyError::Index { what: "grid kind", at: 0, got, limit });
-        }
+        check_index("grid kind", None, record.kind as usize, KIND_SPACE_TIME as usize + 1)?;
         check_lengths(&record)?;
         Ok(Self::of(record))
     }
@@ -339,8 +324,8 @@ fn goes_around(kind: u32) -> bool {
 }
 
 /// Checks the lengths and angles of a record whose counts are in range.
-fn check_lengths(r: &GridRecord) -> Result<(), PolicyError> {
-    let bad = |what, got, expected| Err(PolicyError::Value { what, at: 0, got, expected });
+fn check_lengths(r: &GridRecord) -> Result<()> {
+    let bad = |what, got, expected| check(what, None, got, false, expected);
     let positive = |v: f32| v > 1e-6 && v < 1e6;
     for (what, v) in [
         ("grid ring_spacing", r.ring_spacing),

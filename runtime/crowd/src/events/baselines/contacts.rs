@@ -101,7 +101,7 @@ impl Contacts {
             touched.copy_within(at + 1.., at);
             touched[MOST - 1] = NONE;
         }
-        // A name that nobody has marks the part of `b`.
+        // An unused name marks the part of `b`.
         self.flood(b, NONE);
         if self.group[a as usize] == NONE {
             let name = self.changed.iter().copied().min().unwrap_or(b);

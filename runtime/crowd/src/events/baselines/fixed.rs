@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// An overlap that is not let be (m).
 const TOO_DEEP: f32 = 1e-3;
-/// How often everybody is looked at again after velocities were taken away.
+/// How often all agents are checked again after velocities were taken away.
 const PASSES: usize = 4;
 
 /// What is remembered between steps.
@@ -21,10 +21,10 @@ pub(crate) struct Fixed<V> {
     whole: u64,
     /// Shortest steps that were made.
     done: u64,
-    /// What everybody does in this step.
+    /// The motion of each agent in this step.
     #[serde(skip)]
     decisions: Vec<Decision<V>>,
-    /// Where everybody is at its end, by number.
+    /// The place of each agent at its end, by number.
     #[serde(skip)]
     ends: Vec<V>,
 }
@@ -131,13 +131,13 @@ impl<V: Space> Engine<V> {
         Decision { leaves: decider.leaves(&state), plan, state, struck_by }
     }
 
-    /// True where somebody overlaps at the end of a step, more than at its start.
+    /// True where agents overlap at the end of a step, more than at its start.
     fn overlap(&self, fixed: &mut Fixed<V>, step: f32) -> bool {
         self.note_ends(fixed, step);
         fixed.decisions.iter().any(|d| self.deepest(fixed, d.plan.index, d.plan.index + 1).is_some())
     }
 
-    /// Notes where everybody is at the end of a step.
+    /// Notes the places at the end of a step.
     fn note_ends(&self, fixed: &mut Fixed<V>, step: f32) {
         for d in &fixed.decisions {
             let agent = d.plan.index;

@@ -24,11 +24,11 @@ pub(crate) struct Occupancy {
     pub occupants: Vec<Occupant>,
     pub contacts: Contacts,
     /// The agent whose bound is renewed in the same event as that of the deciding one.
-    #[serde(skip, default = "nobody")]
+    #[serde(skip, default = "none")]
     pub renewed: u32,
 }
 
-fn nobody() -> u32 {
+fn none() -> u32 {
     NONE
 }
 
@@ -156,7 +156,7 @@ impl Occupancy {
         self.occupants[plan.index as usize] = o;
     }
 
-    /// Takes an agent out of all lists (it is in contact with nobody).
+    /// Takes an agent out of all lists (it has no contact).
     pub fn remove<V: Space>(&mut self, cells: &Cells<V>, agent: u32) {
         let o = self.occupants[agent as usize];
         if o.is_listed {
@@ -187,7 +187,7 @@ impl Occupancy {
         enters.then_some((low, high))
     }
 
-    /// Calls `f` once for everyone who occupies one of the cells.
+    /// Calls `f` once for every agent in one of the cells.
     #[inline]
     pub fn each<V: Space>(&self, cells: &Cells<V>, low: [i32; 3], high: [i32; 3], mut f: impl FnMut(u32)) {
         each_cell(low, high, |at| {
@@ -204,7 +204,7 @@ impl Occupancy {
         });
     }
 
-    /// Lists are in the order of numbers, whatever happened before.
+    /// Lists are in the order of numbers.
     fn link<V: Space>(&mut self, cells: &Cells<V>, agent: u32, at: [i32; 3]) {
         let (entry, cell) = (entry(agent, at), cells.number(at) as usize);
         let (mut previous, mut next) = (NONE, self.first[cell]);

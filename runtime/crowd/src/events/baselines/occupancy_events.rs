@@ -76,7 +76,7 @@ impl<V: Space> Engine<V> {
     fn act(&mut self, o: &mut Occupancy, agent: u32, cause: Cause) {
         let partner = self.partner(cause);
         self.tell(agent, self.kind(cause));
-        // An agent that was renewed just now waits as long as everybody.
+        // An agent that was renewed just now waits as long as the others.
         let waits = |p: &u32| self.now - o.occupants[*p as usize].asked < f64::from(self.scenery.interval);
         let renewed = partner.filter(|p| !waits(p));
         o.renewed = renewed.unwrap_or(NONE);
@@ -130,7 +130,7 @@ impl<V: Space> Engine<V> {
         }
     }
 
-    /// Sets the next events of everybody, as they were when a state was kept.
+    /// Sets the next events of all agents, as they were in a snapshot.
     pub(crate) fn wait_for_all(&mut self) {
         let baseline = self.baseline.take();
         if let Some(Baseline::Occupancy(o)) = &baseline {

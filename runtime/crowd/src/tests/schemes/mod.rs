@@ -7,7 +7,7 @@ use self::invariants::lists_are_exact;
 use crate::events::baselines::Baseline;
 use crate::events::baselines::occupancy::Occupancy;
 use crate::events::engine::Engine;
-use crate::tests::Drive;
+use crate::tests::drive::Drive;
 use crate::*;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -247,7 +247,7 @@ fn impossible_starts_are_errors_in_every_scheme() {
         Engine::new(setup).unwrap_err(),
         CrowdError::Other(throng_base::Error::Value { what: "config.halvings", .. })
     ));
-    // A bound that is wider than a cell before anybody may act.
+    // A bound that is wider than a cell before the first event.
     let mut setup = pair(Scheme::Occupancy, 1.0, 0.0);
     setup.config.capacity = 3;
     let strong = Agent { acceleration: 900.0, position: Vec2::new(0.0, 9.0), ..setup.agents[0] };

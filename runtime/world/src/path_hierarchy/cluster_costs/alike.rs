@@ -14,7 +14,7 @@ const SPREAD: i32 = 8;
 pub(super) struct Group {
     /// What lies beyond, as a number in [`super::Outline::beyond`].
     pub beyond: u32,
-    /// True for a tile; elsewhere nobody asks for parts.
+    /// True for a tile; only tiles have parts.
     pub is_tile: bool,
     /// Numbers of the places.
     pub places: Vec<u32>,

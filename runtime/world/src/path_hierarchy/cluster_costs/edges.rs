@@ -11,7 +11,7 @@ use throng_core::patch::{CellRecord, NONE};
 /// Where an exit ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(super) struct Landing {
-    /// How many copies away from the tile; in another cluster, the number of the member and nothing.
+    /// How many copies away from the tile; in another cluster, the number of the instance and nothing.
     pub offset: [i32; 2],
     /// The cell there.
     pub cell: u32,
@@ -154,7 +154,7 @@ impl<'p, 'a> Edges<'p, 'a> {
         2 * self.outline.num_cells + *self.entrances.entry((beyond, class, cell)).or_insert(next)
     }
 
-    /// What leads into a member from an instance beyond.
+    /// What leads into the cluster from an instance beyond.
     fn add_entrances(&mut self, instance: u32, a: &AdjacencyRecord, t: &JointTableRecord, beyond: Beyond) {
         let (outline, graph) = (self.outline, self.outline.graph);
         let Some(&k) = outline.numbers.get(&beyond) else { return };

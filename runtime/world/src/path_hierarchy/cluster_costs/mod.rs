@@ -38,7 +38,7 @@ impl Beyond {
 ///
 /// An entrance begins at some cells, and an exit ends at some, each of them so much before or after the others: costs
 /// leave that out, which is counted where one comes to those cells or goes on from there. Costs to single cells are for
-/// who asks for them to search for, see [`ClusterCosts::back`].
+/// the caller to search for, see [`ClusterCosts::back`].
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct ClusterCosts {
     num_cells: u32,

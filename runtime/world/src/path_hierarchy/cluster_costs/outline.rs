@@ -16,11 +16,11 @@ pub(crate) struct Outline<'a> {
     pub clusters: &'a Clusters,
     /// This one.
     pub cluster: u32,
-    /// What it overlaps, in the order in which its members do.
+    /// Instances that overlap the cluster, in its order.
     pub beyond: Vec<Beyond>,
     /// Number of each there.
     pub numbers: BTreeMap<Beyond, u32>,
-    /// Cells of all members.
+    /// Cells of all instances.
     pub num_cells: u32,
 }
 
@@ -44,7 +44,7 @@ impl<'a> Outline<'a> {
         out
     }
 
-    /// What an instance is to the cluster; none for a member.
+    /// What an instance is to the cluster; none for its own.
     pub fn beyond(&self, instance: u32) -> Option<Beyond> {
         match self.clusters.of(instance) {
             None => Some(Beyond::Tile(instance)),

@@ -59,9 +59,9 @@ pub(crate) struct Plane {
     /// The least over cells of a class, beyond what the row costs (rows * classes).
     #[serde(with = "crate::pod")]
     least_of: Vec<u16>,
-    /// Most that costs of a row are below those of ways that were found; infinite where none was (rows).
+    /// How far costs of a row may lie below those of the ways found; infinite without a way (rows).
     #[serde(with = "crate::pod")]
-    lack: Vec<f32>,
+    slack: Vec<f32>,
     /// Goal that consists of one cell alone; [`NONE`] where none does (cells).
     #[serde(with = "crate::pod")]
     goal_of: Vec<u32>,
@@ -86,11 +86,11 @@ pub(crate) struct Rows {
     rows: Vec<Costs>,
 }
 
-/// What a row costs at least, costs beyond that, and their lack.
+/// Least cost of a row, costs beyond it, and the rounding lost.
 struct Costs {
     least: f32,
     beyond: Vec<u16>,
-    lack: f32,
+    slack: f32,
 }
 
 /// Where costs to a goal at an offset are found: for a cell, those of [`Plane::cost`] in a row, and so much more.
@@ -128,7 +128,7 @@ impl Plane {
             costs: Vec::new(),
             least: Vec::new(),
             least_of: Vec::new(),
-            lack: Vec::new(),
+            slack: Vec::new(),
             goal_of: vec![NONE; cells.len()],
             rest_cells: (0..cells.len() as u32).filter(|&c| cells[c as usize].is(CellRecord::IS_REST)).collect(),
             rest: None,
@@ -175,7 +175,7 @@ impl Plane {
             && (self.goals.len() >= classes && self.goals.iter().all(goal))
             && self.costs.len() == rows * n
             && self.least_of.len() == rows * classes
-            && self.lack.len() == rows
+            && self.slack.len() == rows
             && (self.goal_of.len() == n && self.goal_of.iter().all(|&g| g == NONE || is_goal(g)))
             && self.rest.is_none_or(is_goal)
     }
@@ -218,7 +218,7 @@ impl Plane {
         self.goals.push(Goal { first_row: self.least.len() as u32, ..rows.goal });
         for row in rows.rows {
             self.least.push(row.least);
-            self.lack.push(row.lack);
+            self.slack.push(row.slack);
             for class in &self.classes {
                 let of = class.iter().map(|&c| row.beyond[c as usize]);
                 self.least_of.push(of.min().unwrap_or(UNREACHED));
@@ -240,7 +240,7 @@ impl Plane {
         let rows = (0..num_rows).map(|k| {
             let row = |p: &(&'_ Rows, u16)| p.0.rows[k].least + f32::from(p.1);
             let least = parts.iter().map(row).fold(f32::INFINITY, f32::min);
-            let lack = parts.iter().map(|p| p.0.rows[k].lack).fold(0.0, f32::max);
+            let slack = parts.iter().map(|p| p.0.rows[k].slack).fold(0.0, f32::max);
             let mut beyond = vec![UNREACHED; self.num_cells as usize];
             for (rows, cost) in parts {
                 let more = (rows.rows[k].least + f32::from(*cost) - least) as u16;
@@ -248,7 +248,7 @@ impl Plane {
                     *to = (*to).min(from.saturating_add(more).min(UNREACHED - 1));
                 }
             }
-            Costs { least, beyond, lack }
+            Costs { least, beyond, slack }
         });
         Rows { rows: rows.collect(), goal }
     }
@@ -305,7 +305,7 @@ impl Plane {
         }
         let look = self.look(to, offset);
         let costs = self.cells(from).iter().map(|&(cell, cost)| self.cost(look, cell) - f32::from(cost));
-        costs.fold(0.0, f32::max) + self.lack[look.row as usize]
+        costs.fold(0.0, f32::max) + self.slack[look.row as usize]
     }
 
     fn rows_of(&self, cells: &[Spot], radius: i32, search: &mut Dial) -> Rows {
@@ -317,7 +317,7 @@ impl Plane {
             let least = rest.iter().copied().fold(f32::INFINITY, f32::min);
             let least = if least < f32::INFINITY { least.floor() } else { 0.0 };
             let beyond = rest.iter().map(|r| whole(r - least)).collect();
-            out.rows.push(Costs { least, beyond, lack: f32::INFINITY });
+            out.rows.push(Costs { least, beyond, slack: f32::INFINITY });
         }
         self.add_near(&mut out, radius, search);
         out
@@ -344,16 +344,16 @@ impl Plane {
         for (offset, around) in offsets(radius).zip(self.around(radius)) {
             // The goal lies there as seen from where this is.
             let found = |cell| frames(search.cost(number([-offset[0], -offset[1]], cell)));
-            let (mut beyond, mut lack) = (Vec::with_capacity(n as usize), 0f32);
+            let (mut beyond, mut slack) = (Vec::with_capacity(n as usize), 0f32);
             for cell in 0..n {
                 let found = found(cell);
                 let cost = if leads[cell as usize] { found.min(around) } else { found };
                 beyond.push(whole(cost));
                 // As long as can be told is maybe longer.
                 let most = if whole(found) >= UNREACHED - 1 { f32::INFINITY } else { found };
-                lack = if cost < f32::INFINITY { lack.max(most - cost.floor()) } else { lack };
+                slack = if cost < f32::INFINITY { slack.max(most - cost.floor()) } else { slack };
             }
-            rows.rows.push(Costs { least: 0.0, beyond, lack });
+            rows.rows.push(Costs { least: 0.0, beyond, slack });
         }
     }
 

@@ -4,7 +4,7 @@ use throng_core::patch::NONE;
 
 /// The least key first; of equal keys, what came last.
 #[derive(Clone, Debug)]
-pub(super) struct Buckets {
+pub(crate) struct Buckets {
     /// First number of each bucket (a power of two above the longest step).
     heads: Vec<u32>,
     /// The numbers before and after each in its bucket.
@@ -18,7 +18,7 @@ pub(super) struct Buckets {
 }
 
 impl Buckets {
-    /// Room for the numbers below `limit`, and for keys that are at most `step` more than the least one.
+    /// Memory for the numbers below `limit`, and for keys that are at most `step` more than the least one.
     pub fn new(limit: usize, step: u32) -> Self {
         Self {
             heads: vec![NONE; (step as usize + 1).next_power_of_two()],
@@ -28,6 +28,14 @@ impl Buckets {
             len: 0,
             least: 0,
         }
+    }
+
+    /// Grows to the numbers below `limit`; empty before.
+    pub fn grow(&mut self, limit: usize) {
+        let limit = limit.max(self.keys.len());
+        self.links.resize(limit, [NONE; 2]);
+        self.keys.resize(limit, 0);
+        self.is_there.resize(limit, false);
     }
 
     /// Takes out everything; keys begin at 0 again.

@@ -1,4 +1,4 @@
-//! Characters that come and go: who is there stays side by side.
+//! Spawning and despawning: characters stay side by side in memory.
 
 use super::block::{Block, LAID};
 use super::lanes::Lanewise;
@@ -20,7 +20,7 @@ impl Characters {
         self.blows.room()
     }
 
-    /// One more, after the last one (there is room, the state exists).
+    /// Adds a character after the last one (below the capacity, the state exists).
     pub(super) fn enter(&mut self, motion_set: &MotionSet, start: Start, arrivals: &[u32], name: u64) {
         let at = self.num_characters;
         let (block, lane) = (&mut self.blocks[at / LANES], at % LANES);

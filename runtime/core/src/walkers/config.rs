@@ -1,12 +1,13 @@
 //! What walkers are told: settings, starts and orders, and the limits of their numbers.
 
 use super::body::{ARMS, LEGS};
-use crate::blend::records::MAX_AXES;
+use crate::blend::MAX_AXES;
 use crate::planar::Planar;
 use crate::skeleton::{Joint, Skeleton};
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
-use throng_base::{Id, Result, error};
+use throng_base::error::{check, check_index};
+use throng_base::{Id, Result};
 
 /// Limit of positions, speeds and angles (m, m/s, rad).
 const FAR: f32 = 1e6;
@@ -122,7 +123,7 @@ impl Control {
 
 impl WalkerStart {
     pub(super) fn check(&self, num_bodies: usize) -> Result<()> {
-        error::check_index("body", None, self.body, num_bodies)?;
+        check_index("body", None, self.body, num_bodies)?;
         moderate("phase", None, self.phase)?;
         check_root(None, self.root)
     }
@@ -140,16 +141,16 @@ impl WalkersConfig {
         for (what, got) in
             [("parameter_half_life_s", self.parameter_half_life_s), ("heading_half_life_s", self.heading_half_life_s)]
         {
-            check(what, got, (0.0..=10.0).contains(&got), "between 0 and 10")?;
+            check(what, None, got, (0.0..=10.0).contains(&got), "between 0 and 10")?;
         }
         let [slow, fast] = self.tempo;
-        check("tempo[0]", slow, (0.2..=1.0).contains(&slow), "between 0.2 and 1")?;
-        check("tempo[1]", fast, (1.0..=5.0).contains(&fast), "between 1 and 5")?;
+        check("tempo[0]", None, slow, (0.2..=1.0).contains(&slow), "between 0.2 and 1")?;
+        check("tempo[1]", None, fast, (1.0..=5.0).contains(&fast), "between 1 and 5")?;
         let rate = self.max_turning_rate;
-        check("max_turning_rate", rate, rate > 0.0 && rate < 1e3, "above 0 and below 1000")?;
+        check("max_turning_rate", None, rate, rate > 0.0 && rate < 1e3, "above 0 and below 1000")?;
         let half_life = self.foot_half_life_s;
-        check("foot_half_life_s", half_life, (1e-3..10.0).contains(&half_life), "between 0.001 and 10")?;
-        check("foot_reach_m", self.foot_reach_m, (0.01..10.0).contains(&self.foot_reach_m), "between 0.01 and 10")
+        check("foot_half_life_s", None, half_life, (1e-3..10.0).contains(&half_life), "between 0.001 and 10")?;
+        check("foot_reach_m", None, self.foot_reach_m, (0.01..10.0).contains(&self.foot_reach_m), "between 0.01 and 10")
     }
 }
 
@@ -158,24 +159,26 @@ pub(super) fn check_body(s: &Skeleton) -> Result<()> {
     let rest = s.rest_positions();
     let size = s.offsets.iter().chain(&s.tips).fold(0.0f32, |l, o| l.max(o.length()));
     let finite = s.offsets.iter().chain(&s.tips).all(|o| o.is_finite());
-    check("offset of a body's joint", size, finite && size < 100.0, "finite and below 100")?;
+    check("offset of a body's joint", None, size, finite && size < 100.0, "finite and below 100")?;
     for limb in [LEGS.map(|l| [l[1], l[2]]), ARMS.map(|a| [a[1], a[2]])].concat() {
         for joint in limb {
             let length = s.offsets[joint.index()].length();
-            check("length of a body's limb", length, length > 0.01, "above 0.01")?;
+            check("length of a body's limb", None, length, length > 0.01, "above 0.01")?;
         }
     }
     for foot in [Joint::LeftFoot, Joint::RightFoot] {
         let height = rest[foot.index()].y;
-        check("height of a body's ankle", height, (-0.01..1.0).contains(&height), "in rest pose between 0 and 1")?;
+        check(
+            "height of a body's ankle",
+            None,
+            height,
+            (-0.01..1.0).contains(&height),
+            "in rest pose between 0 and 1",
+        )?;
     }
     Ok(())
 }
 
-fn check(what: &'static str, got: f32, good: bool, expected: &'static str) -> Result<()> {
-    error::check(what, None, f64::from(got), good, expected)
-}
-
 fn moderate(what: &'static str, who: Option<Id>, got: f32) -> Result<()> {
-    error::check(what, who, f64::from(got), got.abs() < FAR, "a finite number below 1e6")
+    check(what, who, got, got.abs() < FAR, "a finite number below 1e6")
 }

@@ -1,6 +1,6 @@
 //! The state of eight walkers.
 
-use super::super::records::MAX_AXES;
+use crate::blend::MAX_AXES;
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::pose::{Lane, Lane3};

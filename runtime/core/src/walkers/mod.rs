@@ -10,9 +10,9 @@ mod spring;
 mod steer;
 mod step;
 
-use super::ground::HeightField;
-use super::records::MAX_AXES;
-use super::space::BlendSpace;
+use crate::blend::BlendSpace;
+use crate::blend::HeightField;
+use crate::blend::MAX_AXES;
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::pose::{LocalTransform, Mat3x4};
@@ -148,7 +148,7 @@ impl Walkers {
         self.state.roster.ids().len()
     }
 
-    /// True if there is nobody.
+    /// True without walkers.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

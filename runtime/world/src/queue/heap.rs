@@ -2,14 +2,14 @@
 
 /// The least key first; of equal keys, the least number.
 #[derive(Clone, Debug)]
-pub(super) struct Heap {
+pub(crate) struct Heap {
     items: Vec<(f32, u32)>,
     /// Place of each number in `items`, or anything where it is not there.
     places: Vec<u32>,
 }
 
 impl Heap {
-    /// Room for the numbers below `limit`.
+    /// Memory for the numbers below `limit`.
     pub fn new(limit: usize) -> Self {
         Self { items: Vec::with_capacity(limit), places: vec![0; limit] }
     }

@@ -1,10 +1,11 @@
 //! What `stitch` works out of a world beforehand, so that opening it takes no search: the path hierarchy with its costs,
 //! ways to rest, narrow passages, open borders.
 
-use super::graph::Bounds;
-use super::path_hierarchy::PathHierarchy;
-use super::{WorldError, WorldGraph, pod};
+use super::{Bounds, WorldGraph};
+use crate::path_hierarchy::PathHierarchy;
+use crate::pod;
 use serde::{Deserialize, Serialize};
+use throng_core::format::FormatError;
 
 /// Most bytes that may be asked for while path costs are decoded (bytes).
 const LIMIT: usize = u32::MAX as usize;
@@ -18,12 +19,12 @@ impl PathCosts {
     /// `rayon`).
     ///
     /// # Errors
-    /// [`WorldError::Layout`] where they cannot be encoded.
-    pub fn bake(graph: &WorldGraph) -> Result<Self, WorldError> {
+    /// [`FormatError::Layout`] where they cannot be encoded.
+    pub fn bake(graph: &WorldGraph) -> Result<Self, FormatError> {
         let (to_rest, narrow, bounds) = graph.derived();
         let baked = BakedRef { to_rest, narrow, bounds, hierarchy: graph.hierarchy() };
         let bytes = bincode::serde::encode_to_vec(baked, bincode::config::legacy());
-        bytes.map(Self).map_err(|e| WorldError::layout(format!("path costs cannot be written: {e}")))
+        bytes.map(Self).map_err(|e| FormatError::layout(format!("path costs cannot be written: {e}")))
     }
 
     /// Length (bytes).
@@ -55,13 +56,13 @@ impl Baked {
     /// Decodes a section. What it says is checked by [`WorldGraph::from_baked`].
     ///
     /// # Errors
-    /// [`WorldError::Layout`] where it is damaged, asks for too much memory, or is followed by something else.
-    pub fn decode(bytes: &[u8]) -> Result<Self, WorldError> {
+    /// [`FormatError::Layout`] where it is damaged, asks for too much memory, or is followed by something else.
+    pub fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
         let config = bincode::config::legacy().with_limit::<LIMIT>();
         match bincode::serde::borrow_decode_from_slice(bytes, config) {
             Ok((baked, used)) if used == bytes.len() => Ok(baked),
-            Ok((_, used)) => Err(WorldError::layout(format!("WPTH has {} bytes, expected {used}", bytes.len()))),
-            Err(e) => Err(WorldError::layout(format!("WPTH cannot be read: {e}"))),
+            Ok((_, used)) => Err(FormatError::layout(format!("WPTH has {} bytes, expected {used}", bytes.len()))),
+            Err(e) => Err(FormatError::layout(format!("WPTH cannot be read: {e}"))),
         }
     }
 }

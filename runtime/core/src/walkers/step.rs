@@ -11,10 +11,10 @@ use super::reach::{lower, reach_foot, reach_hand, slow_knee, stretched, tiptoe};
 use super::spring::Spring;
 use super::steer::Steering;
 use super::{Control, WalkersConfig};
-use crate::blend::ground::{Ground, HeightField};
-use crate::blend::posture::Posture;
-use crate::blend::records::channel;
-use crate::blend::space::BlendSpace;
+use crate::blend::BlendSpace;
+use crate::blend::Posture;
+use crate::blend::channel;
+use crate::blend::{Ground, HeightField};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::pose::{

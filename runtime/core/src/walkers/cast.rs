@@ -1,17 +1,17 @@
 //! Walkers as a cast: they enter, leave, take orders, are saved and loaded.
 
 use super::{Control, MAX_STEP_S, State, WalkerStart, Walkers, config};
-use crate::blend::walkers::block::Block;
 use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
+use crate::walkers::block::Block;
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
 use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind, error};
 
-/// What happened to a walker.
+/// An event of a walker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum WalkerEvent {
     /// The left foot came down.
@@ -91,7 +91,7 @@ impl Cast for Walkers {
     }
 
     fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
-        error::check("dt_s", None, f64::from(dt_s), (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        error::check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
         self.stood.clear();
         for row in 0..self.len() {
             let is_new = self.state.blocks[row / LANES].placed[row % LANES] == 0.0;
@@ -187,7 +187,7 @@ impl Walkers {
         SnapshotKind { what: "walkers", tag: *b"WALK", version: 1, setup: self.setup }
     }
 
-    /// Bodies and poses of everybody, from the state.
+    /// Bodies and poses of all walkers, from the state.
     fn pose_again(&mut self) {
         self.bodies.clear();
         self.resize();
