@@ -209,7 +209,7 @@ impl Watch {
                 self.record.arrivals_s[c] = self.record.arrivals_s[c].min(time_s);
             }
         }
-        self.slip.observe(characters, dt);
+        self.slip.observe_characters(characters, dt);
         let Some(c) = config.recorded else { return };
         self.record.frames.push(TrialFrame {
             time_s,

@@ -14,7 +14,8 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
-use throng_precompute::run::{AgentsMeter, FeetMeter};
+use throng_precompute::run::AgentsMeter;
+use throng_precompute::slip::SlipMeter;
 use throng_runtime::crowd::Event as CrowdEvent;
 use throng_runtime::simulation::agents::{Agents, in_world};
 use throng_runtime::simulation::{CompiledScene, Event, GroupCast, Simulation};
@@ -57,7 +58,7 @@ struct Choosing {
 struct State {
     simulation: Simulation,
     choosing: Vec<Choosing>,
-    feet: FeetMeter,
+    feet: SlipMeter,
     agents: Option<AgentsMeter>,
     figures: StepFigures,
 }
@@ -105,7 +106,7 @@ impl State {
         let choosing = simulation.groups().iter().filter_map(|g| Choosing::new(&simulation, g.cast, &g.characters));
         let mut state = Self {
             choosing: choosing.collect(),
-            feet: FeetMeter::new(simulation.num_characters()),
+            feet: SlipMeter::new(simulation.num_characters()),
             agents: AgentsMeter::new(&simulation),
             figures: StepFigures::default(),
             simulation,
@@ -123,7 +124,7 @@ impl State {
             c.observe(simulation, (&targets, &threats), 0);
             c.weights = weights;
         }
-        state.feet.observe(0.0, simulation, 0..simulation.num_characters());
+        state.feet.observe_simulation(simulation, 0..simulation.num_characters(), 0.0);
         state.figures.agents = state.agents.as_mut().map(|meter| meter.observe(simulation));
         state.figures.bout = BoutFigures::of(simulation);
         state
@@ -141,7 +142,8 @@ impl State {
             c.observe(simulation, (targets, threats), step);
         }
         self.feet.clear();
-        self.feet.observe((simulation.time_s() - was_s) as f32, simulation, 0..simulation.num_characters());
+        let dt_s = (simulation.time_s() - was_s) as f32;
+        self.feet.observe_simulation(simulation, 0..simulation.num_characters(), dt_s);
         self.figures.slip = Slip::from(&self.feet);
         self.figures.bout = BoutFigures::of(simulation);
         if let Some(meter) = self.agents.as_mut().filter(|_| step.is_multiple_of(LOOK_EVERY)) {

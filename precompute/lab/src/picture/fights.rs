@@ -183,9 +183,7 @@ fn moment(
     }
     for (character, figure) in &figures {
         let colours = if *character == 0 { BodyColours::default() } else { BodyColours::plain(SECOND) };
-        if let Some(sprite) = sprite::render(figure, &colours, &camera, (panel.width(), panel.height())) {
-            sprite.draw(&mut panel);
-        }
+        sprite::draw(&mut panel, figure, &colours, &camera);
     }
     for e in blows.iter().filter(|e| (e.time_s - frame.time_s).abs() < 0.02) {
         let tint = if e.part == Some(Part::Arm) { colour::MARK } else { BLOW };

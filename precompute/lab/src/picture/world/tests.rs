@@ -1,4 +1,5 @@
 use super::*;
+use std::ops::Range;
 use std::path::Path;
 use throng_bake::environment::UnitSet;
 use throng_runtime::Skeleton;
