@@ -61,7 +61,7 @@ fn report(motion_set: &MotionSet, characters: usize, steps: usize) -> Result<(),
     let goals: Vec<_> = goals.into_iter().enumerate().map(|(policy, aim)| goal(policy, aim)).collect();
     let config = SparringConfig { characters: moving, ..SparringConfig::new(goals) };
     let mut sparring = Sparring::new(motion_set, config, &starts(motion_set, characters))?;
-    // Until everybody has come to blows.
+    // Until all pairs fight.
     for _ in 0..steps {
         sparring.step(motion_set, DT)?;
     }

@@ -1,4 +1,4 @@
-//! A crowd from above: where everybody is, where they came from and where they want to go.
+//! A crowd from above: where characters are, came from and want to go.
 
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn everybody_is_inside_the_view() {
+    fn all_characters_are_inside_the_view() {
         let at = |x: f32, z: f32| standing(Planar::new(x, z, 0.3));
         let characters = [at(-30.0, 4.0), at(12.0, -9.0), at(3.0, 25.0)];
         let size = Vec2::new(800.0, 500.0);
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn colour_tells_who_has_arrived() {
+    fn colour_tells_which_characters_have_arrived() {
         let mut one = [standing(Planar::IDENTITY)];
         let reached = crowd_overview(&view(&one));
         one[0].arrival = Arrival::OnTheWay;
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_and_nonsense_are_drawn_without_a_panic() {
+    fn empty_and_broken_crowds_are_drawn_without_a_panic() {
         crowd_overview(&view(&[]));
         let trail = [Vec2::NAN, Vec2::splat(1e30), Vec2::ZERO];
         let mut odd = standing(Planar::new(1e9, 0.0, 0.0));

@@ -71,7 +71,7 @@ pub struct WorldView<'a> {
     pub subtitle: &'a str,
     /// Width and height (px).
     pub size: (u32, u32),
-    /// Everybody; who cannot be drawn is left out.
+    /// All bodies; those that cannot be drawn are left out.
     pub figures: &'a [WorldFigure],
     /// All that stands around.
     pub units: &'a [WorldUnit<'a>],

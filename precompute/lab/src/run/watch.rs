@@ -18,7 +18,7 @@ use world::WorldWatch;
 pub(super) use agents::AgentWatch;
 pub use agents::{AgentsMeter, AgentsNow};
 
-/// Time between looks at who is in whom or in what (s).
+/// Time between looks for overlaps and penetrations (s).
 pub(super) const LOOK_S: f64 = 0.1;
 /// Time that characters have to come together before their greatest distance counts (s).
 const COMING_S: f64 = 5.0;
@@ -91,7 +91,7 @@ impl Watch {
 
     /// What was measured.
     ///
-    /// - `rate`: steps of everybody a second, for the total alone.
+    /// - `rate`: steps of all characters per second, for the total alone.
     pub fn figures(&self, sim: &Simulation, seconds: f64, rate: Option<f64>) -> Figures {
         let number = |of: &dyn Fn(Motion, &GroupCast) -> bool| {
             let groups = self.groups.iter().map(|&g| &sim.groups()[g]);

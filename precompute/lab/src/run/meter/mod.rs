@@ -1,4 +1,4 @@
-//! What is measured: slip of feet, overlaps of discs and of trunks, progress, who is stuck, flow, lanes.
+//! What is measured: overlaps of discs and of trunks, progress, stuck agents, flow, lanes.
 
 mod gate;
 mod lanes;

@@ -213,7 +213,7 @@ impl<V: Space> AgentWatch<V> {
     }
 }
 
-/// Events inside of a crowd; where there are steps instead, everybody acts at each.
+/// Events inside a crowd; with steps instead of events, every agent acts at each.
 fn events(c: &Counts) -> u64 {
     if c.steps > 0 {
         return c.decisions;
