@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
 use super::figure::{BodyColours, Figure};
-use super::furniture::{grid, header, legend, nice_step, scale_bar};
+use super::furniture::{grid, legend, nice_step, page_with_panel, scale_bar};
 use super::shadow::Shadows;
 use super::sprite;
 use glam::{Vec2, Vec3};
@@ -73,12 +73,8 @@ pub struct Focus {
 /// The view fits all roots, targets and trails unless `focus` names a part. Characters whose root is not finite are
 /// left out.
 pub fn crowd_overview(view: &CrowdView<'_>) -> Picture {
-    let mut page = Picture::new(view.size.0, view.size.1, colour::PAPER);
+    let (mut page, mut panel, at) = page_with_panel(view.size, view.title, view.subtitle);
     let unit = page.width() as f32 / 1600.0;
-    header(&mut page, unit, view.title, view.subtitle);
-    let (edge, top) = ((16.0 * unit) as u32, (84.0 * unit) as u32);
-    let size = (page.width().saturating_sub(2 * edge), page.height().saturating_sub(top + edge));
-    let mut panel = Picture::new(size.0, size.1, colour::GROUND);
     let present: Vec<&CrowdCharacter<'_>> = view.characters.iter().filter(|c| is_finite(c.root)).collect();
     let extent = Vec2::new(panel.width() as f32, panel.height() as f32);
     let camera = match view.focus.filter(|f| f.centre.is_finite()) {
@@ -91,7 +87,7 @@ pub fn crowd_overview(view: &CrowdView<'_>) -> Picture {
         draw_mark(&mut panel, &camera, unit, character, name);
     }
     scale_bar(&mut panel, &camera, unit);
-    page.draw_picture(&panel, (edge as i32, top as i32));
+    page.draw_picture(&panel, at);
     draw_legend(&mut page, unit, view);
     page
 }

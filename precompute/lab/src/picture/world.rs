@@ -1,10 +1,10 @@
-//! People in their surroundings: every pixel shows what is nearest, shadows fall on what is below.
+//! Bodies in their surroundings: every pixel shows what is nearest, shadows fall on what is below.
 
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
 use super::figure::{BodyColours, Figure, body};
-use super::furniture::{grid, header, nice_step, scale_bar, tag};
+use super::furniture::{grid, header, nice_step, page_with_panel, scale_bar, tag};
 use super::paint::draw_pieces;
 use super::piece::{Piece, add_unit};
 use super::text::{Align, TextStyle, draw_text};
@@ -16,7 +16,7 @@ use throng_runtime::patch::Placement;
 /// Colours of units, by their number in the set.
 const UNIT_COLOURS: [u32; 8] = [0xb9a58a, 0x8fa3ad, 0xa8b39a, 0xb59a9a, 0x9a9cb8, 0xc0b27e, 0x86a8a0, 0xa79aaf];
 
-/// A person in a picture.
+/// A body in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldFigure {
     /// The body, in the world.
@@ -83,14 +83,10 @@ pub struct WorldView<'a> {
     pub look: WorldLook,
 }
 
-/// Draws people among units, in parallel projection; the ground is y = 0.
+/// Draws bodies among units, in parallel projection; the ground is y = 0.
 pub fn world_sheet(view: &WorldView<'_>) -> Picture {
-    let mut page = Picture::new(view.size.0, view.size.1, colour::PAPER);
+    let (mut page, mut panel, at) = page_with_panel(view.size, view.title, view.subtitle);
     let unit = page.width() as f32 / 1600.0;
-    header(&mut page, unit, view.title, view.subtitle);
-    let (edge, top) = ((16.0 * unit) as u32, (84.0 * unit) as u32);
-    let size = (page.width().saturating_sub(2 * edge), page.height().saturating_sub(top + edge));
-    let mut panel = Picture::new(size.0, size.1, colour::GROUND);
     let pieces = pieces(view.units, view.figures);
     let extent = Vec2::new(panel.width() as f32, panel.height() as f32);
     let camera = camera(&view.look, extent, &pieces);
@@ -104,7 +100,7 @@ pub fn world_sheet(view: &WorldView<'_>) -> Picture {
         tag(&mut panel, camera.project(*at), unit, name, *tint);
     }
     scale_bar(&mut panel, &camera, unit);
-    page.draw_picture(&panel, (edge as i32, top as i32));
+    page.draw_picture(&panel, at);
     page
 }
 
