@@ -151,7 +151,7 @@ fn fly(setup: Setup, until: f64) -> Result<Flight, CrowdError> {
         air_s += birds.len() as f64 / 30.0;
     }
     watched.advance(until, &mut |_| ())?;
-    assert_eq!(crowd.hash(), watched.hash(), "who is watched flies as who is not");
+    assert_eq!(crowd.hash(), watched.hash(), "the watched crowd ends in another state");
     let c = crowd.counts();
     let events = c.resetting + c.colliding + c.meeting + c.entering + c.leaving + c.contacting + c.separating;
     Ok(Flight {

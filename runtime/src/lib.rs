@@ -1,6 +1,6 @@
 //! What an application links: the crates of the runtime under one name.
 //!
-//! A bundle (`*.throng`) is opened as [`Bundle`]; [`characters::PolicyCharacters`] and [`blend::walkers::Walkers`] are
+//! A bundle (`*.throng`) is opened as [`Bundle`]; [`characters::PolicyCharacters`] and [`walkers::Walkers`] are
 //! [`Cast`]s that move and pose people. [`policy`] answers single queries without characters. Features add [`crowd`]
 //! (agents without bodies), [`world`] (patch worlds) and [`sparring`].
 

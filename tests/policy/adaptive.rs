@@ -7,13 +7,13 @@ use rand_pcg::Pcg64;
 use throng_precompute::policy::made_up::MadeUp;
 use throng_precompute::policy::{
     ActionModel, AdaptiveConfig, Approach, Behaviour, BehaviourConfig, BehaviourKind, GridConfig, PolicyConfig,
-    PolicyTables, SegmentHit, SegmentMotion, Solution, ThrowPunches, adapt, bake, solve_behaviours, value_iteration,
+    PolicyTables, SegmentHit, SegmentMotion, Solution, Spec, ThrowPunches, adapt, bake, solve_behaviours,
+    value_iteration,
 };
 use throng_precompute::progress::Silent;
 use throng_runtime::Joint;
 use throng_runtime::policy::{
-    BestActionJob, Goal, LookAheadJob, MAX_ACTIONS, PolicyTable, RankedActions, RegionRecord, Reward, SegmentRecord,
-    TargetGrid,
+    BestActionJob, Goal, LookAheadJob, MAX_ACTIONS, PolicyTable, RankedActions, SegmentRecord, TargetGrid,
 };
 
 /// Another behaviour's rewards on a grid that may be adaptive.
@@ -24,32 +24,12 @@ struct Compact<'a> {
 }
 
 impl Behaviour for Compact<'_> {
-    fn name(&self) -> &str {
-        self.behaviour.name()
-    }
-
-    fn grid(&self) -> TargetGrid {
-        self.grid
-    }
-
-    fn reward(&self) -> Reward {
-        self.behaviour.reward()
-    }
-
-    fn discount(&self) -> f64 {
-        self.behaviour.discount()
+    fn spec(&self) -> Spec<'_> {
+        Spec { grid: self.grid, adaptive: self.adaptive, ..self.behaviour.spec() }
     }
 
     fn sample(&self, segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord) {
         self.behaviour.sample(segment, motion, record);
-    }
-
-    fn region(&self) -> RegionRecord {
-        self.behaviour.region()
-    }
-
-    fn adaptive(&self) -> Option<AdaptiveConfig> {
-        self.adaptive
     }
 }
 
@@ -260,7 +240,7 @@ fn configuration_says_what_is_wrong_with_it() {
     let punches = |adaptive| {
         let grid = GridConfig { adaptive: Some(adaptive), ..GridConfig::default() };
         let config = BehaviourConfig { kind: BehaviourKind::ThrowPunches, grid, ..BehaviourConfig::default() };
-        ThrowPunches::new(&config, 30.0, &[vec![hit.clone()]]).map(|b| b.adaptive())
+        ThrowPunches::new(&config, 30.0, &[vec![hit.clone()]]).map(|b| b.spec().adaptive)
     };
     let good = AdaptiveConfig::default();
     assert_eq!(punches(good).expect("a valid behaviour"), Some(good));

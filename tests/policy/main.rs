@@ -24,7 +24,7 @@ fn chain_of_three_states_has_the_values_worked_out_by_hand() {
     let still = Planar::IDENTITY;
     let segments = vec![segment(1, 10, still), segment(2, 5, still), segment(2, 12, still), segment(0, 3, still)];
     let model = model(&[0, 2, 3, 4], &[0, 2, 1, 3], segments);
-    let grid = Hit { discount: 0.9, blows: vec![], radius: 0.1 }.grid();
+    let grid = Hit { discount: 0.9, blows: vec![], radius: 0.1 }.spec().grid;
     let (target, d) = (25, 0.9f64);
     let hit = Hit { discount: d, blows: vec![(3, 1, grid.cell_centre(target), 0.8)], radius: 0.1 };
     let tables = solved(&model, &hit, &PolicyConfig { epsilon: 1e-6, ..PolicyConfig::default() });
@@ -78,7 +78,7 @@ fn hits_in_three_dimensions_are_within_epsilon_of_brute_force() {
     for seed in 0..4 {
         let mut rng = Pcg64::seed_from_u64(100 + seed);
         let model = random_model(&mut rng, 4);
-        let grid = Hit { discount: 0.95, blows: vec![], radius: 0.2 }.grid();
+        let grid = Hit { discount: 0.95, blows: vec![], radius: 0.2 }.spec().grid;
         let blows = (0..model.segments.len()).map(|s| {
             let cell = rng.random_range(0..grid.num_cells());
             let place = grid.cell_centre(cell) + Vec3::new(0.03, 0.05, -0.04);
@@ -178,7 +178,7 @@ fn weighted_behaviours_are_the_weighted_sum_of_their_scores() {
     let mut rng = Pcg64::seed_from_u64(5);
     let model = random_model(&mut rng, 5);
     let come = approach(6, 11, RewardForm::Integral, 0.97);
-    let grid = Hit { discount: 0.95, blows: vec![], radius: 0.5 }.grid();
+    let grid = Hit { discount: 0.95, blows: vec![], radius: 0.5 }.spec().grid;
     let blows = (0..model.segments.len()).map(|s| (s, 2, grid.cell_centre(s), 1.0)).collect();
     let hit = Hit { discount: 0.95, blows, radius: 0.5 };
     let cfg = PolicyConfig::default();
@@ -218,7 +218,7 @@ fn configuration_refuses_unknown_keys_and_takes_those_of_lee_and_lee() {
     let config: BehaviourConfig = toml::from_str(text).expect("a valid behaviour");
     assert_eq!(
         (config.grid, config.reward),
-        (GridConfig { falloff: None, ..GridConfig::lee_and_lee() }, Some(RewardForm::Max))
+        (GridConfig { falloff: None, ..GridConfig::polar(5, 13, 2.0, 0.5, 2.5) }, Some(RewardForm::Max))
     );
     assert!(toml::from_str::<BehaviourConfig>("discont = 0.9").is_err());
     assert!(toml::from_str::<PolicyConfig>("epsilon = 1e-3\nsweeps = 4").is_err());

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use throng_precompute::policy::{
     ActionModel, Approach, Behaviour, BehaviourConfig, GridConfig, PolicyConfig, PolicyTables, RewardForm,
-    SegmentMotion, segment_records, solve_behaviours,
+    SegmentMotion, Spec, segment_records, solve_behaviours,
 };
 use throng_precompute::progress::Silent;
 use throng_runtime::Planar;
@@ -20,21 +20,10 @@ pub struct Hit {
 }
 
 impl Behaviour for Hit {
-    fn name(&self) -> &str {
-        "hit"
-    }
-
-    fn grid(&self) -> TargetGrid {
-        TargetGrid::cylinder([5, 4, 3], Vec3::new(-1.0, 0.4, 1.2), Vec3::new(1.0, 1.3, 1.6), 0.1).expect("a valid grid")
-    }
-
-    fn reward(&self) -> Reward {
-        let record = RewardRecord::new(COMBINE_MAX, KERNEL_WITHIN, self.radius);
-        Reward::new(record).expect("a valid reward")
-    }
-
-    fn discount(&self) -> f64 {
-        self.discount
+    fn spec(&self) -> Spec<'_> {
+        let grid = TargetGrid::cylinder([5, 4, 3], Vec3::new(-1.0, 0.4, 1.2), Vec3::new(1.0, 1.3, 1.6), 0.1);
+        let reward = Reward::new(RewardRecord::new(COMBINE_MAX, KERNEL_WITHIN, self.radius));
+        Spec::new("hit", grid.expect("a valid grid"), reward.expect("a valid reward"), self.discount)
     }
 
     fn sample(&self, segment: usize, _: &SegmentMotion, record: &mut SegmentRecord) {
@@ -91,8 +80,8 @@ pub struct Naive<'a> {
 impl<'a> Naive<'a> {
     pub fn new(model: &'a ActionModel, behaviour: &dyn Behaviour) -> Self {
         let records = segment_records(behaviour, &model.segments);
-        let (grid, reward) = (behaviour.grid(), *behaviour.reward().record());
-        Self { model, grid, reward, records, discount: behaviour.discount() }
+        let (grid, reward) = (behaviour.spec().grid, *behaviour.spec().reward.record());
+        Self { model, grid, reward, records, discount: behaviour.spec().discount }
     }
 
     fn reward(&self, r: &SegmentRecord, target: [f64; 3]) -> f64 {

@@ -20,68 +20,47 @@ use throng_synth::SynthInput;
 
 /// A build. Every table but `inputs` or `synth` may be left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct BuildConfig {
     /// The database's name; the config file's stem where absent.
-    #[serde(default)]
     pub name: String,
     /// Motion files, folders, or patterns with `*` in the file name, relative to the config file's folder.
-    #[serde(default)]
     pub inputs: Vec<PathBuf>,
     /// Motion that the project makes itself, in place of files.
-    #[serde(default)]
     pub synth: Option<SynthInput>,
     /// Seed of everything random in a build: the samples in its reports.
-    #[serde(default)]
     pub seed: u64,
     /// Reading of files.
-    #[serde(default)]
     pub import: ImportConfig,
     /// Retargeting onto the database skeleton.
-    #[serde(default)]
     pub retarget: RetargetConfig,
     /// Rate and mirrored copies.
-    #[serde(default)]
     pub resample: ResampleConfig,
     /// Contacts, T-poses, still ends.
-    #[serde(default)]
     pub annotate: AnnotateConfig,
     /// Ranges to leave out and names of ranges by clip, as a sidecar file beside the clip has them.
-    #[serde(default)]
     pub clips: BTreeMap<String, Sidecar>,
     /// How frames are compared.
-    #[serde(default)]
     pub features: FeaturesConfig,
     /// Pose groups.
-    #[serde(default)]
     pub cluster: ClusterConfig,
     /// The motion graph.
-    #[serde(default)]
     pub graph: GraphConfig,
     /// Motion patches.
-    #[serde(default)]
     pub patches: PatchConfig,
     /// Blend spaces, by name.
-    #[serde(default)]
     pub blend: BTreeMap<String, BlendConfig>,
     /// How policies are solved.
-    #[serde(default)]
     pub policy: PolicyConfig,
     /// What characters can be asked to do.
-    #[serde(default = "default_behaviours")]
     pub behaviours: Vec<BehaviourConfig>,
 }
 
-fn default_behaviours() -> Vec<BehaviourConfig> {
-    vec![BehaviourConfig::default()]
-}
-
-impl BuildConfig {
-    /// A build of some files with everything else as it comes.
-    pub fn new(name: impl Into<String>, inputs: Vec<PathBuf>) -> Self {
+impl Default for BuildConfig {
+    fn default() -> Self {
         Self {
-            name: name.into(),
-            inputs,
+            name: String::new(),
+            inputs: Vec::new(),
             synth: None,
             seed: 0,
             import: ImportConfig::default(),
@@ -95,8 +74,15 @@ impl BuildConfig {
             patches: PatchConfig::default(),
             blend: BTreeMap::new(),
             policy: PolicyConfig::default(),
-            behaviours: default_behaviours(),
+            behaviours: vec![BehaviourConfig::default()],
         }
+    }
+}
+
+impl BuildConfig {
+    /// A build of some files with everything else as it comes.
+    pub fn new(name: impl Into<String>, inputs: Vec<PathBuf>) -> Self {
+        Self { name: name.into(), inputs, ..Self::default() }
     }
 
     /// Reads a config file; paths in it are taken from its folder.

@@ -1,15 +1,12 @@
-//! Foot slip: how fast heels and toes move that should stand.
+//! Foot slip: how fast planted feet move.
 
-mod soles;
-
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use throng_runtime::characters::Characters;
+use throng_runtime::simulation::Simulation;
 use throng_runtime::{Contacts, Joint};
 
-pub use soles::{SoleMeter, Soles};
-
 /// Parts of the feet and the joints that show them.
-pub(crate) const PARTS: [(Joint, Contacts); 4] = [
+const PARTS: [(Joint, Contacts); 4] = [
     (Joint::LeftFoot, Contacts::LEFT_HEEL),
     (Joint::LeftToe, Contacts::LEFT_TOE),
     (Joint::RightFoot, Contacts::RIGHT_HEEL),
@@ -19,96 +16,121 @@ pub(crate) const PARTS: [(Joint, Contacts); 4] = [
 /// Bins of the histogram: 1 mm/s each.
 const BINS: usize = 4000;
 
-/// Speeds that were seen, to the nearest mm/s.
+/// The bottom of the heel and the ball of the left and of the right foot, in the world (m).
+pub type Soles = [[Vec3; 2]; 2];
+
+/// Feet of one character, in the world (m).
+#[derive(Clone, Copy, Debug)]
+pub enum Feet {
+    /// Joints: left foot and toe, right foot and toe. Each counts by itself.
+    Joints([Vec3; 4]),
+    /// Soles that roll. A foot that rolls or turns always has an end that stands, so its slip is the speed over the
+    /// ground of the slower of heel and ball. It counts where any part of it is planted.
+    Soles(Soles),
+}
+
+impl Feet {
+    /// - `at`: where a joint is in the world (m).
+    fn joints(at: impl Fn(Joint) -> Vec3) -> Self {
+        Self::Joints(PARTS.map(|(joint, _)| at(joint)))
+    }
+}
+
+/// Measures from step to step how fast planted feet move.
 #[derive(Clone, Debug)]
-pub(crate) struct Speeds {
+pub struct SlipMeter {
+    /// Feet and contacts of each character at the last step.
+    before: Vec<Option<(Feet, Contacts)>>,
+    /// Number of speeds that were seen, by mm/s.
     bins: Vec<u64>,
     sum: f64,
 }
 
-impl Default for Speeds {
-    fn default() -> Self {
-        Self { bins: vec![0; BINS], sum: 0.0 }
-    }
-}
-
-impl Speeds {
-    /// Adds one (m/s).
-    pub fn add(&mut self, speed: f32) {
-        self.bins[((speed * 1000.0) as usize).min(BINS - 1)] += 1;
-        self.sum += f64::from(speed);
-    }
-
-    fn samples(&self) -> u64 {
-        self.bins.iter().sum()
-    }
-
-    pub fn mean(&self) -> f64 {
-        self.sum / self.samples().max(1) as f64
-    }
-
-    pub fn p95(&self) -> f64 {
-        percentile(&self.bins, 0.95)
-    }
-}
-
-/// Measures from step to step how fast planted parts of feet move; `P` is what it sees of a character.
-#[derive(Clone, Debug)]
-pub struct Meter<P> {
-    /// What was seen of each character at the last step, and which parts were planted.
-    before: Vec<(P, Contacts)>,
-    speeds: Speeds,
-}
-
-/// Measures the speed of heels and toes, each on its own.
-pub type SlipMeter = Meter<[Vec3; 4]>;
-
-impl<P: Copy + Default> Meter<P> {
-    /// For so many characters; nothing has been seen.
+impl SlipMeter {
+    /// For so many characters.
     pub fn new(num_characters: usize) -> Self {
-        Self { before: vec![(P::default(), Contacts::NONE); num_characters], speeds: Speeds::default() }
+        Self { before: vec![None; num_characters], bins: vec![0; BINS], sum: 0.0 }
+    }
+
+    /// Looks at one character after a step of `dt_s`; feet that were planted before and are now count.
+    pub fn observe(&mut self, character: usize, dt_s: f32, contacts: Contacts, feet: Feet) {
+        let Some((before, were)) = self.before[character].replace((feet, contacts)) else { return };
+        let is_planted = |part: Contacts| dt_s > 0.0 && contacts.any(part) && were.any(part);
+        match (before, feet) {
+            (Feet::Joints(was), Feet::Joints(now)) => {
+                for k in (0..PARTS.len()).filter(|&k| is_planted(PARTS[k].1)) {
+                    self.add((now[k] - was[k]).length() / dt_s);
+                }
+            }
+            (Feet::Soles(was), Feet::Soles(now)) => {
+                for (side, foot) in [Contacts::LEFT, Contacts::RIGHT].into_iter().enumerate() {
+                    let moved = |end: usize| {
+                        let by = now[side][end] - was[side][end];
+                        Vec2::new(by.x, by.z).length()
+                    };
+                    if is_planted(foot) {
+                        self.add(moved(0).min(moved(1)) / dt_s);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Looks at all characters of policies after a step.
+    pub fn observe_characters(&mut self, characters: &Characters, dt_s: f32) {
+        for c in 0..self.before.len() {
+            let (root, pose) = (characters.root(c), characters.pose(c));
+            let (turn, by) = (root.rotation(), root.translation());
+            let feet = Feet::joints(|j| turn * pose[j.index()].translation() + by);
+            self.observe(c, dt_s, characters.contacts(c), feet);
+        }
+    }
+
+    /// Looks at characters of a simulation after a step; those without bodies have no feet.
+    pub fn observe_simulation(&mut self, sim: &Simulation, characters: impl Iterator<Item = usize>, dt_s: f32) {
+        for c in characters {
+            let (Some(root), Some(pose)) = (sim.root(c), sim.pose(c)) else { continue };
+            let (turn, by) = (root.rotation(), root.translation());
+            let joints = || Feet::joints(|j| turn * pose[j.index()].translation() + by);
+            self.observe(c, dt_s, sim.contacts(c), sim.soles(c).map_or_else(joints, Feet::Soles));
+        }
     }
 
     /// Forgets the last step: the next one is not its neighbour.
     pub fn forget_step(&mut self) {
-        self.before.fill((P::default(), Contacts::NONE));
+        self.before.fill(None);
     }
 
     /// Forgets what was measured, not the last step.
     pub fn clear(&mut self) {
-        self.speeds = Speeds::default();
+        self.bins.fill(0);
+        self.sum = 0.0;
+    }
+
+    /// True where the last step had feet.
+    pub fn has_seen_feet(&self) -> bool {
+        self.before.iter().any(Option::is_some)
     }
 
     /// Planted parts that were measured.
     pub fn samples(&self) -> u64 {
-        self.speeds.samples()
+        self.bins.iter().sum()
     }
 
     /// (m/s)
     pub fn mean_mps(&self) -> f64 {
-        self.speeds.mean()
+        self.sum / self.samples().max(1) as f64
     }
 
     /// 95th percentile (m/s).
     pub fn p95_mps(&self) -> f64 {
-        percentile(&self.speeds.bins, 0.95)
+        percentile(&self.bins, 0.95)
     }
-}
 
-impl SlipMeter {
-    /// Looks at all characters after a step of `dt_s`; parts that were planted before and are now count.
-    pub fn observe(&mut self, characters: &Characters, dt_s: f32) {
-        for (c, before) in self.before.iter_mut().enumerate() {
-            let (root, pose, contacts) = (characters.root(c), characters.pose(c), characters.contacts(c));
-            let (turn, move_by) = (root.rotation(), root.translation());
-            let now = PARTS.map(|(j, _)| turn * pose[j.index()].translation() + move_by);
-            let (was, were) = std::mem::replace(before, (now, contacts));
-            for (k, (_, part)) in PARTS.into_iter().enumerate() {
-                if dt_s > 0.0 && contacts.any(part) && were.any(part) {
-                    self.speeds.add((now[k] - was[k]).length() / dt_s);
-                }
-            }
-        }
+    fn add(&mut self, speed_mps: f32) {
+        self.bins[((speed_mps * 1000.0) as usize).min(BINS - 1)] += 1;
+        self.sum += f64::from(speed_mps);
     }
 }
 
@@ -137,5 +159,34 @@ mod tests {
         assert_eq!(percentile(&bins, 0.95), 0.0105);
         assert_eq!(percentile(&bins, 0.96), 0.0505);
         assert_eq!(percentile(&[0; 4], 0.5), 0.0);
+    }
+
+    /// Slip of a left foot whose heel and ball move so fast; the right one is always in the air.
+    fn slip(heel: Vec3, ball: Vec3, contacts: Contacts) -> SlipMeter {
+        let mut meter = SlipMeter::new(1);
+        for step in 0..3 {
+            let at = |v: Vec3| v * (0.1 * step as f32);
+            meter.observe(0, 0.1, contacts, Feet::Soles([[at(heel), at(ball)], [at(Vec3::X * 9.0); 2]]));
+        }
+        meter
+    }
+
+    #[test]
+    fn a_rolling_foot_slips_as_fast_as_its_slower_end() {
+        let sliding = slip(Vec3::X * 0.2, Vec3::Z * 0.3, Contacts::LEFT_HEEL);
+        assert_eq!(sliding.samples(), 2);
+        assert!((sliding.mean_mps() - 0.2).abs() < 1e-6 && (sliding.p95_mps() - 0.2).abs() < 1e-3);
+        assert!(slip(Vec3::X, Vec3::ZERO, Contacts::LEFT_TOE).p95_mps() < 1e-3, "it turns over its ball");
+        assert!(slip(Vec3::Y, Vec3::X, Contacts::LEFT_TOE).p95_mps() < 1e-3, "a heel that rises does not slip");
+        assert_eq!(slip(Vec3::X, Vec3::X, Contacts::RIGHT_HEEL).samples(), 2);
+        assert_eq!(slip(Vec3::X, Vec3::X, Contacts::NONE).samples(), 0);
+    }
+
+    #[test]
+    fn steps_that_are_no_neighbours_do_not_count() {
+        let mut meter = slip(Vec3::X, Vec3::X, Contacts::LEFT);
+        meter.forget_step();
+        meter.observe(0, 0.1, Contacts::LEFT, Feet::Soles(Soles::default()));
+        assert_eq!(meter.samples(), 2);
     }
 }

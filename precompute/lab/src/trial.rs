@@ -61,7 +61,7 @@ pub struct TrialReport {
     pub reached_fraction: f64,
     /// Share of the characters within one and a half reaches at the end.
     pub stayed_fraction: f64,
-    /// Mean time to reach the target, of those who did; none where nobody did (s).
+    /// Mean time to reach the target, of characters that did; none where none did (s).
     pub mean_arrival_s: Option<f64>,
     /// Distance to the target at the end, mean over all characters (m).
     pub mean_final_distance_m: f64,
@@ -84,13 +84,13 @@ pub struct TrialRecord {
     pub snapshot_s: f32,
     /// Planar roots then.
     pub roots: Vec<Planar>,
-    /// Where everybody had gone by then, five times a second (m).
+    /// Where each character had been by then, five times a second (m).
     pub trails: Vec<Vec<Vec2>>,
     /// Targets (m).
     pub targets: Vec<Vec3>,
     /// When each target was reached; infinite where it was not (s).
     pub arrivals_s: Vec<f32>,
-    /// World positions of all joints of everybody then (m).
+    /// World positions of all joints of each character then (m).
     pub poses: Vec<[Vec3; NUM_JOINTS]>,
     /// The recorded character, every step.
     pub frames: Vec<TrialFrame>,
@@ -209,7 +209,7 @@ impl Watch {
                 self.record.arrivals_s[c] = self.record.arrivals_s[c].min(time_s);
             }
         }
-        self.slip.observe(characters, dt);
+        self.slip.observe_characters(characters, dt);
         let Some(c) = config.recorded else { return };
         self.record.frames.push(TrialFrame {
             time_s,

@@ -1,4 +1,4 @@
-//! Writing files so that nobody ever sees half of one.
+//! Writing files so that half of one is never seen.
 
 use crate::error::BuildError;
 use std::io::{BufWriter, Write};
@@ -55,7 +55,7 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Temporary files are private; the finished one is for everybody whom the folder lets in.
+/// Temporary files are private; the finished one has the usual permissions.
 #[cfg(unix)]
 fn make_readable(file: &std::fs::File) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;

@@ -80,7 +80,7 @@ pub fn empty_clip(name: String, set: &str, cfg: &SynthConfig) -> Clip {
     }
 }
 
-/// Adds a pose of somebody on his feet to a clip.
+/// Adds a pose on both feet to a clip.
 pub fn push(clip: &mut Clip, pose: &BodyPose, skeleton: &Skeleton) {
     let knees = pose.knees.map(|heading| {
         let f = forward(heading);

@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-/// Natural frequency of the pendulum. A pendulum of the hips' height has 3.2; sway and anticipation of people,
-/// who also use their ankles and arms, fit a stiffer one (rad/s).
+/// Natural frequency of the pendulum. A pendulum of the hips' height has 3.2; human sway and anticipation,
+/// with ankles and arms at work, fit a stiffer one (rad/s).
 pub const FREQUENCY: f64 = 3.9;
 
 /// The centre of mass over a centre of pressure: solves `x - x''/w^2 = p` with `x' = 0` at both ends (Thomas algorithm).

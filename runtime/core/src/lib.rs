@@ -1,6 +1,6 @@
 //! Opens bundles, answers policy queries, poses characters.
 //!
-//! A bundle (`*.throng`) is opened as [`Bundle`]; [`characters::PolicyCharacters`] and [`blend::walkers::Walkers`] are
+//! A bundle (`*.throng`) is opened as [`Bundle`]; [`characters::PolicyCharacters`] and [`walkers::Walkers`] are
 //! [`Cast`]s that move and pose people. [`policy`] answers single queries without characters.
 
 pub mod blend;

@@ -1,6 +1,6 @@
 //! What is measured of every step.
 
-use throng_precompute::run::{AgentsNow, FeetMeter};
+use throng_precompute::run::AgentsNow;
 use throng_precompute::slip::SlipMeter;
 use throng_runtime::characters::StepTimes;
 use throng_runtime::simulation::{GroupCast, Simulation};
@@ -17,12 +17,6 @@ pub struct Slip {
 
 impl From<&SlipMeter> for Slip {
     fn from(m: &SlipMeter) -> Self {
-        Self { mean_mps: m.mean_mps() as f32, p95_mps: m.p95_mps() as f32 }
-    }
-}
-
-impl From<&FeetMeter> for Slip {
-    fn from(m: &FeetMeter) -> Self {
         Self { mean_mps: m.mean_mps() as f32, p95_mps: m.p95_mps() as f32 }
     }
 }

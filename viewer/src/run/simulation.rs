@@ -199,7 +199,7 @@ impl Simulation {
 
     fn measure(&mut self, dt: f32) -> StepFigures {
         self.slip.clear();
-        self.slip.observe(&self.characters, dt);
+        self.slip.observe_characters(&self.characters, dt);
         let slip = Slip::from(&self.slip);
         let at_target = (0..self.config.characters).filter(|&c| self.is_at_target(c)).count();
         StepFigures { times: self.characters.times(), slip, at_target, ..StepFigures::default() }

@@ -50,7 +50,7 @@ impl PoseGroups {
     }
 }
 
-/// Members with which the frames of a larger group are compared to find its medoid.
+/// Frames with which those of a larger group are compared to find its medoid.
 const MEDOID_SAMPLE: usize = 256;
 
 /// Sorts frames into groups such that any two frames of a group are nearer than the threshold.

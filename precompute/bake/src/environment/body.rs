@@ -246,7 +246,7 @@ mod tests {
             });
             p.penetration_in(&seat, 0.06)
         };
-        // Thigh joints 0.76 m up, the seat 0.78 m: deeper than the tolerance but for who sits.
+        // Thigh joints 0.76 m up, the seat 0.78 m: deeper than the tolerance, except for a seated body.
         assert!(at_seat(Contacts::NONE).is_some_and(|(_, p)| p.joint == Joint::Hips));
         assert_eq!(at_seat(Contacts::SEAT), None);
     }

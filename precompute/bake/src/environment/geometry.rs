@@ -6,7 +6,7 @@ use glam::Vec3;
 use std::sync::Arc;
 use throng_motion::error::BuildError;
 
-/// Regions reach this far above the shapes where a unit names none: hips of who stands on them are inside (m).
+/// Regions reach this far above the shapes where a unit names none: hips of a character on them are inside (m).
 const REGION_ABOVE: f32 = 1.2;
 
 /// Bounds in trees are larger by this, so that rounding hides nothing (m).

@@ -1,8 +1,8 @@
-//! Geometry inferred from contacts, for captured motion whose surroundings nobody measured.
+//! Geometry inferred from contacts, for captured motion whose surroundings were not measured.
 //!
 //! What a body stands, sits and hangs on must be where its feet, seat and hands stay in the world while the rest of it
 //! moves: level plates under feet and seats, bars in hands; and nothing is where the body goes through. Nothing is known
-//! about where nobody touched.
+//! about places that were not touched.
 
 mod bars;
 mod clear;
@@ -131,8 +131,8 @@ fn groups(pieces: &[Piece]) -> Vec<Vec<usize>> {
             }
         }
     }
-    let members = |g: usize| (0..pieces.len()).filter(|&i| group[i] == g).collect::<Vec<_>>();
-    (0..pieces.len()).map(members).filter(|m| !m.is_empty()).collect()
+    let of_group = |g: usize| (0..pieces.len()).filter(|&i| group[i] == g).collect::<Vec<_>>();
+    (0..pieces.len()).map(of_group).filter(|m| !m.is_empty()).collect()
 }
 
 fn moved(shape: &Shape, by: Vec3) -> Shape {

@@ -20,7 +20,7 @@ const TRIANGLES: u32 = 4;
 
 /// Reads the triangles of a `.glb` or `.gltf` file.
 ///
-/// Nodes of the default scene are taken, or of the first one, or all that are nobody's children where the file has no
+/// Nodes of the default scene are taken, or of the first one, or all without a parent where the file has no
 /// scene. Lines and points, skins, morph targets and materials are left out.
 ///
 /// # Errors

@@ -113,15 +113,12 @@ fn of_box(p: Vec3, half: Vec3) -> SurfacePoint {
     let over = p.abs() - half;
     let sign = |v: f32| if v < 0.0 { -1.0 } else { 1.0 };
     if over.max_element() > 0.0 {
-        let point = p.clamp(-half, half);
-        return outside(
-            p,
-            point,
-            (0..3).fold(Vec3::ZERO, |n, k| if over[k] > 0.0 { n.with_axis(k, sign(p[k])) } else { n }),
-        );
+        let away = std::array::from_fn(|k| if over[k] > 0.0 { sign(p[k]) } else { 0.0 });
+        return outside(p, p.clamp(-half, half), Vec3::from_array(away));
     }
     let axis = (0..3).fold(0, |best, k| if over[k] > over[best] { k } else { best });
-    let normal = Vec3::ZERO.with_axis(axis, sign(p[axis]));
+    let mut normal = Vec3::ZERO;
+    normal[axis] = sign(p[axis]);
     SurfacePoint { distance: over[axis], point: p - normal * over[axis], normal }
 }
 
@@ -138,7 +135,11 @@ fn of_bar(p: Vec3, from: Vec3, to: Vec3, radius: f32) -> SurfacePoint {
     let axis = on_axis(p, from, to);
     let away = p - axis;
     let d = away.length();
-    let normal = if d > AT_SURFACE { away / d } else { (to - from).any_orthonormal_vector_or(Vec3::Y) };
+    let normal = if d > AT_SURFACE {
+        away / d
+    } else {
+        (to - from).try_normalize().map_or(Vec3::Y, |v| v.any_orthonormal_vector())
+    };
     SurfacePoint { distance: d - radius, point: axis + normal * radius, normal }
 }
 
@@ -148,25 +149,6 @@ fn on_axis(p: Vec3, from: Vec3, to: Vec3) -> Vec3 {
     let length2 = along.length_squared();
     let t = if length2 > 0.0 { ((p - from).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
     from + along * t
-}
-
-/// Small additions to vectors.
-trait VectorExt {
-    /// The same with one component set.
-    fn with_axis(self, axis: usize, value: f32) -> Self;
-    /// A unit vector across it; `otherwise` for the zero vector.
-    fn any_orthonormal_vector_or(self, otherwise: Self) -> Self;
-}
-
-impl VectorExt for Vec3 {
-    fn with_axis(mut self, axis: usize, value: f32) -> Self {
-        self[axis] = value;
-        self
-    }
-
-    fn any_orthonormal_vector_or(self, otherwise: Self) -> Self {
-        self.try_normalize().map_or(otherwise, |v| v.any_orthonormal_vector())
-    }
 }
 
 #[cfg(test)]

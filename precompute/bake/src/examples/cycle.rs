@@ -98,7 +98,7 @@ impl<'a> Cycle<'a> {
         Self::new(track, steps, course, Kind::Halved)
     }
 
-    /// The best-closing loop of a stretch in which nobody steps.
+    /// The best-closing loop of a stretch without steps.
     pub fn still(track: Track<'a>, range: &FrameRange) -> Self {
         let rate = track.rate();
         let length = range.len().saturating_sub(1) as f64;

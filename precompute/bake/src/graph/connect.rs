@@ -27,7 +27,7 @@ const SEARCH_STEPS: usize = 16;
 /// with one way out are collapsed.
 ///
 /// # Errors
-/// [`BuildError::Config`] for a number out of range; [`BuildError::Stage`] where clips lack contacts or differ in
+/// [`BuildError::Config`] for a number out of range; [`BuildError::Stage`] where clips have no contacts or differ in
 /// rate, and where the largest component has less than `config.min_component_s` of motion.
 ///
 /// # Source

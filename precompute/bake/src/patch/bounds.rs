@@ -48,7 +48,7 @@ impl Bounds {
         Self { reach: clips.clips.par_iter().map(of_clip).flatten().collect() }
     }
 
-    /// A box that holds the joints of everybody who plays one of the links (m).
+    /// A box that holds all joints during all links (m).
     pub fn of_links(&self, tracks: &[Track], links: &[LinkRecord]) -> [[f32; 3]; 2] {
         let all = links.par_iter().map(|l| self.of_link(tracks, l));
         all.reduce(|| Extent::EMPTY, Extent::join).0

@@ -157,7 +157,7 @@ mod tests {
     use throng_core::{NUM_JOINTS, Skeleton};
     use throng_motion::clip::Clip;
 
-    /// Someone who stands at the origin, `up` above the ground.
+    /// A clip that stands at the origin, `up` above the ground.
     fn standing(name: &str, up: f32) -> Clip {
         let frames = 30;
         Clip {

@@ -1,4 +1,4 @@
-//! What embedding needs of a clip, frame by frame: where the root goes, which group the pose is in, who stands.
+//! What embedding needs of a clip, frame by frame: where the root goes, which group the pose is in, where it stands.
 
 use crate::cluster::PoseGroups;
 use std::collections::BTreeMap;

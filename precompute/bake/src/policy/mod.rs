@@ -17,7 +17,7 @@ mod sweep;
 
 pub use adapt::{AdaptiveReport, Approximation, adapt};
 pub use bake::bake;
-pub use behaviour::{Approach, Behaviour, Evade, SegmentHit, ThrowPunches, segment_hits, segment_records};
+pub use behaviour::{Approach, Behaviour, Evade, SegmentHit, Spec, ThrowPunches, segment_hits, segment_records};
 pub use compare::{Comparison, compare};
 pub use config::{
     AdaptiveConfig, BehaviourConfig, BehaviourKind, BoundsConfig, CentreConfig, GridConfig, KernelConfig, PolicyConfig,

@@ -162,8 +162,8 @@ pub fn solve_behaviours(
 ) -> Result<PolicyTables, BuildError> {
     let mut policies: Vec<Policy> = Vec::new();
     for &behaviour in behaviours {
-        if policies.iter().any(|p| p.name == behaviour.name()) {
-            let message = format!("behaviour \"{}\" is there twice; give each its own name", behaviour.name());
+        if policies.iter().any(|p| p.name == behaviour.spec().name) {
+            let message = format!("behaviour \"{}\" is there twice; give each its own name", behaviour.spec().name);
             return Err(BuildError::Config { message });
         }
         policies.push(solve_one(&model, behaviour, cfg, rng, progress)?);
@@ -184,7 +184,7 @@ fn solve_one(
     let mut best = bake(model, &mut solution, cfg)?;
     behaviour.check_values(&solution.values)?;
     let mut adaptive = None;
-    if let Some(config) = behaviour.adaptive() {
+    if let Some(config) = behaviour.spec().adaptive {
         let finest = solution;
         solution = adapt(model, &finest, behaviour, &config)?;
         best = best_actions(model, &mut solution, cfg.choices)?;
@@ -194,7 +194,7 @@ fn solve_one(
     let comparison = compare(&solution.table(model, &best)?, cfg.compare_samples, rng);
     let report = PolicyReport { adaptive, ..report(model, behaviour, &solution, &best, seconds, comparison) };
     let Solution { record, segments, paths, state_grids, values, .. } = solution;
-    Ok(Policy { name: behaviour.name().into(), record, segments, paths, state_grids, values, best, report })
+    Ok(Policy { name: behaviour.spec().name.into(), record, segments, paths, state_grids, values, best, report })
 }
 
 fn report(
@@ -205,10 +205,10 @@ fn report(
     seconds: f64,
     comparison: Comparison,
 ) -> PolicyReport {
-    let shrinking = behaviour.discount().powi(model.least_frames() as i32);
+    let shrinking = behaviour.spec().discount.powi(model.least_frames() as i32);
     PolicyReport {
-        name: behaviour.name().to_owned(),
-        cells: behaviour.grid().num_cells(),
+        name: behaviour.spec().name.to_owned(),
+        cells: behaviour.spec().grid.num_cells(),
         pairs: solution.num_pairs,
         sweeps: solution.num_sweeps,
         greedy_sweeps: solution.num_greedy_sweeps,

@@ -170,7 +170,7 @@ fn search_with_bounds(table: &PolicyTable, pairs: &[Situation], depth: usize) ->
     let band_of = |s: &Situation| (((s.target.y - r.height_start) / height.max(1e-6)) as usize).min(bands - 1);
     let mut found: Vec<Option<Found>> = vec![None; pairs.len()];
     for band in 0..bands {
-        // A little wider than the band, so that rounding leaves nobody out.
+        // A little wider than the band, so that rounding leaves no situation out.
         let bounds = Bounds::new(table, depth, [edge(band) - 1e-3, edge(band + 1) + 1e-3]);
         let search = Search::new(table, depth, Some(&bounds));
         let of_band = found.par_iter_mut().zip(pairs).filter(|(_, s)| bands == 1 || band_of(s) == band);

@@ -73,25 +73,25 @@ pub fn value_iteration(
     check_size(model, behaviour, cfg)?;
     let segments = segment_records(behaviour, &model.segments);
     let mut solution = blank(model, behaviour, segments, cfg)?;
-    if behaviour.grid().is_space_time() {
+    if behaviour.spec().grid.is_space_time() {
         // Less time is left after every action: the few true sweeps of the bake are all it takes.
         return Ok(solution);
     }
-    let shape = Shape::new(&behaviour.grid());
+    let shape = Shape::new(&behaviour.spec().grid);
     let best = vec![0; solution.values.len()];
     let pairs = Pairs::new(&solution.table(model, &best)?, &solution.segments);
     let mut sweeper = Sweeper::new(pairs, model);
     solution.bytes_per_sweep = sweeper.bytes_per_sweep();
     solution.setup_s = begin.elapsed().as_secs_f64();
     let begin = Instant::now();
-    let tolerance = tolerance(cfg.epsilon, behaviour.discount(), model.least_frames()) as f32;
+    let tolerance = tolerance(cfg.epsilon, behaviour.spec().discount, model.least_frames()) as f32;
     let values = iterate(&mut sweeper, tolerance, cfg.max_sweeps, &mut solution, progress);
     solution.sweep_s = begin.elapsed().as_secs_f64();
     if solution.residual > tolerance {
         let (residual, sweeps) = (solution.residual, solution.num_sweeps);
         let message = format!(
             "behaviour \"{}\": a sweep still changes values by {residual:e} after {sweeps} sweeps, wanted {tolerance:e}",
-            behaviour.name()
+            behaviour.spec().name
         );
         return Err(stage_error(message, "Raise `max_sweeps` or `epsilon`, or lower `discount`."));
     }
@@ -102,7 +102,7 @@ pub fn value_iteration(
 
 /// Refuses grids that number too many cells or take more memory than solving may.
 fn check_size(model: &ActionModel, behaviour: &dyn Behaviour, cfg: &PolicyConfig) -> Result<(), BuildError> {
-    let (grid, name) = (behaviour.grid(), behaviour.name());
+    let (grid, name) = (behaviour.spec().grid, behaviour.spec().name);
     let shape = Shape::new(&grid);
     if !grid.is_space_time() && shape.value_plane() + LANES_TO_SPARE > MAX_PLANE {
         let message = format!("behaviour \"{name}\" has {} cells at one height", shape.plane());
@@ -191,16 +191,16 @@ fn blank(
         );
         return Err(BuildError::Config { message });
     }
-    let grid = behaviour.grid();
+    let grid = behaviour.spec().grid;
     let record = PolicyRecord {
         grid: *grid.record(),
-        reward: *behaviour.reward().record(),
-        region: behaviour.region(),
-        centre: behaviour.centre().to_array(),
+        reward: *behaviour.spec().reward.record(),
+        region: behaviour.spec().region,
+        centre: behaviour.spec().centre.to_array(),
         num_states: model.num_states() as u32,
         num_segments: segments.len() as u32,
         num_choices: 1,
-        discount: behaviour.discount() as f32,
+        discount: behaviour.spec().discount as f32,
         epsilon: cfg.epsilon as f32,
         ..PolicyRecord::default()
     };

@@ -135,7 +135,7 @@ impl Library<'_> {
 
 /// A heading within one period, so that copies of a unit that look the same have nearly the same one.
 ///
-/// The range begins at an angle at which nobody places anything: what stands a little to either side of a usual one
+/// The range begins at an angle that is not usual for placed things: what stands a little to either side of a usual one
 /// stays together.
 pub(super) fn normalised(placement: Placement, period: f32) -> Placement {
     const FROM: f32 = -0.371;

@@ -220,7 +220,7 @@ pub fn stitch_source(
 /// - returns its length (bytes).
 ///
 /// # Errors
-/// [`BuildError::Io`] where it cannot be written, [`BuildError::Stage`] for a world that nobody can be in.
+/// [`BuildError::Io`] where it cannot be written, [`BuildError::Stage`] for a world without a place for a character.
 pub fn save(world: &WorldData, patches: &Patches, out: &Path) -> Result<u64, BuildError> {
     let paths = WorldGraph::new(patches, &world.view()).and_then(|graph| PathCosts::bake(&graph));
     let paths = paths.map_err(|e| BuildError::Stage {

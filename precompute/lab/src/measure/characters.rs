@@ -117,7 +117,7 @@ impl Bench<'_> {
         Ok((single_load, batch.look_ahead_ns()?, batch.actions_weighed()))
     }
 
-    /// Time of sampling everybody at random places.
+    /// Time of sampling all characters at random places.
     fn sample(&self) -> Result<f64, BuildError> {
         let mut rng = Pcg64Mcg::seed_from_u64(3);
         let (n, share) = (self.characters, self.share());
@@ -164,7 +164,7 @@ impl Bench<'_> {
         let one_thread = rayon::current_num_threads() == 1;
         let mut failed = None;
         let ns = median_ns(self.seconds.max(0.5), || {
-            // Targets move every second, so that nobody comes to rest.
+            // Targets move every second, so that no character comes to rest.
             for t in &mut targets {
                 *t = Vec3::new(rng.random_range(-50.0..50.0), 0.0, rng.random_range(-50.0..50.0));
             }
@@ -185,7 +185,7 @@ impl Bench<'_> {
         }
     }
 
-    /// Time to copy everybody's model matrices.
+    /// Time to copy all model matrices.
     fn memcpy(&self) -> f64 {
         let (n, share) = (self.characters * NUM_JOINTS, self.share() * NUM_JOINTS);
         let from = vec![Mat3x4 { rows: [[1.0; 4]; 3] }; n];

@@ -63,7 +63,7 @@ impl Batch<'_> {
         self.states.len().div_ceil(rayon::current_num_threads()).max(1)
     }
 
-    /// Time of single-load queries of everybody (ns).
+    /// Time of single-load queries of the batch (ns).
     pub fn single_load_ns(&self) -> Result<f64, BuildError> {
         let (policy, share) = (self.policy, self.share());
         let mut actions = vec![0u8; self.states.len()];
@@ -80,7 +80,7 @@ impl Batch<'_> {
         Ok(ns)
     }
 
-    /// Time of look-aheads of everybody (ns).
+    /// Time of look-aheads of the batch (ns).
     pub fn look_ahead_ns(&self) -> Result<f64, BuildError> {
         let (policy, share) = (self.policy, self.share());
         let weights = vec![1.0; self.states.len()];

@@ -47,15 +47,15 @@ pub struct WorldFigures {
     pub edits: Vec<EditFigures>,
     /// Paths between places drawn at random.
     pub paths: PathFigures,
-    /// The same paths, planned by who cannot wait.
+    /// The same paths, planned for a quick answer.
     pub paths_soon: PathFigures,
-    /// Characters who walked about, as many as there was room for up to a thousand.
+    /// Characters that walked about, as many as there was room for up to a thousand.
     pub characters: usize,
     /// Steps of all of them a second on one thread: control and poses.
     pub steps_per_second: f64,
 }
 
-/// Figures of moving a unit a few centimetres, and a few more, as who drags it does. What only fits a raster, as tiles do,
+/// Figures of moving a unit a few centimetres, and a few more, as in dragging. What only fits a raster, as tiles do,
 /// is moved by its own length, from the rim of what is placed to free places beside others of its kind.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct EditFigures {
@@ -67,7 +67,7 @@ pub struct EditFigures {
     pub place: usize,
     /// How far each move went (m).
     pub step_m: f64,
-    /// Moves that were done; others were refused: nothing fits the unit there, or nobody gets to it or to others.
+    /// Moves that were done; others were refused: the unit does not fit there, or it or others could not be reached.
     pub done: usize,
     /// Time for one, on all threads, the median; none where every move was refused (s).
     pub seconds: Option<f64>,

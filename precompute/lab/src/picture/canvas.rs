@@ -180,7 +180,7 @@ fn polyline_path(points: &[Vec2], close: bool) -> Option<tiny_skia::Path> {
     b.finish()
 }
 
-/// Quarter circles are drawn as quadratic curves: at the few pixels of a corner nobody can tell.
+/// Quarter circles are drawn as quadratic curves: at the few pixels of a corner the difference does not show.
 fn rounded(area: Area, radius: f32) -> Option<tiny_skia::Path> {
     let (a, b) = (area.min, area.max());
     let r = radius.min(0.5 * area.size.min_element()).max(0.0);

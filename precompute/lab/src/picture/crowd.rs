@@ -1,10 +1,10 @@
-//! A crowd from above: where everybody is, where they came from and where they want to go.
+//! A crowd from above: where characters are, came from and want to go.
 
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
 use super::figure::{BodyColours, Figure};
-use super::furniture::{grid, header, legend, nice_step, scale_bar};
+use super::furniture::{grid, legend, nice_step, page_with_panel, scale_bar};
 use super::shadow::Shadows;
 use super::sprite;
 use glam::{Vec2, Vec3};
@@ -73,12 +73,8 @@ pub struct Focus {
 /// The view fits all roots, targets and trails unless `focus` names a part. Characters whose root is not finite are
 /// left out.
 pub fn crowd_overview(view: &CrowdView<'_>) -> Picture {
-    let mut page = Picture::new(view.size.0, view.size.1, colour::PAPER);
+    let (mut page, mut panel, at) = page_with_panel(view.size, view.title, view.subtitle);
     let unit = page.width() as f32 / 1600.0;
-    header(&mut page, unit, view.title, view.subtitle);
-    let (edge, top) = ((16.0 * unit) as u32, (84.0 * unit) as u32);
-    let size = (page.width().saturating_sub(2 * edge), page.height().saturating_sub(top + edge));
-    let mut panel = Picture::new(size.0, size.1, colour::GROUND);
     let present: Vec<&CrowdCharacter<'_>> = view.characters.iter().filter(|c| is_finite(c.root)).collect();
     let extent = Vec2::new(panel.width() as f32, panel.height() as f32);
     let camera = match view.focus.filter(|f| f.centre.is_finite()) {
@@ -91,7 +87,7 @@ pub fn crowd_overview(view: &CrowdView<'_>) -> Picture {
         draw_mark(&mut panel, &camera, unit, character, name);
     }
     scale_bar(&mut panel, &camera, unit);
-    page.draw_picture(&panel, (edge as i32, top as i32));
+    page.draw_picture(&panel, at);
     draw_legend(&mut page, unit, view);
     page
 }
@@ -268,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn everybody_is_inside_the_view() {
+    fn all_characters_are_inside_the_view() {
         let at = |x: f32, z: f32| standing(Planar::new(x, z, 0.3));
         let characters = [at(-30.0, 4.0), at(12.0, -9.0), at(3.0, 25.0)];
         let size = Vec2::new(800.0, 500.0);
@@ -291,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn colour_tells_who_has_arrived() {
+    fn colour_tells_which_characters_have_arrived() {
         let mut one = [standing(Planar::IDENTITY)];
         let reached = crowd_overview(&view(&one));
         one[0].arrival = Arrival::OnTheWay;
@@ -299,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_and_nonsense_are_drawn_without_a_panic() {
+    fn empty_and_broken_crowds_are_drawn_without_a_panic() {
         crowd_overview(&view(&[]));
         let trail = [Vec2::NAN, Vec2::splat(1e30), Vec2::ZERO];
         let mut odd = standing(Planar::new(1e9, 0.0, 0.0));

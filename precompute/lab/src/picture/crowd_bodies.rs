@@ -13,7 +13,7 @@ use throng_runtime::Joint;
 const BODIES_M: f32 = 24.0;
 /// Draws the bodies of a crowd at the end of its run.
 ///
-/// - `poses`: world positions of the joints of everybody, `None` for those who have left (m).
+/// - `poses`: world positions of all joints of each agent, `None` where one has left (m).
 pub(super) fn bodies_sheet(record: &AgentsRecord, poses: &[Option<Pose>]) -> Picture {
     let one = |(m, p): (usize, &Option<Pose>)| {
         let tint = group_colour(record.groups.get(m).copied().unwrap_or(0));
@@ -53,7 +53,7 @@ mod tests {
     use throng_runtime::Skeleton;
 
     #[test]
-    fn bodies_and_outlines_are_drawn_and_nobody_is_no_panic() {
+    fn bodies_and_outlines_are_drawn_and_an_empty_crowd_is_no_panic() {
         let record = AgentsRecord {
             groups: vec![0, 1],
             obstacles: vec![SeenObstacle::Ball { centre: Vec3::X, radius: 1.0 }],

@@ -1,4 +1,4 @@
-//! The picture of a crowd of discs or balls: everybody from above at a few times, and from the side in the air.
+//! The picture of a crowd of discs or balls: from above at a few times, and from the side in the air.
 
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
@@ -110,7 +110,7 @@ pub(super) fn group_colour(group: usize) -> Colour {
     Colour::hex(GROUPS[group % GROUPS.len()])
 }
 
-/// Lowest and highest that anybody was, with room around.
+/// Lowest and highest position of all agents, with room around.
 fn extent(record: &AgentsRecord) -> (Vec3, Vec3) {
     let seen = record.moments.iter().flat_map(|m| m.agents.iter().flatten().map(|s| s.at));
     let all = seen.chain(record.trails.iter().flat_map(|t| t.1.iter().copied()));
@@ -147,7 +147,7 @@ fn draw_agent(panel: &mut Picture, camera: &Camera, s: &SeenAgent, radius: f32, 
         panel.stroke_oval(at, Vec2::splat(px), (0.3 * px).clamp(1.2, 4.0), KNOWS);
     }
     let ahead = camera.project(s.at + s.velocity) - at;
-    // A tick along the heading, longer for those who move faster.
+    // A tick along the heading, longer for faster agents.
     if px > 2.0 && ahead.length() > 0.1 * camera.px_per_m {
         let tip = at + ahead.normalize_or_zero() * px * 1.5;
         panel.stroke_line(&[at, tip], (0.28 * px).clamp(1.0, 3.0), colour::INK);
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn everybody_is_drawn_and_the_air_is_also_seen_from_the_side() {
+    fn all_agents_are_drawn_and_the_air_is_also_seen_from_the_side() {
         let report = Figures::default();
         let (ground, air) =
             (crowd_sheet("square", &report, &record(false)), crowd_sheet("square", &report, &record(true)));

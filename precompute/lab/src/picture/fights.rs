@@ -1,4 +1,4 @@
-//! The picture of a group with policies: everybody at the end, and moments around blows of those who were recorded.
+//! The picture of a group with policies: all characters at the end, and moments around blows of the recorded ones.
 
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
@@ -27,7 +27,7 @@ const ROWS: usize = 3;
 /// Width that a moment shows (m).
 const WIDTH_M: f32 = 2.1;
 
-/// Draws a group with policies: rows of moments around blows that landed, and everybody from above.
+/// Draws a group with policies: rows of moments around blows that landed, and all characters from above.
 ///
 /// - `poses`: of the whole group at the end.
 pub(super) fn fight_sheet(
@@ -183,9 +183,7 @@ fn moment(
     }
     for (character, figure) in &figures {
         let colours = if *character == 0 { BodyColours::default() } else { BodyColours::plain(SECOND) };
-        if let Some(sprite) = sprite::render(figure, &colours, &camera, (panel.width(), panel.height())) {
-            sprite.draw(&mut panel);
-        }
+        sprite::draw(&mut panel, figure, &colours, &camera);
     }
     for e in blows.iter().filter(|e| (e.time_s - frame.time_s).abs() < 0.02) {
         let tint = if e.part == Some(Part::Arm) { colour::MARK } else { BLOW };

@@ -29,6 +29,16 @@ pub(super) fn header(page: &mut Picture, unit: f32, title: &str, subtitle: &str)
     draw_text(page, Vec2::new(18.0, 69.0) * unit, subtitle, style);
 }
 
+/// A page with a title and an empty panel below it, to be drawn at the place that is returned.
+pub(super) fn page_with_panel(size: (u32, u32), title: &str, subtitle: &str) -> (Picture, Picture, (i32, i32)) {
+    let mut page = Picture::new(size.0, size.1, colour::PAPER);
+    let unit = page.width() as f32 / 1600.0;
+    header(&mut page, unit, title, subtitle);
+    let (edge, top) = ((16.0 * unit) as u32, (84.0 * unit) as u32);
+    let size = (page.width().saturating_sub(2 * edge), page.height().saturating_sub(top + edge));
+    (page, Picture::new(size.0, size.1, colour::GROUND), (edge as i32, top as i32))
+}
+
 /// Coloured entries at the upper right of `area`, a remark below them.
 pub(super) fn legend(page: &mut Picture, area: Area, unit: f32, entries: &[(Colour, String)], remark: &str) {
     let style = TextStyle { size: 21.0 * unit, colour: colour::INK, align: Align::Right, bold: true };

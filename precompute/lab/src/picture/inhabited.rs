@@ -1,4 +1,4 @@
-//! The picture of a world: everybody at its end, and moments of one who did much.
+//! The picture of a world: all characters at its end, and moments of a lively one.
 
 use super::canvas::Picture;
 use super::figure::{BodyColours, Figure};
@@ -21,9 +21,9 @@ const WIDTH_M: f32 = 2.6;
 /// From where worlds are seen: heading and elevation (rad).
 const FROM: (f32, f32) = (0.8 * PI, 0.6);
 
-/// Draws a world: everybody in it at the end, and moments of a followed character.
+/// Draws a world: all characters in it at the end, and moments of a followed one.
 ///
-/// - `poses`: of everybody in the world at the end.
+/// - `poses`: of all characters in the world at the end.
 pub(super) fn inhabited_sheet(
     title: &str,
     figures: &Figures,

@@ -21,6 +21,7 @@ mod discs;
 mod fights;
 mod furniture;
 mod inhabited;
+mod paint;
 mod piece;
 mod shadow;
 mod solid;

@@ -107,7 +107,7 @@ mod tests {
     fn lines_end_where_their_points_are() {
         let lines =
             vec![("a".to_owned(), vec![[0.0, 0.0], [1000.0, 2.0], [f64::NAN, 1.0]]), ("b".to_owned(), Vec::new())];
-        let page = plot(&Plot { title: "t", subtitle: "s", axes: ["members", "seconds"], lines });
+        let page = plot(&Plot { title: "t", subtitle: "s", axes: ["agents", "seconds"], lines });
         let end = Vec2::new(110.0 + 1060.0 / 1.05, 116.0 + 554.0 * (1.0 - 1.0 / 1.05));
         assert_eq!(page.pixel(end.x as u32, end.y as u32), Some([0x2f, 0x63, 0xa8, 255]));
         assert_eq!(page.pixel(600, 150), Some([0xfd, 0xfc, 0xfa, 255]));

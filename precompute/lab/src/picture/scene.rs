@@ -40,9 +40,9 @@ pub fn scene_sheet(
         sheets.push(fight_sheet(&title, &g.figures, &scene.groups[group.number], fight, &poses(all)));
     }
     for world in &record.worlds {
-        let mut members = sim.groups().iter().enumerate().filter(|(_, g)| g.cast == world.cast);
-        let Some((number, first)) = members.next() else { continue };
-        let end = members.next_back().map_or(first.characters.end, |(_, last)| last.characters.end);
+        let mut groups = sim.groups().iter().enumerate().filter(|(_, g)| g.cast == world.cast);
+        let Some((number, first)) = groups.next() else { continue };
+        let end = groups.next_back().map_or(first.characters.end, |(_, last)| last.characters.end);
         let all = first.characters.start..end;
         let stands = geometry(compiled, world.group)?;
         let (g, title) = (&report.groups[number], title(&report.groups[number], all.len()));

@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::canvas::{Picture, source_over};
 use super::colour::Colour;
 use super::figure::{BodyColours, Figure, body};
-use super::sprite::light;
+use super::paint::light;
 use glam::Vec3;
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 

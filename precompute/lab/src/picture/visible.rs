@@ -78,13 +78,13 @@ pub(super) fn look<T: Send>(
         let last = ((high.y + reach).max(0.0) as usize / BAND + 1).clamp(first, of_band.len());
         of_band[first..last].iter_mut().for_each(|b| b.push(i as u32));
     }
-    let band = |(number, members): (usize, &Vec<u32>)| {
+    let band = |(number, numbers): (usize, &Vec<u32>)| {
         let pixels = number * BAND..((number + 1) * BAND).min(size.1);
         let rows = (pixels.start * rays) as isize - margin as isize..(pixels.end * rays + margin) as isize;
         let n = size.0 * rays * rows.len();
         let (depth, piece) = (vec![f32::INFINITY; n], vec![NOTHING; n]);
         let mut band = Band { width: size.0 * rays, rows, depth, piece };
-        for &i in members {
+        for &i in numbers {
             band.draw(i, &pieces[i as usize], camera, boxes[i as usize], rays);
         }
         make(&band, pixels)

@@ -1,4 +1,4 @@
-//! The picture of a group on random paths: everybody at its end, one path in several styles, and moments of one who changed
+//! The picture of a group on random paths: all characters at its end, one path in several styles, and moments of one that changed
 //! speed.
 
 use super::canvas::Picture;
@@ -18,7 +18,7 @@ const ROWS: usize = 3;
 const WIDTH_M: f32 = 2.2;
 /// Styles stand this far beside each other (m).
 const APART_M: f32 = 3.2;
-/// From where everybody is seen: heading and elevation (rad).
+/// Heading and elevation of the overview's camera (rad).
 const FROM: (f32, f32) = (0.8 * PI, 0.6);
 /// Width of the overview (m).
 const OVERVIEW_M: f32 = 34.0;

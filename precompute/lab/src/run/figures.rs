@@ -17,7 +17,7 @@ pub struct Figures {
     pub engine: Option<String>,
     /// Simulated time (s).
     pub simulated_s: f64,
-    /// Steps of everybody a second of wall time on one thread: choices, control, poses.
+    /// Steps of all characters per second of wall time on one thread: choices, control, poses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps_per_second: Option<f64>,
     /// Of characters with policies.
@@ -32,7 +32,7 @@ pub struct Figures {
     /// Of agents.
     #[serde(flatten)]
     pub crowd: Option<AgentFigures>,
-    /// Those who wished to go somewhere and stayed where they were: agents for 10 s, characters in worlds for 30 s.
+    /// Agents that stayed within half a metre for 10 s on their way, and characters in worlds for 30 s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stuck: Option<usize>,
     /// Mean speed of planted heels and toes (m/s).
@@ -71,9 +71,9 @@ pub struct InhabitedFigures {
     pub character_overlaps: u64,
     /// Deepest that two were in each other (m).
     pub deepest_overlap_m: f64,
-    /// Times at which somebody came deeper into a unit than a few centimetres.
+    /// Times at which a character entered a unit by more than a few centimetres.
     pub environment_penetrations: u64,
-    /// Deepest that somebody was in a unit (m).
+    /// Deepest penetration of a unit (m).
     pub deepest_penetration_m: f64,
     /// Wishes that were fulfilled, a simulated minute and character.
     pub fulfilled_per_minute: f64,
@@ -88,7 +88,7 @@ pub struct InhabitedFigures {
 pub struct PathFigures {
     /// Mean speed of the paths (m/s).
     pub speed_mean_mps: f64,
-    /// Fastest that anybody went (m/s).
+    /// Greatest speed of a character (m/s).
     pub speed_max_mps: f64,
     /// Fastest change of a knee's angle (rad/s).
     pub knee_rate_max_radps: f64,
@@ -121,7 +121,7 @@ pub struct AgentFigures {
     pub overlap_over_1cm_fraction: f64,
     /// Deepest overlap of a pair (m).
     pub max_overlap_m: f64,
-    /// Mean speed towards the goal, along the planned way, of those who are not there (m/s).
+    /// Mean speed towards the goal, along the planned way, of agents that have not arrived (m/s).
     pub progress_mps: f64,
     /// Mean desired speed, for comparison (m/s).
     pub desired_mps: f64,
@@ -130,7 +130,7 @@ pub struct AgentFigures {
     /// Agents that know of a happening, where the scene has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub informed: Option<usize>,
-    /// Order of lanes in the last quarter of the time that groups met: 0 as mixed as by chance, 1 everybody in a lane.
+    /// Order of lanes in the last quarter of the time that groups met: 0 as mixed as by chance, 1 all agents in lanes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lane_order: Option<f64>,
     /// Flow through the scene's gate.

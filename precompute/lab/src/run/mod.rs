@@ -14,7 +14,7 @@ mod watch;
 pub use clock::running_s;
 pub use ensure::{Cached, ensure, ensure_bundle, ensure_world};
 pub use figures::{AgentFigures, BlowFigures, Figures, InhabitedFigures, PathFigures};
-pub use meter::{FeetMeter, Flow, HUMAN_FLOW_PER_M_S, OverlapMeter, ProgressMeter, Sight, TRUNK_RADIUS_M, TrunkMeter};
+pub use meter::{Flow, HUMAN_FLOW_PER_M_S, OverlapMeter, ProgressMeter, Sight, TRUNK_RADIUS_M, TrunkMeter};
 pub use own::{OWN_SCENES, own_scene};
 pub use record::{
     AgentsRecord, CrowdMoment, FightFrame, FightRecord, PathsRecord, Pose, Record, SeenAgent, SeenObstacle, TRAIL_S,
@@ -22,6 +22,7 @@ pub use record::{
 };
 pub use report::{GroupReport, RunConfig, SceneReport, geometry, run, run_agents};
 pub use styles::{StyleWalk, curve, walk_styles};
+pub(crate) use watch::knee_angles;
 pub use watch::{AgentsMeter, AgentsNow};
 
 /// The JSON schema of scene files.

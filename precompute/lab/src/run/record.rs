@@ -11,7 +11,7 @@ use throng_runtime::{NUM_JOINTS, Planar};
 const MOMENTS: usize = 4;
 /// Time between points of a trail (s).
 pub const TRAIL_S: f64 = 0.4;
-/// Agents whose trails and ways are kept, spread over everybody.
+/// Agents whose trails and ways are kept, spread over the crowd.
 const TRAILED: usize = 2000;
 /// Characters on paths, and in worlds, whose poses are kept ten times a second: one of each is shown.
 const FOLLOWED: [usize; 2] = [24, 48];
@@ -22,7 +22,7 @@ pub type Pose = [Vec3; NUM_JOINTS];
 /// What a run leaves to be drawn; empty unless the run was to be recorded, but for poses at the end and faults.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
-    /// Everybody at the end; `None` for those who have left or have no body.
+    /// All characters at the end; `None` where one has left or has no body.
     pub poses: Vec<Option<Pose>>,
     /// Of each group with policies.
     pub fights: Vec<FightRecord>,
@@ -95,12 +95,12 @@ pub struct SeenAgent {
     pub knows: bool,
 }
 
-/// Everybody at one time.
+/// All agents at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CrowdMoment {
     /// When (s).
     pub time_s: f64,
-    /// Everybody; `None` where one has left (agents).
+    /// `None` where one has left (agents).
     pub agents: Vec<Option<SeenAgent>>,
 }
 

@@ -41,7 +41,7 @@ impl Default for RunConfig {
 pub struct SceneReport {
     /// The scene's name.
     pub scene: String,
-    /// Of everybody.
+    /// Of all groups.
     #[serde(flatten)]
     pub total: Figures,
     /// Of each group.
@@ -120,8 +120,8 @@ pub fn run(scene: &CompiledScene, config: &RunConfig) -> Result<(SceneReport, Re
     Ok((report, record, sim))
 }
 
-/// Runs the agents of a scene and times their engine in a run of its own that nobody looks at, so that looking at
-/// everybody 30 times a second does not count, neither its time nor what it does to caches.
+/// Runs the agents of a scene and times their engine in a run of its own that is not measured, so that looking at
+/// all agents 30 times a second does not count, neither its time nor what it does to caches.
 ///
 /// # Errors
 /// As [`run`], and [`BuildError::Stage`] for a scene of other characters, or two runs that differ.
@@ -153,8 +153,8 @@ fn measure<V: Space>(
     alone.advance(seconds, run, &mut |_| {}).map_err(fault)?;
     let wall_s = begin.elapsed().as_secs_f64();
     let ran = running.and_then(|begin| Some(running_s()? - begin)).filter(|s| *s > TOLD_S);
-    let members: Vec<usize> = (0..live.num_characters()).collect();
-    let mut watch = AgentWatch::new(live, config, members);
+    let all: Vec<usize> = (0..live.num_characters()).collect();
+    let mut watch = AgentWatch::new(live, config, all);
     for frame in 0..=(seconds * LOOK_HZ).ceil() as u64 {
         live.advance((frame as f64 / LOOK_HZ).min(seconds), run, &mut |_| {}).map_err(fault)?;
         watch.observe(live);

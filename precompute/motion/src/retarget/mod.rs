@@ -92,7 +92,7 @@ impl ExplicitProportions {
 /// Lays every clip onto one database skeleton.
 ///
 /// Joint rotations are the source's, aligned so that the T-pose is the identity; hips positions are multiplied by
-/// the quotient of the leg lengths; with `align_ground` y = 0 is where the feet stand. A spine joint, clavicle or hand that the source lacks stays rigid with its parent, which keeps the joints
+/// the quotient of the leg lengths; with `align_ground` y = 0 is where the feet stand. A spine joint, clavicle or hand that is not in the source stays rigid with its parent, which keeps the joints
 /// it has where they are.
 ///
 /// # Errors
@@ -110,18 +110,18 @@ fn lay_all(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) ->
     let groups = group(sources);
     let bodies: Vec<(Body, Alignment)> = groups
         .par_iter()
-        .map(|members| {
-            let body = Body::measure(&members.iter().map(|&i| sources[i]).collect::<Vec<_>>());
+        .map(|indices| {
+            let body = Body::measure(&indices.iter().map(|&i| sources[i]).collect::<Vec<_>>());
             let alignment = align::align(&body);
             (body, alignment)
         })
         .collect();
-    for (members, (body, _)) in groups.iter().zip(&bodies) {
-        check_legs(&sources[members[0]], body)?;
+    for (indices, (body, _)) in groups.iter().zip(&bodies) {
+        check_legs(&sources[indices[0]], body)?;
     }
     let mut group_of = vec![0; sources.len()];
-    for (g, members) in groups.iter().enumerate() {
-        members.iter().for_each(|&i| group_of[i] = g);
+    for (g, indices) in groups.iter().enumerate() {
+        indices.iter().for_each(|&i| group_of[i] = g);
     }
     let skeleton = match (&cfg.proportions, bodies.first()) {
         (Proportions::Clip, Some((body, a))) => proportions::own(body, a),
@@ -173,10 +173,10 @@ fn own_skeleton(source: Source) -> Result<Skeleton, BuildError> {
 fn stand(motions: &mut [Motion], sources: &[Source], groups: &[Vec<usize>], skeleton: &Skeleton) {
     let standing: Vec<Vec<Vec3>> =
         motions.par_iter().zip(sources).map(|(m, s)| ground::standing(m, skeleton, s.clip.rate_hz)).collect();
-    for members in groups {
-        let points: Vec<&[Vec3]> = members.iter().map(|&i| standing[i].as_slice()).collect();
+    for indices in groups {
+        let points: Vec<&[Vec3]> = indices.iter().map(|&i| standing[i].as_slice()).collect();
         let slope = ground::slope(&points);
-        for &i in members {
+        for &i in indices {
             ground::level(&mut motions[i], ground::height(&standing[i], slope), slope);
         }
     }
@@ -198,7 +198,7 @@ fn clip_of(motion: Motion, source: &Source, name: String) -> Clip {
     }
 }
 
-/// Clips by source skeleton: same joints, rest pose and roles, whatever the ends of chains. Groups and members in input order.
+/// Clips by source skeleton: same joints, rest pose and roles, whatever the ends of chains. Groups and their clips in input order.
 fn group(sources: &[Source]) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (i, s) in sources.iter().enumerate() {

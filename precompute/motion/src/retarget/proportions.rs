@@ -7,7 +7,7 @@ use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// The source's proportions on the database topology.
 ///
-/// Joints the source lacks lie on the way to the next one it has (spine, clavicle, neck), or where the default
+/// Joints that are not in the source lie on the way to the next one it has (spine, clavicle, neck), or where the default
 /// skeleton scaled by leg length has them (hand, toe, head).
 pub fn own(body: &Body, a: &Alignment) -> Skeleton {
     let default = Skeleton::default();

@@ -12,7 +12,7 @@ pub enum Level {
     Body,
     /// Chest to chin.
     Head,
-    /// The head of somebody tall or upright.
+    /// The head of a tall or upright opponent.
     High,
 }
 

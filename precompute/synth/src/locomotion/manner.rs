@@ -1,4 +1,4 @@
-//! Manners: how somebody who is in a certain mood carries himself and moves, whatever the gait.
+//! Manners: how a mood changes posture and movement, whatever the gait.
 
 /// A manner of moving, as changes to the neutral one.
 #[derive(Clone, Copy, Debug, PartialEq)]

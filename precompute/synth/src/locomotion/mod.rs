@@ -3,7 +3,7 @@
 //!
 //! `motion_set` lists what there is. An act moves along an even arc (`drive`) with steps (`stride`) laid on it
 //! (`falls`). Who always has a foot on the ground is put together from the parts of the walker (`walker`, `still`);
-//! who runs bounces (`bounce`) and folds his legs (`swing`, `spline`) in `runner`. A `manner` changes the steps, and
+//! a runner bounces (`bounce`) and folds its legs (`swing`, `spline`) in `runner`. A `manner` changes the steps, and
 //! `posture` lays it over the body.
 
 mod bounce;

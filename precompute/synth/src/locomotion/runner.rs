@@ -21,7 +21,7 @@ use glam::{DVec2, DVec3};
 use rand::Rng;
 use std::f64::consts::TAU;
 
-/// Height of the hips over the ankles of a runner who leans (m).
+/// Height of the hips over the ankles of a leaning runner (m).
 const LEANING_HEIGHT: f64 = 0.72;
 /// Least knee flexion of a leg on the ground (rad).
 const FLEXION: f64 = 0.3;

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 /// After this long everything is as it was: a breath of fifteen a minute (s).
 pub const PERIOD: f64 = 4.0;
 
-/// How somebody stands at ease.
+/// Standing at ease.
 pub struct Ease {
     variation: f64,
     /// Phases of weight, gaze, nod, arms and breath (rad).

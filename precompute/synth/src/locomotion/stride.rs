@@ -44,7 +44,7 @@ impl Stride {
         let (cadence, roll) = (part(m.cadence), part(m.roll));
         let period = neutral.period / cadence;
         let scale = part(m.stance) / cadence;
-        // Who runs is never on both feet, who walks always is for a moment.
+        // A runner is never on both feet, a walker always is for a moment.
         let stance = neutral.stance * scale;
         let stance = if act.gait.flies() { stance.min(0.9 * period) } else { stance.max(1.08 * period) };
         Self {

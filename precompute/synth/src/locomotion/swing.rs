@@ -75,21 +75,21 @@ impl RunnerFoot {
         let flights = falls.windows(2).map(|w| flight(side, &shape, &w[0], &w[1], swing)).collect();
         let mut foot = Self { drive: swing.drive, shape, leg: swing.leg, falls, flights };
         for i in 0..foot.flights.len() {
-            foot.flights[i].clear = foot.lacks(i, |t| (swing.hip)(side, t));
+            foot.flights[i].clear = foot.shortfall(i, |t| (swing.hip)(side, t));
         }
         foot
     }
 
     /// How much higher flight `i` has to be for its sole to clear the ground (m).
-    fn lacks(&self, i: usize, hip: impl Fn(f64) -> DVec3) -> f64 {
+    fn shortfall(&self, i: usize, hip: impl Fn(f64) -> DVec3) -> f64 {
         let (from, to) = (&self.falls[i], &self.falls[i + 1]);
         let moments = (1..40).map(|k| f64::from(k) / 40.0).filter(|u| passing(*u) > 0.4);
-        let lack = |u: f64| {
+        let missing = |u: f64| {
             let t = from.lift + u * (to.land - from.lift);
             let foot = self.flying(from, to, &self.flights[i], t, hip(t));
             (CLEARANCE - self.shape.sole(&foot, |_| 0.0)) / passing(u)
         };
-        moments.map(lack).fold(0.0, f64::max)
+        moments.map(missing).fold(0.0, f64::max)
     }
 
     /// The foot at `t` seconds.

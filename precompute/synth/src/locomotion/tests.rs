@@ -1,4 +1,4 @@
-//! What the whole set promises, measured on the clips as everybody else sees them.
+//! What the whole set promises, measured on the finished clips.
 
 use super::*;
 use crate::SynthSet;
@@ -184,7 +184,7 @@ fn bodies_in_the_air_fall_freely() {
 }
 
 #[test]
-fn whoever_stands_keeps_both_feet_and_comes_back_to_where_he_was() {
+fn standing_keeps_both_feet_down_and_returns_to_its_place() {
     for (act, clip) in acts(&FOUND).filter(|(a, _)| a.gait == Gait::Idle) {
         assert!(clip.contacts.iter().all(|c| c.all(Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0))), "{}", clip.name);
         let (first, last) = (clip.frame_rotations(0), clip.frame_rotations(clip.num_frames() - 1));

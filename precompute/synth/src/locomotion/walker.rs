@@ -1,4 +1,4 @@
-//! The gaits of somebody who always has a foot on the ground, put together from the parts of the walker.
+//! Gaits with a foot on the ground at all times, put together from the parts of the walker.
 
 use super::super::attitude::Attitude;
 use super::super::foot::FootShape;
@@ -24,7 +24,7 @@ use super::stride::Stride;
 use rand::Rng;
 use throng_core::Joint;
 
-/// How much of the wandering of gaze and arms those have who go their way steadily.
+/// How much of the wandering of gaze and arms a steady gait has.
 const CALM: f64 = 0.3;
 
 /// Poses of steps that go somewhere or turn.
@@ -85,8 +85,8 @@ fn poses(act: &Act, scene: &Scene, steps: &Footsteps, drift: &Drift) -> Vec<Body
         liveliness: [act.manner.arm_swing; 2],
         dt: *dt,
     });
-    // Knees that bend alike under a tired walker and a tired stander would be those of somebody about to sit; who hurries
-    // has bent them enough.
+    // Knees that bend alike under a tired walker and a tired stander would look like sitting down; fast walking
+    // bends them enough.
     let speed = act.drive.speed();
     let crouch = act.manner.crouch * (0.35 + speed).min(1.0) * (1.0 - 0.4 * (speed - 1.1).max(0.0));
     let manner = Manner { crouch, ..*act.manner };

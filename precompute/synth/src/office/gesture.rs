@@ -248,7 +248,7 @@ fn shake(script: &mut Script, from: f64, to: f64, yaw: f64) {
     script.look(t, 0.27, yaw, 0.03, 0.0);
 }
 
-/// Hand on the hip, for whoever waits.
+/// Hand on the hip, for waiting.
 pub fn on_hip(side: Side) -> HandPose {
     on(side, ON_HIP)
 }

@@ -1,4 +1,4 @@
-//! How somebody in an office holds himself, as numbers that can be keyed: all of them zero in a neutral stand.
+//! Postures in an office, as numbers that can be keyed: all of them zero in a neutral stand.
 
 use super::super::attitude::Attitude;
 use glam::DVec3;

@@ -17,7 +17,7 @@ pub struct Sitting {
     pub up: [f64; 2],
 }
 
-/// How far somebody sits.
+/// How far the body is seated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seated {
     /// The hips over the ground: 0 over the feet, 1 over the seat.

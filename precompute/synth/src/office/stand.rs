@@ -26,10 +26,10 @@ pub struct Stander {
     partners: Deck<f64>,
 }
 
-/// Headings of the one who is talked to (rad).
+/// Headings of the partner in a talk (rad).
 const PARTNERS: [f64; 7] = [0.0, 0.0, 0.15, -0.15, 0.35, -0.35, 0.0];
 
-/// What somebody who waits does with himself.
+/// What a waiting character does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Idling {
     LookAround,
@@ -41,7 +41,7 @@ enum Idling {
 }
 
 impl Stander {
-    /// Somebody who has only stood so far.
+    /// No behaviour dealt yet.
     pub fn new() -> Self {
         use Behaviour::*;
         let behaviours = [Idle, Chat, Dispute, Present(Side::Left), Idle, Chat, Dispute, Present(Side::Right)];

@@ -1,4 +1,4 @@
-//! What the set promises, measured on the clips as everybody else sees them.
+//! What the set promises, measured on the finished clips.
 
 use super::*;
 use crate::checks::*;
@@ -65,7 +65,7 @@ fn knees_and_elbows_bend_the_right_way() {
 }
 
 #[test]
-fn the_seat_stays_on_the_chair_and_nobody_sits_anywhere_else() {
+fn characters_sit_on_the_chair_and_nowhere_else() {
     assert_the_seat_stays_on_the_chair(&SET);
     for clip in &SET.clips {
         for f in 0..clip.num_frames() {
@@ -108,7 +108,7 @@ fn furniture() -> Vec<(Vec3, Vec3)> {
 }
 
 #[test]
-fn nobody_passes_through_desk_or_chair() {
+fn bodies_do_not_pass_through_desk_or_chair() {
     // Half the thickness of a limb, less the 2 cm by which flesh and cloth may be in the way.
     const CORE: f32 = 0.02;
     let boxes = furniture();

@@ -22,7 +22,7 @@ const DIRECTIONS: [f64; 14] =
     [0.0, 18.0, -18.0, 36.0, -36.0, 54.0, -54.0, 72.0, -72.0, 90.0, -90.0, 108.0, -108.0, 8.0];
 /// Speeds (m/s).
 const SPEEDS: [f64; 4] = [0.8, 0.95, 1.1, 1.2];
-/// Where somebody who sits has his feet: the ankles in front of the middle of the seat (m).
+/// Where the feet are in sitting: the ankles in front of the middle of the seat (m).
 const UNDER_KNEES: f64 = 0.47;
 /// The same before he rises (m).
 const DRAWN_BACK: f64 = 0.29;
@@ -59,7 +59,7 @@ pub struct Visitor {
 }
 
 impl Visitor {
-    /// A visitor who has been nowhere yet.
+    /// No visit yet.
     pub fn new() -> Self {
         Self {
             ways: [Deck::new(&DIRECTIONS), Deck::new(&DIRECTIONS)],

@@ -1,4 +1,4 @@
-//! Work at the desk: typing, using the mouse, reading, leaning back, and talking to somebody beside the desk.
+//! Work at the desk: typing, using the mouse, reading, leaning back, and talking to a visitor beside the desk.
 
 use super::super::attitude::Attitude;
 use super::super::deck::Deck;
@@ -32,7 +32,7 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// A worker who has done nothing yet.
+    /// No task dealt yet.
     pub fn new() -> Self {
         use Task::*;
         let chats = [Chat(Side::Left), Chat(Side::Right), Chat(Side::Left), Chat(Side::Right)];
@@ -257,7 +257,7 @@ fn lean_back(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     script.pose(to, 0.1, back);
 }
 
-/// Turns to somebody beside the desk and talks to him.
+/// Turns to a visitor beside the desk and talks.
 ///
 /// - returns when it is over (s).
 fn chat(script: &mut Script, side: Side, from: f64, to: f64, rng: &mut impl Rng) -> f64 {

@@ -73,7 +73,7 @@ pub const DECK_B: Deck = Deck { min: DVec2::new(-9.8, 1.4), max: DVec2::new(-4.2
 pub const STAIRS_A: Stairs = Stairs { foot: DVec2::new(0.0, -4.2), num_steps: 12 };
 /// The stairs to deck B.
 pub const STAIRS_B: Stairs = Stairs { foot: DVec2::new(-5.6, -4.2), num_steps: 24 };
-/// The ladder to deck A; who climbs it faces +Z.
+/// The ladder to deck A; climbers face +Z.
 pub const LADDER: DVec2 = DVec2::new(2.8, -1.4);
 /// Upper edges of the slides and the directions in which they go down.
 pub const SLIDE_A: Stance = Stance { at: DVec2::new(0.0, 4.2), heading: 0.0 };
@@ -92,10 +92,10 @@ pub fn ground(p: DVec2) -> f64 {
 
 /// Room for the elbows (m).
 pub const ELBOWS: f64 = 0.45;
-/// Closer than this to what stands there, or to an edge, nobody goes (m).
+/// Characters keep at least this distance from what stands there and from edges (m).
 pub const CLOSE: f64 = 0.2;
 
-/// True where somebody on the ground is at least `room` metres from all that stands there.
+/// True where a point of the ground is at least `room` metres from all that stands there.
 pub fn is_free(p: DVec2, room: f64) -> bool {
     let stairs = |s: Stairs| (s.foot - DVec2::X * STAIRS_ASIDE, s.end() + DVec2::X * STAIRS_ASIDE);
     let taken = [

@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use throng_core::{Contacts, Skeleton};
 
-/// Where somebody stands who is about to climb (m).
+/// Where a climber stands before climbing (m).
 pub const FOOT: f64 = -0.44;
 /// Where he stands when he has got up (m).
 pub const HEAD: f64 = 0.24;

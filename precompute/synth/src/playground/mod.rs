@@ -1,4 +1,4 @@
-//! A visitor of a gym of known geometry who takes stairs, climbs a ladder and slides.
+//! Climbing stairs and a ladder and sliding in a gym of known geometry.
 //!
 //! From intention to pose: `plan` deals rounds through the gym (`gym`), `route` walks them with the steps of the
 //! `walk` rig, on treads where there are stairs; `ladder` and `slide` (down a `course`) take over from a stand and end

@@ -14,7 +14,7 @@ use rand::{Rng, RngExt};
 use std::ops::Range;
 use throng_core::{Contacts, Skeleton};
 
-/// Where somebody stands who is about to sit down, before the upper edge (m).
+/// Where a character stands before it sits down, in front of the upper edge (m).
 const BEFORE: f64 = -0.24;
 /// Where he gets up, beyond the lower end (m).
 const BEYOND: f64 = 0.25;

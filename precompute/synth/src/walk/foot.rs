@@ -112,8 +112,8 @@ impl FootTrack {
 
     /// How much higher flight `i` has to be for its sole to clear the ground.
     fn clear(&self, i: usize, ground: &impl Fn(DVec2) -> f64) -> f64 {
-        let lacks = |t: f64| CLEARANCE - self.shape.sole(&self.flying(i, t), ground);
-        self.moments(i).filter(|m| m.1 > 0.3).map(|(t, b)| lacks(t) / b).fold(0.0, f64::max)
+        let missing = |t: f64| CLEARANCE - self.shape.sole(&self.flying(i, t), ground);
+        self.moments(i).filter(|m| m.1 > 0.3).map(|(t, b)| missing(t) / b).fold(0.0, f64::max)
     }
 
     /// How far flight `i` has to step aside from the standing foot.

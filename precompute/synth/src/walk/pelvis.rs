@@ -68,8 +68,8 @@ const STANDING_FLEXION: f64 = 0.11;
 /// Least knee flexion of a leg that reaches out: the more bent, the rounder its turn from stretching to bending.
 /// (rad)
 const REACHING_FLEXION: f64 = 0.22;
-/// How far the hips joint is in front of the centre of mass in standing, and what a speed adds: who walks pushes the
-/// pelvis forward over the leading foot (m, s).
+/// How far the hips joint is in front of the centre of mass in standing, and what a speed adds: in walking, the
+/// pelvis is pushed forward over the leading foot (m, s).
 const HIPS_FORWARD: [f64; 2] = [-0.035, 0.026];
 
 /// Moves the pelvis over the feet.

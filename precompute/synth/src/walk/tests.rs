@@ -1,4 +1,4 @@
-//! What the whole set promises, measured on the clips as everybody else sees them.
+//! What the whole set promises, measured on the finished clips.
 
 use super::*;
 use crate::checks::*;

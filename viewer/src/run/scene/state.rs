@@ -5,7 +5,8 @@ use crate::run::figures::{BoutFigures, Slip, StepFigures};
 use crate::run::{Input, STEP_HZ};
 use glam::Vec3;
 use std::sync::Arc;
-use throng_precompute::run::{AgentsMeter, FeetMeter};
+use throng_precompute::run::AgentsMeter;
+use throng_precompute::slip::SlipMeter;
 use throng_runtime::simulation::{GroupCast, Simulation};
 use throng_runtime::sparring::NO_THREAT_S;
 use throng_runtime::{Inline, Rayon, Result, Run as Threads};
@@ -31,7 +32,7 @@ pub(super) struct Choosing {
 pub(super) struct State {
     pub simulation: Simulation,
     pub choosing: Vec<Choosing>,
-    feet: FeetMeter,
+    feet: SlipMeter,
     agents: Option<AgentsMeter>,
     pub figures: StepFigures,
 }
@@ -41,7 +42,7 @@ impl State {
         let choosing = simulation.groups().iter().filter_map(|g| Choosing::new(&simulation, g.cast, &g.characters));
         let mut state = Self {
             choosing: choosing.collect(),
-            feet: FeetMeter::new(simulation.num_characters()),
+            feet: SlipMeter::new(simulation.num_characters()),
             agents: AgentsMeter::new(&simulation),
             figures: StepFigures::default(),
             simulation,
@@ -59,7 +60,7 @@ impl State {
             c.observe(simulation, (&targets, &threats), 0);
             c.weights = weights;
         }
-        state.feet.observe(0.0, simulation, 0..simulation.num_characters());
+        state.feet.observe_simulation(simulation, 0..simulation.num_characters(), 0.0);
         state.figures.agents = state.agents.as_mut().map(|meter| meter.observe(simulation));
         state.figures.bout = BoutFigures::of(simulation);
         state
@@ -77,7 +78,8 @@ impl State {
             c.observe(simulation, (targets, threats), step);
         }
         self.feet.clear();
-        self.feet.observe((simulation.time_s() - was_s) as f32, simulation, 0..simulation.num_characters());
+        let dt_s = (simulation.time_s() - was_s) as f32;
+        self.feet.observe_simulation(simulation, 0..simulation.num_characters(), dt_s);
         self.figures.slip = Slip::from(&self.feet);
         self.figures.bout = BoutFigures::of(simulation);
         if let Some(meter) = self.agents.as_mut().filter(|_| step.is_multiple_of(LOOK_EVERY)) {

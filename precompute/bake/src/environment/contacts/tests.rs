@@ -30,7 +30,7 @@ fn at_feet(feet: Vec3) -> Vec3 {
 const FEET: Contacts = Contacts(15);
 
 #[test]
-fn who_steps_up_is_held_by_the_ground_and_then_by_the_step() {
+fn a_step_up_is_supported_by_the_ground_and_then_by_the_step() {
     let environment = placed(UNITS, "{ unit = \"step\", at = [0.0, 0.0, 1.0] }");
     // A second on the ground, a second through the air, a second on the step.
     let way = |f: usize| {
@@ -54,7 +54,7 @@ fn feet_in_the_air_beside_a_step_are_not_planted() {
 }
 
 #[test]
-fn who_hangs_from_a_bar_holds_it_with_both_hands() {
+fn hanging_from_a_bar_is_holding_it_with_both_hands() {
     let environment = placed(UNITS, "{ unit = \"bar\", at = [0.0, 0.0, 0.0] }");
     // Arms up: the palms are 0.06 m beyond the wrists, which hang 0.05 m below the bar's axis.
     let up = |j: usize| match Joint::ALL[j] {

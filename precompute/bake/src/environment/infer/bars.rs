@@ -53,13 +53,13 @@ impl Bar {
 pub fn through(places: &[Touch]) -> Vec<Bar> {
     let mut left: Vec<Touch> = places.to_vec();
     let mut bars = Vec::new();
-    while let Some(members) = best_line(&left) {
-        let held: Vec<Touch> = members.iter().map(|&i| left[i]).collect();
+    while let Some(chosen) = best_line(&left) {
+        let held: Vec<Touch> = chosen.iter().map(|&i| left[i]).collect();
         bars.push(fitted(&held));
         let mut number = 0;
         left.retain(|_| {
             number += 1;
-            !members.contains(&(number - 1))
+            !chosen.contains(&(number - 1))
         });
     }
     while let Some(first) = left.first().copied() {
@@ -84,10 +84,10 @@ fn lasting(places: &[Touch]) -> f32 {
 }
 
 /// True where so many places, held for so long, speak for a bar in that direction.
-fn is_bar(places: &[Touch], members: &[usize], along: Vec3) -> bool {
+fn is_bar(places: &[Touch], chosen: &[usize], along: Vec3) -> bool {
     let slants = along.y.abs() > SLANTING && along.with_y(0.0).length() > SLANTING;
     let fewest = if slants { FEWEST_SLANTING } else { FEWEST };
-    members.len() >= fewest && members.iter().map(|&i| places[i].lasts_s).sum::<f32>() >= SHORTEST
+    chosen.len() >= fewest && chosen.iter().map(|&i| places[i].lasts_s).sum::<f32>() >= SHORTEST
 }
 
 /// Numbers of the places on the line with the most of them; `None` where no line is a bar.
@@ -101,9 +101,9 @@ fn best_line(places: &[Touch]) -> Option<Vec<usize>> {
             if d.length() < APART || d.length() > 2.0 * LONGEST_GAP {
                 continue;
             }
-            let members = on_line(places, a, d.normalize());
-            if members.len() > best.len() && is_bar(places, &members, d.normalize()) {
-                best = members;
+            let chosen = on_line(places, a, d.normalize());
+            if chosen.len() > best.len() && is_bar(places, &chosen, d.normalize()) {
+                best = chosen;
             }
         }
     }
@@ -114,19 +114,19 @@ fn best_line(places: &[Touch]) -> Option<Vec<usize>> {
 fn on_line(places: &[Touch], a: Vec3, along: Vec3) -> Vec<usize> {
     let near = |&i: &usize| (places[i].point - a).reject_from(along).length() < NEAR;
     let at = |i: usize| (places[i].point - a).dot(along);
-    let mut members: Vec<usize> = (0..places.len()).filter(near).collect();
-    members.sort_by(|&i, &j| at(i).total_cmp(&at(j)));
+    let mut chosen: Vec<usize> = (0..places.len()).filter(near).collect();
+    chosen.sort_by(|&i, &j| at(i).total_cmp(&at(j)));
     // The run without gaps that holds the point itself, whose place is 0.
-    let start = members.partition_point(|&i| at(i) < 0.0);
-    let gap = |i: usize, j: usize| at(members[j]) - at(members[i]) > LONGEST_GAP;
+    let start = chosen.partition_point(|&i| at(i) < 0.0);
+    let gap = |i: usize, j: usize| at(chosen[j]) - at(chosen[i]) > LONGEST_GAP;
     let (mut low, mut high) = (start, start);
     while low > 0 && !gap(low - 1, low) {
         low -= 1;
     }
-    while high + 1 < members.len() && !gap(high, high + 1) {
+    while high + 1 < chosen.len() && !gap(high, high + 1) {
         high += 1;
     }
-    members[low..=high].to_vec()
+    chosen[low..=high].to_vec()
 }
 
 /// The bar along the direction in which points spread most, by power iteration on their scatter.

@@ -8,7 +8,7 @@ use throng_motion::annotate::contacts::{detect, hysteresis, speeds};
 use throng_motion::annotate::{ContactConfig, Ground};
 use throng_motion::clip::{Clip, FrameRange, runs};
 
-/// A hand that holds something becomes slower than the first and stays below the second (m/s).
+/// Speeds of a hand that holds something: it falls below the first and stays below the second (m/s).
 const HOLD_SPEEDS: [f32; 2] = [0.12, 0.25];
 /// Shortest hold, shortest seat (s).
 const SHORTEST: [f32; 2] = [0.2, 0.7];
@@ -16,9 +16,9 @@ const SHORTEST: [f32; 2] = [0.2, 0.7];
 const BODY_MOVES: f32 = 0.08;
 /// What is fixed in the world moves less than this (m).
 const PLACE_MOVES: f32 = 0.05;
-/// Who sits is slower than this (m/s).
+/// A seated body is slower than this (m/s).
 const SEAT_SPEEDS: [f32; 2] = [0.1, 0.2];
-/// Thighs of who sits fall by less than this over their length.
+/// Thighs of a seated body fall by less than this over their length.
 const SEAT_STEEPEST: f32 = 0.6;
 /// A heel that is higher than the toes by more than this, or lower, is in the air: the foot stands on its ball (m).
 const FOOT_STEEPEST: f32 = 0.06;
@@ -117,7 +117,7 @@ impl Motion {
         };
         let rest = run.clone().zip(&track).map(|(f, p)| self.joint(f, far) - *p);
         let (moved, body) = (spread(track.iter().copied()), spread(rest));
-        // Whoever stands still on the ground says nothing about other heights; whoever sits does not move.
+        // Standing still on the ground says nothing about other heights; a seated body does not move.
         if kind != Kind::Seat && (moved > PLACE_MOVES || body < BODY_MOVES) {
             return None;
         }

@@ -15,7 +15,7 @@ use throng_motion::clip::Clip;
 pub struct InferReport {
     /// Places where heels and toes stood.
     pub foot_places: usize,
-    /// Places where someone sat.
+    /// Places where a character sat.
     pub seat_places: usize,
     /// Places that hands held.
     pub hand_places: usize,

@@ -81,11 +81,11 @@ fn what_the_body_goes_through_is_not_there() {
     };
     let clip = clip(vec![s.offsets[0]; 30]);
     let standing = clear::standing(&[bar(0.0), bar(-1.0)], &[&clip], &s).unwrap();
-    assert_eq!(standing, [false, true], "the first bar is in the chest of who stands there, the second behind him");
+    assert_eq!(standing, [false, true], "the first bar is in the chest of the character, the second behind it");
 }
 
 #[test]
-fn who_stays_on_the_ground_needs_no_environment() {
+fn motion_on_the_ground_needs_no_environment() {
     let e = infer(&[&standing_at(&[0.0, 0.0])], &Skeleton::default(), "flat").unwrap_err().to_string();
     assert!(e.contains("flat: of") && e.contains("none is above the ground"), "{e}");
 }

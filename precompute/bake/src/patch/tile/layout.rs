@@ -146,7 +146,7 @@ impl Layout {
         self.spots.iter().map(|s| all.get(&key(s, quarter.compose(s.place))).copied()).collect()
     }
 
-    /// The way off a tile that leads across `to` for one who came in across `from`, in words.
+    /// The way off a tile that leads across `to` for a character that came in across `from`, in words.
     pub fn direction(region: &Region, from: u32, to: u32) -> &'static str {
         let ahead = -region.sides[from as usize].normal;
         let out: Vec2 = region.sides[to as usize].normal;

@@ -1,4 +1,4 @@
-//! Pruning of tiles: nobody who enters may be stuck, and all can be reached from all (Lee, Choi and Lee 2006, section 6).
+//! Pruning of tiles: no character that enters may get stuck, and all can be reached from all (Lee, Choi and Lee 2006, section 6).
 
 use petgraph::algo::tarjan_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
@@ -7,11 +7,11 @@ use throng_core::patch::NONE;
 /// Where links of a tile begin and end, as far as pruning cares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TileCell {
-    /// Somebody enters across this edge.
+    /// A character enters across this edge.
     Entry(u32),
-    /// Somebody leaves across edge `.0` and so is at the entry `.1` of the neighbour.
+    /// A character leaves across edge `.0` and so is at the entry `.1` of the neighbour.
     Exit(u32, u32),
-    /// Somebody rests within.
+    /// A character rests within.
     Rest,
 }
 
@@ -22,12 +22,12 @@ pub struct TileGraph {
     pub cells: Vec<TileCell>,
     /// From an entry or rest to an exit or rest, by cell.
     pub links: Vec<(u32, u32)>,
-    /// For each edge those across which one who entered there must be able to leave.
+    /// For each edge those across which a character that entered there must be able to leave.
     pub ways_out: Vec<Vec<u32>>,
-    /// True where one who entered must be able to rest in the tile.
+    /// True where a character that entered must be able to rest in the tile.
     pub must_rest: bool,
-    /// Edges whose entries belong to one strongly connected component. Ground has one set of all edges; where nobody
-    /// turns round, as on a slide, each edge is a set by itself.
+    /// Edges whose entries belong to one strongly connected component. Ground has one set of all edges; where motion
+    /// does not turn round, as on a slide, each edge is a set by itself.
     pub together: Vec<Vec<u32>>,
 }
 

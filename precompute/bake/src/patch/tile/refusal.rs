@@ -109,7 +109,7 @@ fn missing(region: &Region, graph: &TileGraph) -> Option<(String, &'static str)>
     };
     if graph.must_rest && !graph.links.iter().any(sets_out) {
         return Some((
-            "nobody who rests can leave: there is no setting out from standing".to_owned(),
+            "no way leads out of a rest: there is no motion that starts walking from standing".to_owned(),
             "Add walking that begins at rest, or allow more editing (edit_m_per_m, edit_deg_per_m)",
         ));
     }

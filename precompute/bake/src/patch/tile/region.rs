@@ -81,7 +81,7 @@ impl Region {
     }
 }
 
-/// The direction to the left of one who walks along `ahead`: (x, z).
+/// The direction to the left of `ahead`: (x, z).
 pub(super) fn lateral(ahead: Vec2) -> Vec2 {
     Vec2::new(ahead.y, -ahead.x)
 }
@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn the_left_of_one_who_walks_ahead_is_plus_x() {
+    fn the_left_of_ahead_is_plus_x() {
         assert_eq!(lateral(Vec2::new(0.0, 1.0)), Vec2::new(1.0, 0.0));
     }
 }

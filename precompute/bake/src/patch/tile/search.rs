@@ -17,7 +17,7 @@ use throng_core::planar::wrap_angle;
 const MAX_SECONDS: f32 = 12.0;
 /// Crossing a tile never takes more than this times the straight way.
 const DETOUR: f32 = 2.5;
-/// Someone who stops reaches the pose of rest within this after standing still, and leaves it within this before
+/// A character that stops reaches the pose of rest within this after standing still, and leaves it within this before
 /// setting out (frames).
 const SETTLING: usize = 30;
 /// Turning less than this on the way cannot cross the path (rad).

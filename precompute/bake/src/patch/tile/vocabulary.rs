@@ -78,7 +78,7 @@ impl Vocabulary {
 /// How often an edge of the captured copies is crossed, by pose group and level.
 ///
 /// - `height`: of the edge, which levels count from (m).
-/// - `inward`: count those who enter the tile, else those who leave it.
+/// - `inward`: count entries, else exits.
 fn crossings(source: &Source, region: &Region, edge: usize, height: f32, inward: bool) -> BTreeMap<(u32, i32), usize> {
     let mut counts = BTreeMap::new();
     for (c, copy) in &source.copies {

@@ -46,7 +46,7 @@ pub fn adapt(
     behaviour: &dyn Behaviour,
     cfg: &AdaptiveConfig,
 ) -> Result<Solution, BuildError> {
-    let grid = behaviour.grid();
+    let grid = behaviour.spec().grid;
     let shapes = Shapes::new(&grid);
     let (num_states, num_cells) = (solution.record.num_states as usize, grid.num_cells());
     let mut errors = vec![0.0; num_states * shapes.len()];
@@ -117,7 +117,7 @@ fn too_little(
         message: format!(
             "behaviour \"{}\", key `grid.adaptive.share`: {} is too little even for the coarsest grids, which take \
              {share:.3}",
-            behaviour.name(),
+            behaviour.spec().name,
             cfg.share
         ),
     }

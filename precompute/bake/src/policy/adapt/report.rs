@@ -67,7 +67,7 @@ impl AdaptiveReport {
         cfg: &PolicyConfig,
         rng: &mut Pcg64,
     ) -> Result<Self, BuildError> {
-        let grid = behaviour.grid();
+        let grid = behaviour.spec().grid;
         let num_states = model.num_states().max(1);
         let counts = uniform_counts(&grid, bytes(adapted).div_ceil(bytes_per_cell(adapted) * num_states));
         let uniform = OnGrid { behaviour, grid: grid.with_counts(counts) };

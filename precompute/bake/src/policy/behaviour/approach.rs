@@ -1,8 +1,8 @@
 //! Coming to a target and staying there.
 
-use super::super::config::{AdaptiveConfig, BehaviourConfig, CentreConfig, KernelConfig, RewardForm};
+use super::super::config::{BehaviourConfig, CentreConfig, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
-use super::Behaviour;
+use super::{Behaviour, Spec};
 use glam::Vec2;
 use throng_core::Planar;
 use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
@@ -95,20 +95,9 @@ impl Approach {
 }
 
 impl Behaviour for Approach {
-    fn name(&self) -> &str {
-        &self.config.name
-    }
-
-    fn grid(&self) -> TargetGrid {
-        self.grid
-    }
-
-    fn reward(&self) -> Reward {
-        self.reward
-    }
-
-    fn discount(&self) -> f64 {
-        self.discount
+    fn spec(&self) -> Spec<'_> {
+        let spec = Spec::new(&self.config.name, self.grid, self.reward, self.discount);
+        Spec { region: self.region, centre: self.centre, adaptive: self.config.grid.adaptive, ..spec }
     }
 
     fn sample(&self, _segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord) {
@@ -119,18 +108,6 @@ impl Behaviour for Approach {
             RewardForm::Integral => self.time_weights(motion),
             _ => [0.0, 1.0, 2.0, 3.0].map(|k| self.discount.powf(f64::from(motion.num_frames) * k / 3.0) as f32),
         };
-    }
-
-    fn region(&self) -> RegionRecord {
-        self.region
-    }
-
-    fn adaptive(&self) -> Option<AdaptiveConfig> {
-        self.config.grid.adaptive
-    }
-
-    fn centre(&self) -> Vec2 {
-        self.centre
     }
 }
 
@@ -159,8 +136,8 @@ mod tests {
     fn standing_on_the_target_is_paid_by_time_alone() {
         for n in [1, 2, 7, 30, 200] {
             let (b, r) = record(&BehaviourConfig::default(), &straight(n, 0.0));
-            let reward = b.reward().of_segment::<true>(&r, glam::Vec3::ZERO, 1.0, 0.0);
-            let value = f64::from(reward) / (1.0 - b.discount().powi(n as i32));
+            let reward = b.spec().reward.of_segment::<true>(&r, glam::Vec3::ZERO, 1.0, 0.0);
+            let value = f64::from(reward) / (1.0 - b.spec().discount.powi(n as i32));
             assert!((value - 1.0).abs() < 1e-5, "{n} frames: {value}");
         }
     }
@@ -174,11 +151,16 @@ mod tests {
             for z in [-3.0f32, 0.3, 1.0, 2.0, 6.0] {
                 let target = glam::Vec3::new(0.4, 0.0, z);
                 let [_, _, end] = r.target_after(target);
-                let got = f64::from(b.reward().of_segment::<true>(&r, target, b.reward().kernel(target.length()), end));
+                let got = f64::from(b.spec().reward.of_segment::<true>(
+                    &r,
+                    target,
+                    b.spec().reward.kernel(target.length()),
+                    end,
+                ));
                 let exact: f64 = (0..n)
                     .map(|f| {
                         let d = motion.position_at(f as f32).distance(Vec2::new(0.4, z));
-                        (1.0 - b.discount()) * b.discount().powi(f as i32) * f64::from(-d / 1.5).exp()
+                        (1.0 - b.spec().discount) * b.spec().discount.powi(f as i32) * f64::from(-d / 1.5).exp()
                     })
                     .sum();
                 assert!((got - exact).abs() < 0.06 * exact, "{n} frames, {z} m: {got} {exact}");
@@ -211,7 +193,7 @@ mod tests {
     #[test]
     fn discount_follows_the_rate() {
         let config = BehaviourConfig::default();
-        let at = |rate| Approach::new(&config, rate, None).expect("a valid behaviour").discount();
+        let at = |rate| Approach::new(&config, rate, None).expect("a valid behaviour").spec().discount;
         assert!((at(15.0) - 0.985f64.powi(2)).abs() < 1e-12 && (at(60.0).powi(2) - 0.985).abs() < 1e-12);
     }
 

@@ -6,7 +6,7 @@
 
 use super::super::config::{BehaviourConfig, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
-use super::Behaviour;
+use super::{Behaviour, Spec};
 use crate::graph::MotionGraph;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -99,27 +99,11 @@ fn median_height(paths: &[PathRecord]) -> f64 {
 }
 
 impl Behaviour for Evade {
-    fn name(&self) -> &str {
-        &self.config.name
-    }
-
-    fn grid(&self) -> TargetGrid {
-        self.grid
-    }
-
-    fn reward(&self) -> Reward {
-        self.reward
-    }
-
-    fn discount(&self) -> f64 {
-        self.discount
+    fn spec(&self) -> Spec<'_> {
+        Spec { region: self.region, ..Spec::new(&self.config.name, self.grid, self.reward, self.discount) }
     }
 
     fn sample(&self, _: usize, _: &SegmentMotion, _: &mut SegmentRecord) {}
-
-    fn region(&self) -> RegionRecord {
-        self.region
-    }
 
     fn paths(&self) -> &[PathRecord] {
         &self.paths

@@ -14,44 +14,50 @@ use throng_core::policy::{PathRecord, RegionRecord, Reward, SegmentRecord, Targe
 use throng_motion::error::BuildError;
 pub use throw_punches::{SegmentHit, ThrowPunches, segment_hits};
 
+/// What a behaviour is, whatever the motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Spec<'a> {
+    /// Name of the policy; unique in a bundle.
+    pub name: &'a str,
+    /// Cells of the target.
+    pub grid: TargetGrid,
+    /// Kernel of the distance, and how samples are combined.
+    pub reward: Reward,
+    /// Discount per frame at the database rate (> 0, < 1).
+    pub discount: f64,
+    /// Where it is active, in the character's frame.
+    pub region: RegionRecord,
+    /// What the grid is around, in the character's frame: x, z (m).
+    pub centre: Vec2,
+    /// Memory for states with resolutions of their own; `None` for one grid. Not in a space-time grid.
+    pub adaptive: Option<AdaptiveConfig>,
+}
+
+impl<'a> Spec<'a> {
+    /// Active everywhere, around the character's root, with one grid.
+    pub fn new(name: &'a str, grid: TargetGrid, reward: Reward, discount: f64) -> Self {
+        Self { name, grid, reward, discount, region: RegionRecord::EVERYWHERE, centre: Vec2::ZERO, adaptive: None }
+    }
+}
+
 /// What a policy is solved for.
 ///
 /// The reward is a function the runtime evaluates too, for any target: a weighted kernel of the distances to four
 /// samples of the action's motion, or in a space-time grid of the distance to its path. A behaviour says which
 /// samples and weights a segment has.
 pub trait Behaviour: Sync {
-    /// Name of the policy; unique in a bundle.
-    fn name(&self) -> &str;
-    /// Cells of the target.
-    fn grid(&self) -> TargetGrid;
-    /// Kernel of the distance, and how samples are combined.
-    fn reward(&self) -> Reward;
-    /// Discount per frame at the database rate (> 0, < 1).
-    fn discount(&self) -> f64;
+    /// What it is, whatever the motion.
+    fn spec(&self) -> Spec<'_>;
+
     /// Sets the reward's samples: `inner`, `heights` and `weights` of `record`; the rest is set already.
     ///
     /// - `segment`: its index, for what a behaviour knows of segments beyond their path.
-    /// - places are around [`Self::centre`].
+    /// - places are around [`Spec::centre`].
     fn sample(&self, segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord);
-
-    /// Where it is active, in the character's frame.
-    fn region(&self) -> RegionRecord {
-        RegionRecord::EVERYWHERE
-    }
-
-    /// What the grid is around, in the character's frame: x, z (m).
-    fn centre(&self) -> Vec2 {
-        Vec2::ZERO
-    }
 
     /// In a space-time grid, the way of the point that is to be away (num_segments, else 0).
     fn paths(&self) -> &[PathRecord] {
         &[]
-    }
-
-    /// Where every state is to have a resolution of its own: the memory for that. Not in a space-time grid.
-    fn adaptive(&self) -> Option<AdaptiveConfig> {
-        None
     }
 
     /// Checks solved values: a behaviour that can never be rewarded is a mistake.
@@ -65,13 +71,13 @@ pub trait Behaviour: Sync {
 
 /// Geometry and discount of every segment, with the samples of a behaviour.
 pub fn segment_records(behaviour: &dyn Behaviour, segments: &[SegmentMotion]) -> Vec<SegmentRecord> {
-    let centre = behaviour.centre();
+    let Spec { centre, discount, .. } = behaviour.spec();
     let to_centre = Planar::new(centre.x, centre.y, 0.0);
     let record = |(i, motion): (usize, &SegmentMotion)| {
         let d = to_centre.inverse().compose(motion.displacement.compose(to_centre));
         let mut record = SegmentRecord {
             displacement: [d.heading.cos(), d.heading.sin(), d.x, d.z],
-            discount: behaviour.discount().powi(motion.num_frames as i32) as f32,
+            discount: discount.powi(motion.num_frames as i32) as f32,
             end: motion.end,
             ..SegmentRecord::default()
         };

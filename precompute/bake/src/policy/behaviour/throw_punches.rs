@@ -1,8 +1,8 @@
 //! Effective hits on a target in space: punches, kicks, and whatever tags say (Lee and Lee 2004, equations 2 and 6).
 
-use super::super::config::{AdaptiveConfig, BehaviourConfig, BehaviourKind, KernelConfig, RewardForm};
+use super::super::config::{BehaviourConfig, BehaviourKind, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
-use super::Behaviour;
+use super::{Behaviour, Spec};
 use crate::graph::MotionGraph;
 use glam::Vec3;
 use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
@@ -164,20 +164,9 @@ fn region_of(grid: &TargetGrid, reach: [Vec3; 2]) -> RegionRecord {
 }
 
 impl Behaviour for ThrowPunches {
-    fn name(&self) -> &str {
-        &self.config.name
-    }
-
-    fn grid(&self) -> TargetGrid {
-        self.grid
-    }
-
-    fn reward(&self) -> Reward {
-        self.reward
-    }
-
-    fn discount(&self) -> f64 {
-        self.discount
+    fn spec(&self) -> Spec<'_> {
+        let spec = Spec::new(&self.config.name, self.grid, self.reward, self.discount);
+        Spec { region: self.region, adaptive: self.config.grid.adaptive, ..spec }
     }
 
     fn sample(&self, segment: usize, _: &SegmentMotion, record: &mut SegmentRecord) {
@@ -185,14 +174,6 @@ impl Behaviour for ThrowPunches {
             (record.inner[2 * k], record.inner[2 * k + 1], record.heights[k]) = (place.x, place.z, place.y);
             record.weights[1 + k] = weight;
         }
-    }
-
-    fn region(&self) -> RegionRecord {
-        self.region
-    }
-
-    fn adaptive(&self) -> Option<AdaptiveConfig> {
-        self.config.grid.adaptive
     }
 
     fn check_values(&self, values: &[f32]) -> Result<(), BuildError> {
@@ -244,7 +225,7 @@ mod tests {
         assert_eq!(r.weights, [0.0, weight(1.0, 6), weight(0.9, 9), 0.0]);
         assert_eq!((r.inner, r.heights), ([0.2, 0.8, 0.3, 1.0], [1.5, 1.2]));
         // The region covers all three, but for what rounding leaves out.
-        let r = b.region();
+        let r = b.spec().region;
         let wide = |[low, high]: [f32; 2]| [low - 1e-4, high + 1e-4];
         let wide = RegionRecord { distance: wide(r.distance), angle: wide(r.angle), height: wide(r.height) };
         assert!(hits[0].iter().all(|h| wide.contains(h.place)), "{wide:?}");
@@ -253,7 +234,7 @@ mod tests {
         let mut flat = config();
         flat.grid.heights = Some(1);
         let flat = ThrowPunches::new(&flat, 30.0, &hits).expect("a valid behaviour");
-        assert_eq!(flat.region().height, [1.2, 1.5]);
+        assert_eq!(flat.region.height, [1.2, 1.5]);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use throng_motion::error::BuildError;
 /// One behaviour: what is rewarded, over which cells of the target, and where it is active.
 ///
 /// Its kind says what is looked at: where the character is (`approach`), which blows it throws (`throw_punches`),
-/// where it is when a blow lands (`evade`). A behaviour of one's own is one of these with other numbers: keeping
+/// where it is when a blow lands (`evade`). Custom behaviours are these with other numbers: keeping
 /// away (`gain = -1`), keeping a distance (`offset`), kicking (`hits = ["kick"]`), grasping by tags, guarding
 /// another joint (`point`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -154,7 +154,7 @@ impl BehaviourConfig {
         Ok(())
     }
 
-    /// Refuses keys of other kinds: one who writes them expects something of them.
+    /// Refuses keys of other kinds: they would have no effect.
     fn refuse_unread(&self) -> Result<(), BuildError> {
         use BehaviourKind::{Approach, Evade, ThrowPunches};
         let usual = Self::default();

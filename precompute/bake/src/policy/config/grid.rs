@@ -102,11 +102,6 @@ impl GridConfig {
         }
     }
 
-    /// The grid of Lee and Lee (2004), section 6, for approaching: 5 distances x 13 angles over 2 m.
-    pub fn lee_and_lee() -> Self {
-        Self::polar(5, 13, 2.0, 0.5, 2.5)
-    }
-
     /// Checks every number that is given, by its key.
     fn check(&self, behaviour: &str) -> Result<(), BuildError> {
         let most = MAX_AXIS;

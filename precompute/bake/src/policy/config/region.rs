@@ -21,7 +21,7 @@ pub struct RegionConfig {
     pub time_s: Option<[f64; 2]>,
 }
 
-/// How far beyond a half turn an angle may be, for those who write few digits of pi (rad).
+/// How far beyond a half turn an angle may be, so that pi may be written with few digits (rad).
 pub(super) const ANGLE_TOLERANCE: f64 = 1e-4;
 
 impl RegionConfig {

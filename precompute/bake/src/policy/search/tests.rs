@@ -1,5 +1,5 @@
 use super::*;
-use crate::policy::behaviour::{Approach, Behaviour, segment_records};
+use crate::policy::behaviour::{Approach, Behaviour, Spec, segment_records};
 use crate::policy::config::{BehaviourConfig, GridConfig, PolicyConfig};
 use crate::policy::made_up::MadeUp;
 use crate::policy::model::{ActionModel, SegmentMotion};
@@ -17,21 +17,10 @@ use throng_motion::progress::Silent;
 struct Blows;
 
 impl Behaviour for Blows {
-    fn name(&self) -> &str {
-        "blows"
-    }
-
-    fn grid(&self) -> TargetGrid {
-        TargetGrid::cylinder([6, 5, 3], Vec3::new(-1.0, 0.3, 1.2), Vec3::new(1.2, 1.4, 1.7), 0.3).expect("a valid grid")
-    }
-
-    fn reward(&self) -> Reward {
+    fn spec(&self) -> Spec<'_> {
+        let grid = TargetGrid::cylinder([6, 5, 3], Vec3::new(-1.0, 0.3, 1.2), Vec3::new(1.2, 1.4, 1.7), 0.3);
         let record = RewardRecord { offset: 0.1, ..RewardRecord::new(COMBINE_SUM, KERNEL_WITHIN, 0.3) };
-        Reward::new(record).expect("a valid reward")
-    }
-
-    fn discount(&self) -> f64 {
-        0.97
+        Spec::new("blows", grid.expect("a valid grid"), Reward::new(record).expect("a valid reward"), 0.97)
     }
 
     fn sample(&self, segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord) {

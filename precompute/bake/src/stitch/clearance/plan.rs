@@ -1,4 +1,4 @@
-//! A unit as seen from above: how far it is from who walks past.
+//! A unit as seen from above: how far it is from points on the ground.
 
 /// Distances over the ground from what stands on it.
 #[derive(Clone, Debug)]

@@ -14,7 +14,7 @@ pub(in crate::stitch) const SLACK_M: f32 = 0.25;
 /// What is known of a link and a unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::stitch) enum Seen {
-    /// Nobody looked: it passes beside the unit.
+    /// Not looked at: it passes beside the unit.
     #[default]
     Nothing,
     /// It collides.

@@ -103,8 +103,8 @@ impl Swept {
             all
         };
         let words: Vec<u64> = self.squares.par_chunks(SIDE * SIDE).with_min_len(16).map(word).collect();
-        let members = |(k, word): (usize, u64)| ones(word).map(move |bit| (k * LINKS) as u32 + bit);
-        words.into_iter().enumerate().flat_map(members).collect()
+        let numbers = |(k, word): (usize, u64)| ones(word).map(move |bit| (k * LINKS) as u32 + bit);
+        words.into_iter().enumerate().flat_map(numbers).collect()
     }
 }
 

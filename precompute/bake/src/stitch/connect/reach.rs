@@ -214,7 +214,7 @@ impl<'j> Search<'j> {
     }
 }
 
-/// Adds the members of rows to a set: true where any was not in it.
+/// Adds rows to a set: true where any number was not in it.
 fn add_rows(rows: &Rows, first_row: u32, which: u64, set: &mut [u64]) -> bool {
     let mut more = 0;
     for bit in ones(which) {

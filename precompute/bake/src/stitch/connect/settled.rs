@@ -47,7 +47,7 @@ fn seeds<'s>(graph: &'s Joined) -> impl Iterator<Item = (u32, u32)> + 's {
     let part = move |k: usize| ((2 * k + 1) * graph.parts.len() / (2 * TRIES)) as u32;
     (0..TRIES).map(part).filter_map(|part| {
         let cells = (0..graph.cells(part).len() as u32).rev();
-        let most = cells.max_by_key(|&c| graph.situation(part).out.members(c).count())?;
+        let most = cells.max_by_key(|&c| graph.situation(part).out.numbers(c).count())?;
         Some((part, most))
     })
 }

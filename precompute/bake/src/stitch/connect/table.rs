@@ -15,7 +15,7 @@ pub(in crate::stitch) struct JointTable {
     pub joints: Vec<JointRecord>,
     /// Numbers of the joints, sorted by (b, a, a_offset).
     pub by_b: Vec<u32>,
-    /// True where side a is a tile on whose panel motion of b takes place: who is in b is in the way of others on a.
+    /// True where side a is a tile on whose panel motion of b takes place: characters in b are in the way of those on a.
     pub shares_floor: bool,
 }
 

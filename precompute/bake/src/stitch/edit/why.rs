@@ -1,4 +1,4 @@
-//! Why something of a world is taken out: found anew when somebody asks, stored nowhere.
+//! Why something of a world is taken out: found on request, not stored.
 
 use super::editor::Editor;
 use crate::stitch::clearance::hit::looked_at;

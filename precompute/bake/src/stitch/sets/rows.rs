@@ -1,12 +1,12 @@
 //! Sets of cells, one for each cell of a patch, in words of 64 of which only those are stored that hold anything: a
 //! search takes many cells at a time.
 
-/// Up to 64 members of a set.
+/// Up to 64 numbers of a set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::stitch) struct Word {
-    /// Number of the word: its members are `64 * index + bit`.
+    /// Number of the word: it holds the numbers `64 * index + bit`.
     pub index: u32,
-    /// The members.
+    /// One bit for each number.
     pub bits: u64,
 }
 
@@ -19,43 +19,43 @@ pub(in crate::stitch) struct Rows {
 }
 
 impl Rows {
-    /// Collects members of rows.
+    /// Collects the numbers of rows.
     ///
-    /// - `pairs`: row and member; the members of each row are ascending, one may be named more than once.
+    /// - `pairs`: row and number; those of each row are ascending and may repeat.
     pub fn new(num_rows: usize, pairs: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
         let mut ends = vec![0u32; num_rows + 1];
         pairs.clone().for_each(|(row, _)| ends[row as usize + 1] += 1);
         for row in 0..num_rows {
             ends[row + 1] += ends[row];
         }
-        let mut members = vec![0u32; ends[num_rows] as usize];
-        for (row, member) in pairs {
+        let mut numbers = vec![0u32; ends[num_rows] as usize];
+        for (row, number) in pairs {
             // The first of the row, which moves on until it is that of the next one.
             let at = &mut ends[row as usize];
-            members[*at as usize] = member;
+            numbers[*at as usize] = number;
             *at += 1;
         }
         let mut out = Self { starts: vec![0], words: Vec::new() };
         let mut first = 0;
         for &end in &ends[..num_rows] {
-            out.push(&members[first..end as usize]);
+            out.push(&numbers[first..end as usize]);
             first = end as usize;
         }
         out
     }
 
-    fn push(&mut self, members: &[u32]) {
-        for same in members.chunk_by(|a, b| a / 64 == b / 64) {
+    fn push(&mut self, numbers: &[u32]) {
+        for same in numbers.chunk_by(|a, b| a / 64 == b / 64) {
             let bits = same.iter().fold(0, |bits, m| bits | 1 << (m % 64));
             self.words.push(Word { index: same[0] / 64, bits });
         }
         self.starts.push(self.words.len() as u32);
     }
 
-    /// The rows in which each number is a member, of which there are `num_rows`.
+    /// The rows that each number is in (num_rows).
     pub fn transposed(&self, num_rows: usize) -> Self {
         let rows = 0..self.starts.len() as u32 - 1;
-        Self::new(num_rows, rows.flat_map(|row| self.members(row).map(move |member| (member, row))))
+        Self::new(num_rows, rows.flat_map(|row| self.numbers(row).map(move |number| (number, row))))
     }
 
     /// Words of a row.
@@ -64,11 +64,11 @@ impl Rows {
     }
 
     /// Members of a row, ascending.
-    pub fn members(&self, row: u32) -> impl Iterator<Item = u32> + Clone {
+    pub fn numbers(&self, row: u32) -> impl Iterator<Item = u32> + Clone {
         self.of(row).iter().flat_map(|word| ones(word.bits).map(|bit| 64 * word.index + bit))
     }
 
-    /// The next member of a row after those that `at` has been given for, which is 0 at first.
+    /// The next number of a row; `at` is 0 at first and moves on.
     pub fn next(&self, row: u32, at: &mut u32) -> Option<u32> {
         let words = self.of(row);
         while let Some(word) = words.get(*at as usize / 64) {
@@ -106,14 +106,14 @@ mod tests {
             let mut sorted = pairs.clone();
             sorted.sort_unstable();
             let (rows, set) = (Rows::new(9, sorted.iter().copied()), BTreeSet::from_iter(pairs));
-            let found = |r: &Rows, n: u32| (0..n).flat_map(|k| r.members(k).map(move |m| (k, m))).collect::<Vec<_>>();
+            let found = |r: &Rows, n: u32| (0..n).flat_map(|k| r.numbers(k).map(move |m| (k, m))).collect::<Vec<_>>();
             prop_assert_eq!(found(&rows, 9), set.iter().copied().collect::<Vec<_>>());
             let turned: BTreeSet<_> = set.iter().map(|&(r, m)| (m, r)).collect();
             prop_assert_eq!(found(&rows.transposed(300), 300), turned.into_iter().collect::<Vec<_>>());
             for k in 0..9 {
                 let mut at = 0;
                 let one_by_one: Vec<u32> = std::iter::from_fn(|| rows.next(k, &mut at)).collect();
-                prop_assert_eq!(one_by_one, rows.members(k).collect::<Vec<_>>());
+                prop_assert_eq!(one_by_one, rows.numbers(k).collect::<Vec<_>>());
             }
         }
     }

@@ -3,12 +3,13 @@
 use super::cross_fade::CrossFade;
 use super::{STEP_S, advance, control, random_parameters};
 use crate::measure::timing::fail;
-use crate::slip::{SoleMeter, Soles};
+use crate::run::knee_angles;
+use crate::slip::{Feet, SlipMeter, Soles};
 use glam::Vec3;
 use throng_motion::error::BuildError;
 use throng_runtime::blend::BlendSpace;
 use throng_runtime::walkers::{WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, Cast, Contacts, Inline, Joint, NUM_JOINTS, Planar};
+use throng_runtime::{Bundle, Cast, Contacts, Inline, NUM_JOINTS, Planar};
 
 /// Characters that are looked at, and for how long (s).
 const LOOKED_AT: usize = 32;
@@ -17,9 +18,6 @@ const SECONDS: f32 = 40.0;
 const JUMP_S: f32 = 2.0;
 /// Acceleration counts for so long after a jump (s).
 const AFTER_S: f32 = 0.5;
-/// Legs: hip, knee, ankle.
-const LEGS: [[Joint; 3]; 2] =
-    [[Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot], [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]];
 
 /// Where bodies come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +31,7 @@ pub(super) enum Motion {
 /// What was seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Jumps {
-    /// 95th percentile of the slip of planted feet, as [`SoleMeter`] measures it (m/s).
+    /// 95th percentile of the slip of planted feet, as [`SlipMeter`] measures it (m/s).
     pub slip_p95_mps: f64,
     /// Fastest change of a knee's angle (rad/s).
     pub knee_rate: f64,
@@ -104,14 +102,14 @@ struct Seen {
 struct Watch {
     /// The last poses, the latest first.
     last: Vec<[Vec3; NUM_JOINTS]>,
-    slip: SoleMeter,
+    slip: SlipMeter,
     knee_rate: f32,
     acceleration: f32,
 }
 
 impl Default for Watch {
     fn default() -> Self {
-        Self { last: Vec::new(), slip: SoleMeter::new(1), knee_rate: 0.0, acceleration: 0.0 }
+        Self { last: Vec::new(), slip: SlipMeter::new(1), knee_rate: 0.0, acceleration: 0.0 }
     }
 }
 
@@ -122,10 +120,10 @@ impl Watch {
     }
 
     fn look(&mut self, Seen { joints, contacts, soles }: Seen, jumped: bool) {
-        self.slip.observe(STEP_S, |_| (contacts, soles));
+        self.slip.observe(0, STEP_S, contacts, Feet::Soles(soles));
         if let Some(before) = self.last.first() {
-            let rates = LEGS.map(|leg| (knee(&joints, leg) - knee(before, leg)).abs() / STEP_S);
-            self.knee_rate = rates.into_iter().fold(self.knee_rate, f32::max);
+            let (now, was) = (knee_angles(&joints), knee_angles(before));
+            self.knee_rate = (0..2).map(|k| (now[k] - was[k]).abs() / STEP_S).fold(self.knee_rate, f32::max);
         }
         if let [before, earlier, ..] = &self.last[..]
             && jumped
@@ -148,15 +146,10 @@ impl Watch {
     }
 }
 
-/// Angle at a knee (rad).
-fn knee(joints: &[Vec3; NUM_JOINTS], leg: [Joint; 3]) -> f32 {
-    let [hip, knee, ankle] = leg.map(|j| joints[j.index()]);
-    (hip - knee).angle_between(ankle - knee)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use throng_runtime::Joint;
 
     #[test]
     fn a_watch_sees_slipping_feet_bending_knees_and_jerks() {

@@ -57,9 +57,8 @@ impl Panel {
         let mut panel = Picture::new(self.area.size.x as u32, self.area.size.y as u32, colour::GROUND);
         self.grid(&mut panel, unit);
         let colours = BodyColours::plain(colour::BODY).faded(colour::GROUND, 0.5);
-        let size = (panel.width(), panel.height());
-        if let Some(sprite) = body.and_then(|b| sprite::render(b, &colours, &self.camera, size)) {
-            sprite.draw(&mut panel);
+        if let Some(body) = body {
+            sprite::draw(&mut panel, body, &colours, &self.camera);
         }
         // Farther ones first.
         let mut order: Vec<&HitPoint> = points.iter().collect();

@@ -165,13 +165,10 @@ fn draw_poses(page: &mut Picture, views: &[(Camera, &StripFrame)], unit: f32, fa
         let px_per_m = views.first().map_or(0.0, |v| v.0.px_per_m);
         shadows.draw(page, (0.03 * px_per_m) as usize + 1, colour::INK.alpha(0.22));
     }
-    let size = (page.width(), page.height());
     for (i, (camera, frame)) in views.iter().enumerate() {
         draw_contacts(page, camera, frame, unit, faded(i));
         let colours = BodyColours::default().faded(colour::GROUND, faded(i));
-        if let Some(sprite) = sprite::render(&frame.figure, &colours, camera, size) {
-            sprite.draw(page);
-        }
+        sprite::draw(page, &frame.figure, &colours, camera);
     }
 }
 

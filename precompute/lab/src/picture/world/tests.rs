@@ -1,4 +1,5 @@
 use super::*;
+use std::ops::Range;
 use std::path::Path;
 use throng_bake::environment::UnitSet;
 use throng_runtime::Skeleton;
@@ -33,7 +34,7 @@ fn is_green(c: [u8; 4]) -> bool {
 }
 
 #[test]
-fn a_wall_hides_who_is_behind_it_and_not_who_is_before_it() {
+fn a_wall_hides_the_figure_behind_it_and_not_the_one_in_front() {
     // The hips: 4 cm below the middle of the panel, which begins at (4, 21) and is 392 by 375 pixels large.
     let hips = |z: f32| seen(z, 0.1).pixel(200, 21 + 187 + 6).unwrap();
     assert!(is_green(hips(-1.0)), "{:?}", hips(-1.0));

@@ -30,7 +30,7 @@ pub struct GateMeter {
     along: Vec2,
     /// Of each agent: where it was.
     before: Vec<Option<Vec2>>,
-    /// When somebody crossed, to the left of the line and to its right (s).
+    /// Times of crossings, to the left of the line and to its right (s).
     crossings: [Vec<f64>; 2],
 }
 
@@ -41,7 +41,7 @@ impl GateMeter {
         Self { from, along: Vec2::from(gate.to) - from, before: Vec::new(), crossings: Default::default() }
     }
 
-    /// Looks at everybody, in the same order each time; `None` where one has left.
+    /// Looks at all agents, in the same order each time; `None` where one has left.
     pub fn observe(&mut self, time_s: f64, agents: impl Iterator<Item = Option<Vec2>>) {
         for (m, now) in agents.enumerate() {
             if m == self.before.len() {
@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stream_of_known_flow_is_measured_and_who_passes_beside_the_gate_is_not() {
+    fn a_known_flow_is_measured_without_agents_that_pass_beside_the_gate() {
         let mut meter = GateMeter::new(&GateConfig { from: [0.0, -1.0], to: [0.0, 1.0] });
         // One every quarter second through a gate of 2 m: 2 persons/(m s). Every third walks beside it.
         let place = |i: usize, t: f64| {

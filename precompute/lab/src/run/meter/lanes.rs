@@ -23,7 +23,7 @@ impl LaneMeter {
         Self { along, width_m: config.width_m, reach_m: config.reach_m, order: Vec::new() }
     }
 
-    /// Looks at everybody where the groups have met.
+    /// Looks at all agents where the groups have met.
     ///
     /// - `agents`: place, and whether it goes along the corridor rather than against it (m).
     pub fn observe(&mut self, time_s: f64, agents: &[(Vec2, bool)]) {
@@ -32,7 +32,7 @@ impl LaneMeter {
         }
     }
 
-    /// Mean order over the last quarter of what was seen: 0 as mixed as by chance, 1 everybody in a lane.
+    /// Mean order over the last quarter of what was seen: 0 as mixed as by chance, 1 all agents in lanes.
     pub fn last(&self) -> Option<f64> {
         let last = &self.order[self.order.len() - self.order.len().div_ceil(4)..];
         (!last.is_empty()).then(|| last.iter().map(|o| o.1).sum::<f64>() / last.len() as f64)

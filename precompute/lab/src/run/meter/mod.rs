@@ -1,13 +1,10 @@
-//! What is measured: slip of feet, overlaps of discs and of trunks, progress, who is stuck, flow, lanes.
+//! What is measured: overlaps of discs and of trunks, progress, stuck agents, flow, lanes.
 
-mod feet;
 mod gate;
 mod lanes;
 mod overlap;
 mod progress;
 mod trunks;
-
-pub use feet::FeetMeter;
 
 pub(super) use gate::GateMeter;
 pub use gate::{Flow, HUMAN_FLOW_PER_M_S};

@@ -26,7 +26,7 @@ struct Cells {
 impl OverlapMeter {
     /// Looks at one frame.
     ///
-    /// - `places`: centres and radii of everybody who is there (m).
+    /// - `places`: centres and radii of all agents that have not left (m).
     pub fn observe<V: Space>(&mut self, places: &[(V, f32)]) {
         self.agent_frames += places.len() as u64;
         let widest = places.iter().map(|p| p.1).fold(0.0, f32::max);

@@ -2,18 +2,18 @@
 
 use throng_runtime::crowd::Space;
 
-/// One who stays within this distance is stuck .. (m).
+/// An agent that stays within this distance is stuck .. (m).
 const STUCK_M: f32 = 0.5;
 /// ... after this time (s).
 const STUCK_S: f64 = 10.0;
 
-/// Progress along ways, and who makes none.
+/// Progress along ways, and agents that make none.
 #[derive(Clone, Debug, Default)]
 pub struct ProgressMeter<V> {
     agents: Vec<OnTheWay<V>>,
-    /// Way gained by everybody (m).
+    /// Way gained by all agents (m).
     gained_m: f64,
-    /// Time on the way of everybody (s).
+    /// Time on the way of all agents (s).
     on_the_way_s: f64,
 }
 
@@ -50,7 +50,7 @@ pub struct Sight<'a, V> {
 }
 
 impl<V: Space> ProgressMeter<V> {
-    /// Looks at everybody, in the same order each time.
+    /// Looks at all agents, in the same order each time.
     pub fn observe<'a>(&mut self, time_s: f64, agents: impl Iterator<Item = Sight<'a, V>>) {
         for (m, sight) in agents.enumerate() {
             if m == self.agents.len() {
@@ -63,7 +63,7 @@ impl<V: Space> ProgressMeter<V> {
         }
     }
 
-    /// Mean speed along the ways of those who are on theirs (m/s).
+    /// Mean speed along their ways of agents that have not arrived (m/s).
     pub fn progress_mps(&self) -> f64 {
         self.gained_m / self.on_the_way_s.max(1e-9)
     }
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn one_who_walks_its_way_progresses_at_its_speed_until_it_is_there() {
+    fn an_agent_progresses_at_its_speed_until_it_arrives() {
         for leaves in [false, true] {
             let mut meter = ProgressMeter::default();
             for i in 0..=600 {
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn one_who_stays_is_stuck_after_ten_seconds_and_one_who_trembles_too() {
+    fn an_agent_that_stays_or_trembles_is_stuck_after_ten_seconds() {
         for seconds in [9, 11] {
             let mut meter = ProgressMeter::default();
             for i in 0..=seconds * 30 {

@@ -20,7 +20,7 @@ pub struct TrunkMeter {
 }
 
 impl TrunkMeter {
-    /// Looks at everybody at one moment.
+    /// Looks at all characters at one moment.
     ///
     /// - `trunks`: hips and neck in the world (m, number of characters).
     pub fn observe(&mut self, trunks: &[[Vec3; 2]]) {

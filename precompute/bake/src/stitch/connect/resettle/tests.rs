@@ -89,7 +89,7 @@ impl Kinds {
     }
 }
 
-/// An instance: who it is, of what patch, how it stands among units, and the column and row of a tile.
+/// An instance: its identity, its patch, how it stands among units, and the column and row of a tile.
 #[derive(Clone, Copy, PartialEq)]
 struct Instance {
     id: u64,

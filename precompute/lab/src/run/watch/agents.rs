@@ -1,0 +1,232 @@
+//! Watches agents: overlaps, progress, flow, lanes.
+
+use crate::run::figures::AgentFigures;
+use crate::run::meter::{GateMeter, LaneMeter, OverlapMeter, ProgressMeter, Sight};
+use glam::{Vec2, Vec3};
+use throng_runtime::Joint;
+use throng_runtime::crowd::{AtEnd, Counts, Space};
+use throng_runtime::simulation::agents::{self as crowd, plan};
+use throng_runtime::simulation::scene::MeasureConfig;
+use throng_runtime::simulation::{GroupCast, Simulation};
+
+/// What was measured of all agents until now.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AgentsNow {
+    /// Agents that have not left.
+    pub present: usize,
+    /// Pairs that overlap by more than 1 mm now.
+    pub overlaps: u64,
+    /// Deepest overlap so far; zero or less if no agents have touched (m).
+    pub deepest_m: f64,
+    /// Mean speed toward the goal so far, along the planned route, of agents that had not arrived (m/s).
+    pub progress_mps: f64,
+    /// Agents that have reached their goal.
+    pub arrived: usize,
+    /// Agents that stayed within half a metre for 10 s on their way.
+    pub stuck: usize,
+}
+
+/// Does something with the agents of a cast, on the ground or in the air, and with what watches them.
+macro_rules! with_agents {
+    ($watch:expr, $cast:expr, |$w:ident, $agents:ident| $work:expr) => {
+        match ($watch, $cast) {
+            (Agents::Ground($w), GroupCast::Ground($agents)) => Some($work),
+            (Agents::Air($w), GroupCast::Air($agents)) => Some($work),
+            _ => None,
+        }
+    };
+}
+
+/// Measures agents of a simulation, on the ground or in the air.
+#[derive(Clone, Debug)]
+pub struct AgentsMeter {
+    /// Number of their cast.
+    cast: usize,
+    /// The number that the first agent has among the characters of the simulation.
+    first: usize,
+    agents: Agents,
+}
+
+#[derive(Clone, Debug)]
+enum Agents {
+    Ground(AgentWatch<Vec2>),
+    Air(AgentWatch<Vec3>),
+}
+
+impl AgentsMeter {
+    /// Nothing seen yet; none for a simulation without agents.
+    pub fn new(sim: &Simulation) -> Option<Self> {
+        Self::of_groups(sim, |_| true)
+    }
+
+    /// For the agents of some groups, by their number; none if there are none.
+    pub(super) fn of_groups(sim: &Simulation, is_seen: impl Fn(usize) -> bool) -> Option<Self> {
+        let cast = sim.casts().iter().position(|c| matches!(c, GroupCast::Ground(_) | GroupCast::Air(_)))?;
+        let groups = || sim.groups().iter().enumerate().filter(|(_, g)| g.cast == cast);
+        let first = groups().next()?.1.characters.start;
+        let seen = groups().filter(|(number, _)| is_seen(*number)).flat_map(|(_, g)| g.characters.clone());
+        let agents: Vec<usize> = seen.map(|c| c - first).collect();
+        if agents.is_empty() {
+            return None;
+        }
+        let config = &sim.scene().measure;
+        let agents = match &sim.casts()[cast] {
+            GroupCast::Ground(all) => Agents::Ground(AgentWatch::new(all, config, agents)),
+            GroupCast::Air(all) => Agents::Air(AgentWatch::new(all, config, agents)),
+            _ => return None,
+        };
+        Some(Self { cast, first, agents })
+    }
+
+    /// Looks at all agents, at most 30 times a simulated second.
+    pub fn observe(&mut self, sim: &Simulation) -> AgentsNow {
+        with_agents!(&mut self.agents, &sim.casts()[self.cast], |w, all| w.observe_now(all)).unwrap_or_default()
+    }
+
+    /// How far bodies are from their discs, after a step.
+    pub(super) fn observe_bodies(&mut self, sim: &Simulation) {
+        with_agents!(&mut self.agents, &sim.casts()[self.cast], |w, all| w.observe_bodies(sim, self.first, all));
+    }
+
+    /// Number of agents that are stuck, and what was measured.
+    ///
+    /// - `is_timed`: the simulation's times count for these agents.
+    pub(super) fn figures(&self, sim: &Simulation, seconds: f64, is_timed: bool) -> Option<(usize, AgentFigures)> {
+        let busy_s = sim.busy_s().get(self.cast).filter(|_| is_timed).map(|&s| (s, s));
+        with_agents!(&self.agents, &sim.casts()[self.cast], |w, all| (w.stuck(), w.figures(all, seconds, busy_s)))
+    }
+}
+
+/// Looks at some agents thirty times a second.
+#[derive(Clone, Debug)]
+pub(in crate::run) struct AgentWatch<V> {
+    /// Their numbers in the crowd.
+    agents: Vec<usize>,
+    overlaps: OverlapMeter,
+    progress: ProgressMeter<V>,
+    gate: Option<GateMeter>,
+    lanes: Option<LaneMeter>,
+    /// Of each group of the scene: it goes along the direction of lanes.
+    goes_along: Vec<bool>,
+    places: Vec<(V, f32)>,
+    hips_off_max_m: Option<f64>,
+}
+
+impl<V: Space> AgentWatch<V> {
+    pub fn new(agents: &crowd::Agents<V>, config: &MeasureConfig, numbers: Vec<usize>) -> Self {
+        Self {
+            agents: numbers,
+            overlaps: OverlapMeter::default(),
+            progress: ProgressMeter::default(),
+            gate: config.gate.as_ref().map(GateMeter::new),
+            lanes: config.lanes.as_ref().map(LaneMeter::new),
+            goes_along: config.lanes.as_ref().map_or(Vec::new(), |l| goes_along(agents, l.along.into())),
+            places: Vec::new(),
+            hips_off_max_m: None,
+        }
+    }
+
+    /// Looks at all of them now.
+    pub fn observe(&mut self, agents: &crowd::Agents<V>) {
+        let (layout, time_s) = (agents.layout(), agents.crowd().now());
+        let at = |m: usize| agents.position(m, time_s);
+        let all = || self.agents.iter().copied();
+        self.places.clear();
+        self.places.extend(all().filter_map(|m| Some((at(m)?, layout.setup.agents[m].radius))));
+        self.overlaps.observe(&self.places);
+        let sight = |m: usize| Sight {
+            at: at(m),
+            way: &layout.ways[m],
+            way_number: agents.times_sent(m),
+            arrival_m: layout.arrivals[m],
+            again: agents.times_sent(m) == 0 && layout.at_end(m) == Some(AtEnd::Again),
+        };
+        self.progress.observe(time_s, all().map(sight));
+        if let Some(gate) = &mut self.gate {
+            gate.observe(time_s, all().map(|m| at(m).map(plan)));
+        }
+        if let Some(lanes) = &mut self.lanes {
+            let seen = all().filter_map(|m| Some((plan(at(m)?), self.goes_along[layout.groups[m]])));
+            lanes.observe(time_s, &seen.collect::<Vec<_>>());
+        }
+    }
+
+    /// Looks at all of them, and says what was measured until now.
+    fn observe_now(&mut self, agents: &crowd::Agents<V>) -> AgentsNow {
+        let before = self.overlaps.over_1mm;
+        self.observe(agents);
+        AgentsNow {
+            present: self.places.len(),
+            overlaps: self.overlaps.over_1mm - before,
+            deepest_m: self.overlaps.max_m,
+            progress_mps: self.progress.progress_mps(),
+            arrived: self.progress.arrived(),
+            stuck: self.progress.stuck(),
+        }
+    }
+
+    pub fn stuck(&self) -> usize {
+        self.progress.stuck()
+    }
+
+    /// What was measured.
+    ///
+    /// - `busy_s`: wall time of the engine, and time that it was running, where that is told (s).
+    pub fn figures(&self, agents: &crowd::Agents<V>, seconds: f64, busy_s: Option<(f64, f64)>) -> AgentFigures {
+        let n = self.agents.len();
+        let agent_seconds = n as f64 * seconds;
+        let of_all = n == agents.num_agents();
+        let counts = agents.crowd().counts();
+        let a_second = |count: u64| of_all.then_some(count as f64 / agent_seconds);
+        let frames = self.overlaps.agent_frames.max(1) as f64;
+        let speeds = self.agents.iter().map(|&m| f64::from(agents.layout().setup.agents[m].speed));
+        let knows = |&&m: &&usize| agents.knows(m) > 0;
+        AgentFigures {
+            wall_s_per_simulated_s: busy_s.map(|b| b.0 / seconds),
+            us_per_agent_second: busy_s.map(|b| 1e6 * b.1 / agent_seconds),
+            events_per_agent_second: a_second(events(&counts)),
+            crossings_per_agent_second: a_second(counts.entering + counts.leaving).filter(|c| *c > 0.0),
+            decisions_per_agent_second: a_second(counts.decisions),
+            overlap_over_1mm_fraction: self.overlaps.over_1mm as f64 / frames,
+            overlap_over_1cm_fraction: self.overlaps.over_1cm as f64 / frames,
+            max_overlap_m: self.overlaps.max_m,
+            progress_mps: self.progress.progress_mps(),
+            desired_mps: speeds.sum::<f64>() / n as f64,
+            arrived: self.progress.arrived(),
+            informed: agents.has_happenings().then(|| self.agents.iter().filter(knows).count()),
+            lane_order: self.lanes.as_ref().and_then(LaneMeter::last),
+            flow: self.gate.as_ref().map(GateMeter::flow),
+            hips_off_max_m: self.hips_off_max_m,
+            state_hash: of_all.then(|| format!("{:016x}", agents.crowd().hash())),
+        }
+    }
+
+    /// How far bodies are from their discs over the ground.
+    fn observe_bodies(&mut self, sim: &Simulation, first: usize, agents: &crowd::Agents<V>) {
+        for &m in &self.agents {
+            let Some(pose) = sim.joint_positions(first + m) else { continue };
+            let Some(at) = agents.position(m, agents.crowd().now()) else { continue };
+            let hips = pose[Joint::Hips.index()];
+            let off = f64::from(plan(at).distance(Vec2::new(hips.x, hips.z)));
+            self.hips_off_max_m = Some(self.hips_off_max_m.map_or(off, |most| most.max(off)));
+        }
+    }
+}
+
+/// Events inside a crowd; with steps instead of events, every agent acts at each.
+fn events(c: &Counts) -> u64 {
+    if c.steps > 0 {
+        return c.decisions;
+    }
+    c.resetting + c.colliding + c.meeting + c.entering + c.leaving + c.contacting + c.separating
+}
+
+/// Of each group: on the whole, its agents go along a direction.
+fn goes_along<V: Space>(agents: &crowd::Agents<V>, along: Vec2) -> Vec<bool> {
+    let layout = agents.layout();
+    let mut sums = vec![0.0; layout.groups.iter().max().map_or(0, |g| g + 1)];
+    for (way, &group) in layout.ways.iter().zip(&layout.groups) {
+        sums[group] += (plan(way[way.len() - 1]) - plan(way[0])).dot(along);
+    }
+    sums.iter().map(|s| *s > 0.0).collect()
+}

@@ -1,0 +1,139 @@
+//! Watches characters of a world: overlaps, penetrations, progress.
+
+use crate::run::figures::InhabitedFigures;
+use crate::run::meter::TrunkMeter;
+use crate::run::report::{fault, geometry};
+use glam::Vec3;
+use std::collections::BTreeSet;
+use throng_bake::environment::{Body, PlacedGeometry};
+use throng_motion::error::BuildError;
+use throng_runtime::simulation::{GroupCast, Simulation};
+use throng_runtime::world::inhabitants::Doing;
+use throng_runtime::{Joint, NUM_JOINTS};
+
+/// Penetrations deeper than this into a unit count (m).
+const PENETRATION_M: f32 = 0.08;
+/// A character that wants to go somewhere and stays within `STUCK_M` for this long is stuck (s).
+const STUCK_S: f64 = 30.0;
+/// See [`STUCK_S`] (m).
+const STUCK_M: f32 = 0.5;
+
+/// Where a character was when it last came forward.
+#[derive(Clone, Copy, Debug)]
+struct Progress {
+    at: Vec3,
+    since_s: f64,
+}
+
+/// Looks at some characters of one world every tenth of a second.
+pub(super) struct WorldWatch {
+    cast: usize,
+    /// Their numbers in the simulation.
+    characters: Vec<usize>,
+    body: Body,
+    geometry: PlacedGeometry,
+    trunks: TrunkMeter,
+    /// Penetrations: time, character, what (s).
+    pub faults: Vec<(f32, usize, String)>,
+    /// Characters and the units that they are in now.
+    inside: BTreeSet<(usize, usize)>,
+    penetrations: u64,
+    deepest_m: f32,
+    progress: Vec<Progress>,
+    pub stuck: BTreeSet<usize>,
+    last: Vec<Vec3>,
+    travelled_m: f64,
+    looks: u64,
+    waiting: u64,
+}
+
+impl WorldWatch {
+    pub fn new(sim: &Simulation, cast: usize, characters: Vec<usize>) -> Result<Self, BuildError> {
+        let group = sim.groups().iter().find(|g| g.cast == cast).map_or(0, |g| g.number);
+        let bundle = sim.compiled().bundle(group).map_err(fault)?;
+        Ok(Self {
+            cast,
+            body: Body::new(bundle.skeleton()),
+            geometry: geometry(sim.compiled(), group)?,
+            trunks: TrunkMeter::default(),
+            faults: Vec::new(),
+            inside: BTreeSet::new(),
+            penetrations: 0,
+            deepest_m: 0.0,
+            progress: vec![Progress { at: Vec3::splat(f32::MAX), since_s: 0.0 }; characters.len()],
+            stuck: BTreeSet::new(),
+            last: Vec::new(),
+            travelled_m: 0.0,
+            looks: 0,
+            waiting: 0,
+            characters,
+        })
+    }
+
+    pub fn look(&mut self, sim: &Simulation) {
+        let GroupCast::Patches(people) = &sim.casts()[self.cast] else { return };
+        let trunk = |p: [Vec3; NUM_JOINTS]| [p[Joint::Hips.index()], p[Joint::Neck.index()]];
+        let trunks: Vec<[Vec3; 2]> =
+            self.characters.iter().filter_map(|&c| sim.joint_positions(c)).map(trunk).collect();
+        self.trunks.observe(&trunks);
+        self.look_around(sim);
+        for (k, trunk) in trunks.iter().enumerate() {
+            let (_, number) = sim.locate(self.characters[k]);
+            let (doing, progress) = (people.state(number).doing, &mut self.progress[k]);
+            self.looks += 1;
+            self.waiting += u64::from(doing == Doing::Waiting);
+            let at_will = matches!(doing, Doing::Performing | Doing::Arrived);
+            if at_will || (trunk[0] - progress.at).length() > STUCK_M {
+                *progress = Progress { at: trunk[0], since_s: sim.time_s() };
+            } else if sim.time_s() - progress.since_s > STUCK_S {
+                self.stuck.insert(k);
+            }
+        }
+        if !self.last.is_empty() {
+            let way = trunks.iter().zip(&self.last).map(|(t, l)| f64::from((t[0] - *l).length()));
+            self.travelled_m += way.sum::<f64>();
+        }
+        self.last = trunks.iter().map(|t| t[0]).collect();
+    }
+
+    /// Finds the characters that are in units.
+    fn look_around(&mut self, sim: &Simulation) {
+        let mut inside = BTreeSet::new();
+        for &c in &self.characters {
+            let (Some(root), Some(pose)) = (sim.root(c), sim.pose(c)) else { continue };
+            let (turn, by) = (root.rotation(), root.translation());
+            let transforms = std::array::from_fn(|j| (turn * pose[j].translation() + by, turn * pose[j].rotation()));
+            let body = self.body.pose(&transforms, sim.contacts(c));
+            let Some((unit, p)) = body.penetration_in(&self.geometry, PENETRATION_M) else { continue };
+            self.deepest_m = self.deepest_m.max(p.depth);
+            inside.insert((c, unit));
+            if !self.inside.contains(&(c, unit)) {
+                self.penetrations += 1;
+                let what = format!("{} {:.2} m in unit {unit}", p.joint.name(), p.depth);
+                self.faults.push((sim.time_s() as f32, c, what));
+            }
+        }
+        self.inside = inside;
+    }
+
+    pub fn figures(all: &[Self], sim: &Simulation, seconds: f64) -> InhabitedFigures {
+        let n: usize = all.iter().map(|w| w.characters.len()).sum();
+        let character_minutes = f64::from(seconds as f32) / 60.0 * n as f64;
+        let mut f = InhabitedFigures::default();
+        let (mut fulfilled, mut travelled_m, mut waiting, mut looks) = (0u32, 0.0, 0u64, 0u64);
+        for w in all {
+            let GroupCast::Patches(people) = &sim.casts()[w.cast] else { continue };
+            let of = |c: &usize| people.state(sim.locate(*c).1).num_fulfilled;
+            fulfilled += w.characters.iter().map(of).sum::<u32>();
+            (travelled_m, waiting, looks) = (travelled_m + w.travelled_m, waiting + w.waiting, looks + w.looks);
+            f.character_overlaps += w.trunks.count();
+            f.deepest_overlap_m = f.deepest_overlap_m.max(f64::from(w.trunks.deepest_m()));
+            f.environment_penetrations += w.penetrations;
+            f.deepest_penetration_m = f.deepest_penetration_m.max(f64::from(w.deepest_m));
+        }
+        f.fulfilled_per_minute = f64::from(fulfilled) / character_minutes;
+        f.travelled_m_per_minute = travelled_m / character_minutes;
+        f.waiting_fraction = waiting as f64 / looks.max(1) as f64;
+        f
+    }
+}
