@@ -7,7 +7,11 @@ use std::collections::BTreeSet;
 const RUNTIME_MAY_USE: [&str; 7] = ["bincode", "bytemuck", "glam", "memmap2", "rayon", "serde", "thiserror"];
 /// What single crates need beside these. Scenes are files of text, whose placements draw from the generators that the
 /// heavy tools use, so that they are the same; the schema of these files is an optional feature.
-const ALSO: [(&str, &[&str]); 1] = [("throng-simulation", &["rand", "rand_pcg", "schemars", "toml"])];
+const ALSO: [(&str, &[&str]); 2] =
+    [("throng-base", &["strsim", "toml"]), ("throng-simulation", &["rand", "rand_pcg", "schemars", "toml"])];
+/// What is built only where a feature asks for it, in all crates of the runtime: threads, and the texts of scenes.
+const OPTIONAL: [(&str, &str); 4] =
+    [("rayon", ""), ("schemars", ""), ("strsim", "throng-base"), ("toml", "throng-base")];
 /// What belongs into the command line alone.
 const COMMAND_LINE_ONLY: [&str; 4] = ["clap", "clap_complete", "indicatif", "miette"];
 /// Top-level folders of the workspace, each with those it may build on; what applications link comes first.
@@ -35,15 +39,21 @@ fn the_runtime_depends_on_no_more_than_its_list() {
 }
 
 #[test]
-fn the_runtime_runs_without_rayon() {
+fn the_runtime_runs_without_rayon_and_agents_without_texts() {
     for c in crates().iter().filter(|c| c.is_in("runtime")) {
-        if let Some(rayon) = c.manifest.get("dependencies").and_then(|d| d.get("rayon")) {
-            let optional = rayon.get("optional").and_then(toml::Value::as_bool);
-            assert_eq!(optional, Some(true), "{}: rayon must stay optional: {rayon}", c.name);
+        for (name, _) in OPTIONAL.iter().filter(|(_, of)| of.is_empty() || *of == c.name) {
+            if let Some(needed) = c.manifest.get("dependencies").and_then(|d| d.get(name)) {
+                let optional = needed.get("optional").and_then(toml::Value::as_bool);
+                assert_eq!(optional, Some(true), "{}: {name} must stay optional: {needed}", c.name);
+            }
         }
         let default = c.manifest.get("features").and_then(|f| f.get("default")).and_then(|d| d.as_array());
         let names = default.into_iter().flatten().filter_map(toml::Value::as_str);
-        assert!(!names.clone().any(|n| n.contains("rayon")), "{}: default features {default:?}", c.name);
+        assert!(
+            !names.clone().any(|n| n.contains("rayon") || n.contains("text")),
+            "{}: default features {default:?}",
+            c.name
+        );
     }
 }
 
