@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum ImportError {
     /// The file could not be opened or read.
-    #[error("{}: cannot be read: {source}. Check the path and its permissions.", path.display())]
+    #[error("{}: cannot be read: {source}. {}", path.display(), way_out(source))]
     Io {
         /// The file.
         path: PathBuf,
@@ -72,7 +72,7 @@ pub enum BuildError {
         help: String,
     },
     /// A file could not be written or read.
-    #[error("{}: {source}. Check the path and its permissions.", path.display())]
+    #[error("{}: {source}. {}", path.display(), way_out(source))]
     Io {
         /// The file.
         path: PathBuf,
@@ -82,6 +82,18 @@ pub enum BuildError {
     /// The tables could not be opened again.
     #[error("{0}")]
     Format(String),
+}
+
+/// What to do about what the system says.
+fn way_out(source: &std::io::Error) -> &'static str {
+    use std::io::ErrorKind::{OutOfMemory, PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
+    match source.kind() {
+        StorageFull | QuotaExceeded => "Free some space, or write elsewhere.",
+        ReadOnlyFilesystem => "Write to a folder that may be changed.",
+        PermissionDenied => "Change its permissions, or choose another place.",
+        OutOfMemory => "Free some memory, or give it less to do at once.",
+        _ => "Check the path and its permissions.",
+    }
 }
 
 /// Tolerable faults of the input, collected and reported once.

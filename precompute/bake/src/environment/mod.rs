@@ -29,6 +29,7 @@ pub use placed::{PlacedGeometry, Touched};
 pub use solid::Solid;
 pub use touch::TouchConfig;
 pub use triangles::Triangles;
+pub(crate) use mesh::buffer_files;
 pub use unit::{Region, Shape, TileEdges, Unit, UnitSet};
 
 use serde::{Deserialize, Serialize};

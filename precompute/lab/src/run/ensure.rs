@@ -64,12 +64,12 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) ->
     Ok(())
 }
 
-/// Stitches a world where it is missing, or was made with another bundle or from another text.
+/// Stitches a world where it is missing, or was made with another bundle or from an older text of its file.
 ///
 /// - returns what was done, where anything was.
 ///
 /// # Errors
-/// As [`ensure`].
+/// As [`ensure`]; as [`stitch::check_replaced`] where a world of another file stands there.
 pub fn ensure_world(
     source: &WorldSource,
     file: &Path,
@@ -78,12 +78,13 @@ pub fn ensure_world(
     with: &Cached<'_>,
 ) -> Result<Option<StitchReport>, BuildError> {
     let kit = Kit::new(tables, &source.bundle)?;
-    let hash = source.hash(&kit.units, file)?;
+    let hash = source.hash(&kit.library(tables), file)?;
     if World::open(out, tables).is_ok_and(|world| world.meta().source_hash == hash) {
         return Ok(None);
     }
+    stitch::check_replaced(file, out)?;
     (with.tell)(&format!("stitching {} ...", source.name));
-    let (world, mut report) = stitch::stitch_source(source, file, tables, &kit, with.progress)?;
-    report.world_bytes = stitch::save(&world, tables.patches(), out)?;
+    let (mut world, mut report) = stitch::stitch_source(source, file, tables, &kit, with.progress)?;
+    report.world_bytes = stitch::save(&mut world, file, tables.patches(), out)?;
     Ok(Some(report))
 }

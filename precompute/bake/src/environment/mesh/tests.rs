@@ -121,3 +121,84 @@ fn every_shorter_file_is_refused_without_a_panic() {
         assert!(read(&path).is_err(), "{n} bytes of {}", whole.len());
     }
 }
+
+/// `nodes` nodes that show one mesh of `parts` parts, all of which share the accessors of the square.
+fn shared(nodes: usize, parts: usize) -> String {
+    let list = |item: &str, n: usize| vec![item; n].join(",");
+    let part = r#"{"attributes":{"POSITION":0,"NORMAL":7},"indices":1}"#;
+    format!(
+        r#"{{"nodes":[{}],"meshes":[{{"primitives":[{}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"}},{INDICES}],
+        "bufferViews":[{{"buffer":0,"byteLength":64,"byteStride":16}},{{"buffer":0,"byteOffset":64,"byteLength":12}}],
+        "buffers":[{{}}]}}"#,
+        list(r#"{"mesh":0}"#, nodes),
+        list(part, parts)
+    )
+}
+
+#[test]
+fn little_text_cannot_ask_for_much_memory_or_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    let put = |json: &str, binary: &[u8]| std::fs::write(&path, glb(json, binary)).unwrap();
+    put(&shared(30, 40), &bytes());
+    assert_eq!(read(&path).unwrap().len(), 2400);
+    // 200 kB that would be 18 million triangles, then one that stays below their number but not that of positions.
+    let text = shared(9000, 1000);
+    assert!(text.len() < 203_000, "{}", text.len());
+    put(&text, &bytes());
+    let e = read(&path).unwrap_err().to_string();
+    assert!(e.contains("a file may have 5000000 triangles and 15000000 positions at most"), "{e}");
+    put(&shared(9000, 1000).replace("\"count\":6", "\"count\":3"), &bytes());
+    assert!(read(&path).unwrap_err().to_string().contains("positions at most"));
+    put(&shared(9000, 1000).replace("\"count\":6", "\"count\":0"), &bytes());
+    assert!(read(&path).unwrap_err().to_string().contains("at most"));
+    put(&shared(9000, 1000).replace("\"count\":6", "\"count\":0").replace("\"count\":4", "\"count\":0"), &bytes());
+    let e = read(&path).unwrap_err().to_string();
+    assert!(e.contains("nodes may show 1000000 parts of meshes at most"), "{e}");
+    put(&format!("{{\"nodes\":[{}]}}", vec!["{}"; 1_000_001].join(",")), &[]);
+    let e = read(&path).unwrap_err().to_string();
+    assert!(e.contains("a list may have 1000000 entries, found more"), "{e}");
+}
+
+#[test]
+fn buffers_lie_in_the_folder_of_the_mesh() {
+    let outer = tempfile::tempdir().unwrap();
+    let folder = outer.path().join("mesh");
+    std::fs::create_dir_all(folder.join("deep")).unwrap();
+    let path = folder.join("a.gltf");
+    std::fs::write(outer.path().join("b.bin"), bytes()).unwrap();
+    std::fs::write(folder.join("deep/b.bin"), bytes()).unwrap();
+    let with = |uri: &str| {
+        std::fs::write(&path, square(&format!("{{\"uri\":\"{uri}\"}}"), INDICES)).unwrap();
+        read(&path).map_err(|e| e.to_string())
+    };
+    check(&with("deep/b.bin").unwrap());
+    check(&with("./deep/b.bin").unwrap());
+    assert_eq!(buffer_files(&path).unwrap(), [folder.join("./deep/b.bin")]);
+    let absolute = folder.join("deep/b.bin").display().to_string().replace('\\', "/");
+    for uri in ["../b.bin", "deep/../../b.bin", "%2e%2e/b.bin", "/dev/zero", "/etc/passwd", "file:///b.bin", "", &absolute] {
+        let e = with(uri).unwrap_err();
+        assert!(e.contains(&format!("a.gltf: buffers[0]: expected a file in the folder of the mesh, found `{uri}`")), "{e}");
+    }
+    assert!(with("deep").unwrap_err().contains("is a folder"));
+    #[cfg(unix)]
+    {
+        let link = |to: &str, name: &str| std::os::unix::fs::symlink(to, folder.join(name)).unwrap();
+        link("../b.bin", "out.bin");
+        link("/dev/zero", "zero.bin");
+        link("deep/b.bin", "in.bin");
+        check(&with("in.bin").unwrap());
+        for uri in ["out.bin", "zero.bin"] {
+            assert!(with(uri).unwrap_err().contains("expected a file in the folder"), "{uri}");
+        }
+    }
+}
+
+#[test]
+fn a_mesh_that_is_no_file_is_refused_at_once() {
+    #[cfg(unix)]
+    assert!(read(Path::new("/dev/zero")).unwrap_err().to_string().contains("is a device or a pipe, expected a mesh"));
+    let folder = tempfile::tempdir().unwrap();
+    assert!(read(folder.path()).unwrap_err().to_string().contains("is a folder, expected a mesh"));
+}
