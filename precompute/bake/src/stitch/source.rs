@@ -43,7 +43,7 @@ impl WorldSource {
     /// Reads a world file; paths in it are taken from its folder.
     ///
     /// # Errors
-    /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column.
+    /// [`BuildError::File`] with file, line and column.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
         let source = Source::read(path, "a world")?;
         let help = "A world has `bundle`, `config`, `stitch`, `place` and `prefabs`; data/worlds/ has examples.";
@@ -53,9 +53,10 @@ impl WorldSource {
         }
         // The stitched world is called by it, beside the bundle.
         if Path::new(&world.name).file_name().is_none_or(|n| n != world.name.as_str()) || world.name.contains('\\') {
-            let why = format!("name: expected the name of a file without folders, found \"{}\"", world.name);
-            return Err(source.at("name", why).into());
+            let why = format!("expected the name of a file without folders, found \"{}\"", world.name);
+            return Err(BuildError::key("name", why).at(&source));
         }
+        world.stitch.check().map_err(|e| e.at(&source))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         world.bundle = folder.join(&world.bundle);
         world.config = world.config.map(|c| folder.join(c));
@@ -122,7 +123,7 @@ impl WorldSource {
     /// - `path`: of the world file, for messages.
     ///
     /// # Errors
-    /// [`BuildError::Config`] as [`EnvironmentFile::expand`].
+    /// As [`EnvironmentFile::expand`].
     pub fn environment(&self, units: &UnitSet, path: &Path) -> Result<Environment, BuildError> {
         let file = EnvironmentFile {
             name: self.name.clone(),
