@@ -148,7 +148,8 @@ impl BuildConfig {
         self.patches.check()?;
         crate::examples::spaces(&self.blend)?;
         self.policy.check()?;
-        let behaviour = |(i, b): (usize, &BehaviourConfig)| b.check().map_err(|e| e.within(&format!("behaviours[{i}]")));
+        let behaviour =
+            |(i, b): (usize, &BehaviourConfig)| b.check().map_err(|e| e.within(&format!("behaviours[{i}]")));
         self.behaviours.iter().enumerate().try_for_each(behaviour)
     }
 
@@ -206,27 +207,44 @@ mod tests {
         for (text, expected) in [
             ("[import]\nrate_hz = 0.0\n", "x.toml:3:1: import.rate_hz: expected 0.1 to 100000, found 0"),
             ("[import]\nmetres_per_unit = nan\n", "x.toml:3:1: import.metres_per_unit: expected"),
-            ("[resample]\nmirror = true\nrate_hz = 1000\n", "x.toml:4:1: resample.rate_hz: expected 1 to 240, found 1000"),
-            ("[retarget.proportions.explicit.offsets]\nhead = [0, 1e9, 0]\n", "x.toml:3:1: retarget.proportions.explicit"),
+            (
+                "[resample]\nmirror = true\nrate_hz = 1000\n",
+                "x.toml:4:1: resample.rate_hz: expected 1 to 240, found 1000",
+            ),
+            (
+                "[retarget.proportions.explicit.offsets]\nhead = [0, 1e9, 0]\n",
+                "x.toml:3:1: retarget.proportions.explicit",
+            ),
             ("[annotate.contacts]\nheight_on = inf\n", "x.toml:3:1: annotate.contacts.height_on: expected 0 to 0.045"),
-            ("[annotate.ends]\nstill_keep = -1\n", "x.toml:3:1: annotate.ends.still_keep: expected 0 to 10000, found -1"),
+            (
+                "[annotate.ends]\nstill_keep = -1\n",
+                "x.toml:3:1: annotate.ends.still_keep: expected 0 to 10000, found -1",
+            ),
             ("[annotate.hits]\nkicks.height = 1e30\n", "x.toml:3:7: annotate.hits.kicks.height: expected 0 to 10"),
-            ("[clips.walk]\nexclude = [[0, 1], [3, 2]]\n", "x.toml:3:20: clips.walk.exclude[1]: expected 0 <= start < end"),
+            (
+                "[clips.walk]\nexclude = [[0, 1], [3, 2]]\n",
+                "x.toml:3:20: clips.walk.exclude[1]: expected 0 <= start < end",
+            ),
             ("[features]\nhorizon_s = 1e300\n", "x.toml:3:1: features.horizon_s: expected 0 to 1000000"),
             ("[features.joint_weights]\nhaed = 1\n", "x.toml:3:1: features.joint_weights.haed: no such joint."),
             ("[cluster]\nthreshold = 0.0\n", "x.toml:3:1: cluster.threshold: expected 0.000001 to 1000, found 0"),
             ("[graph]\nmin_jump_s = 1e9\n", "x.toml:3:1: graph.min_jump_s: expected 0 to 10000, found 1000000000"),
             ("[patches]\ncell_m = 9\n", "x.toml:3:1: patches.cell_m: expected 0.02 to 0.5, found 9"),
             ("[patches.touch]\npenetration = 2\n", "x.toml:3:1: patches.touch.penetration: expected 0 to 1, found 2"),
-            ("[[patches.tiles]]\nunit = 'a'\n[[patches.tiles]]\nunit = 'b'\nslots = 0\n", "x.toml:6:1: patches.tiles[1].slots"),
+            (
+                "[[patches.tiles]]\nunit = 'a'\n[[patches.tiles]]\nunit = 'b'\nslots = 0\n",
+                "x.toml:6:1: patches.tiles[1].slots",
+            ),
             ("[policy]\nmax_sweeps = 0\n", "x.toml:3:1: policy.max_sweeps: expected 1 to 1000000, found 0"),
             ("[[behaviours]]\n[[behaviours]]\ngrid.rings = 1\n", "x.toml:4:6: behaviours[1].grid.rings: expected 2 to"),
             ("[[behaviours]]\ngain = 1e9\n", "x.toml:3:1: behaviours[0].gain: expected -100 to 100"),
         ] {
-            let e = BuildConfig::parse(&format!("inputs = [\"a\"]\n{text}"), Path::new("x.toml")).unwrap_err().to_string();
+            let e =
+                BuildConfig::parse(&format!("inputs = [\"a\"]\n{text}"), Path::new("x.toml")).unwrap_err().to_string();
             assert!(e.starts_with(expected), "{e}, expected {expected}");
         }
-        let e = BuildConfig::parse("[synth]\nset = 'walk'\nminutes = 1e9\n", Path::new("x.toml")).unwrap_err().to_string();
+        let e =
+            BuildConfig::parse("[synth]\nset = 'walk'\nminutes = 1e9\n", Path::new("x.toml")).unwrap_err().to_string();
         assert!(e.starts_with("x.toml:3:1: synth.minutes: expected 0.05 to 240"), "{e}");
     }
 

@@ -176,7 +176,8 @@ mod tests {
 
     #[test]
     fn a_key_gets_its_place_from_the_text() {
-        let fault = || check_ranges([("height", f64::from(0.7f32), 1.0, 2.0)]).unwrap_err().within("grid").within("b[1]");
+        let fault =
+            || check_ranges([("height", f64::from(0.7f32), 1.0, 2.0)]).unwrap_err().within("grid").within("b[1]");
         let key = "b[1].grid.height: expected 1 to 2, found 0.7. Correct it or leave it out.";
         assert_eq!(fault().to_string(), key);
         let text = "[[b]]\n[[b]]\nname = 'x'\n  grid.height = 0.7\n";

@@ -31,7 +31,9 @@ pub fn write_atomically(
     let done = replace(path, write, |file| file.sync_all())?;
     // The name is on the disk when the folder is. Not every file system can be asked for that.
     match sync_folder(folder_of(&done)) {
-        Err(e) if !matches!(e.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported | ErrorKind::PermissionDenied) => {
+        Err(e)
+            if !matches!(e.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported | ErrorKind::PermissionDenied) =>
+        {
             Err(BuildError::Io { path: path.to_path_buf(), source: e })
         }
         _ => Ok(()),
@@ -147,7 +149,8 @@ fn sync_folder(_: &Path) -> std::io::Result<()> {
 /// # Errors
 /// [`BuildError::Io`] where the path is a folder or a device, or its folder is not there or takes no file.
 pub fn check_target(path: &Path) -> Result<(), BuildError> {
-    let fail = |kind, what: String| Err(BuildError::Io { path: path.to_path_buf(), source: std::io::Error::new(kind, what) });
+    let fail =
+        |kind, what: String| Err(BuildError::Io { path: path.to_path_buf(), source: std::io::Error::new(kind, what) });
     if path.is_dir() {
         return fail(ErrorKind::IsADirectory, "expected a file to write, found a folder".into());
     }

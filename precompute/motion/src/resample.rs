@@ -163,11 +163,18 @@ mod tests {
 
     #[test]
     fn a_rate_that_cannot_be_is_refused() {
-        for rate_hz in [0.0, -30.0, f64::NAN, 1e9] {
+        for rate_hz in [0.0, -30.0, f64::NAN, 1e9, 241.0] {
             let cfg = ResampleConfig { rate_hz, mirror: false };
             let e = resample(&set(steady(30.0, 10, 1.0, 1.0)), &cfg).unwrap_err();
             assert!(e.to_string().contains("rate_hz"), "{e}");
         }
+    }
+
+    #[test]
+    fn more_frames_than_memory_holds_are_refused_before_they_are_made() {
+        let slow = Clip { rate_hz: 1e-6, ..steady(30.0, 100, 1.0, 1.0) };
+        let e = resample(&set(slow), &ResampleConfig::default()).unwrap_err().to_string();
+        assert!(e.starts_with("resample.rate_hz: ") && e.contains("expected 10000000 at most"), "{e}");
     }
 
     #[test]

@@ -38,7 +38,7 @@ mod tests {
     fn refuses_thresholds_that_are_not_above_zero() {
         for threshold in [0.0, -0.3, f64::NAN, f64::INFINITY, 1e30, 1e-30] {
             let error = ClusterConfig { threshold }.check().unwrap_err().to_string();
-            assert!(error.contains("cluster.threshold") && error.contains("above 0"), "{error}");
+            assert!(error.starts_with("cluster.threshold: expected 0.000001 to 1000, found"), "{error}");
         }
         assert_eq!(ClusterConfig::default().check().unwrap(), 0.3);
     }

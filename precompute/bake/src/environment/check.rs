@@ -152,7 +152,7 @@ mod tests {
     fn faults_name_file_unit_and_key() {
         let e = unit("shapes = [{ box = { at = [0.0, 0.0, 0.0], size = [1.0, -1.0, 1.0] } }]");
         let key = "units[0].shapes[0].box.size";
-        assert_eq!(e, format!("u.toml:3:40: {key}: expected numbers above 0 and below 10000, found -1"));
+        assert_eq!(e, format!("u.toml:3:43: {key}: expected numbers above 0 and below 10000, found -1"));
         let e = unit("shapes = [{ bar = { from = [0.0, inf, 0.0], to = [1.0, 1.0, 1.0], radius = 0.1 } }]");
         assert!(e.contains("shapes[0].bar.from: expected finite numbers"), "{e}");
         let e = unit("shapes = [{ bar = { from = [0.0, 0.0, 0.0], to = [1.0, 1.0, 1.0], radius = nan } }]");

@@ -198,7 +198,10 @@ impl<'a> Layout<'a> {
             return self.fault(index, "unit", format!("`{chain}`: a prefab cannot hold itself"));
         }
         if self.open.len() == MAX_DEPTH {
-            let why = format!("`{name}` would be level {} of prefabs in each other, expected {MAX_DEPTH} at most", MAX_DEPTH + 1);
+            let why = format!(
+                "`{name}` would be level {} of prefabs in each other, expected {MAX_DEPTH} at most",
+                MAX_DEPTH + 1
+            );
             return self.fault(index, "unit", why);
         }
         self.open.push(name);
@@ -263,7 +266,9 @@ mod tests {
             let held = |i: usize| if i + 1 < n { format!("p{}", i + 1) } else { "post".into() };
             let link = |i: usize| format!("p{i} = [{{ unit = \"{}\", at = [0.0, 0.0, 0.0] }}]\n", held(i));
             let links: String = (0..n).map(link).collect();
-            expand(&format!("units = \"u.toml\"\nplace = [{{ unit = \"p0\", at = [0.0, 0.0, 0.0] }}]\n[prefabs]\n{links}"))
+            expand(&format!(
+                "units = \"u.toml\"\nplace = [{{ unit = \"p0\", at = [0.0, 0.0, 0.0] }}]\n[prefabs]\n{links}"
+            ))
         };
         assert_eq!(chain(64).unwrap().units.len(), 1);
         for n in [65, 20_000] {

@@ -25,11 +25,11 @@ pub use contacts::annotate_in;
 pub use file::{EnvironmentFile, Place};
 pub use geometry::{Nearest, UnitGeometry, geometries};
 pub use infer::{InferReport, Inferred, infer};
+pub(crate) use mesh::buffer_files;
 pub use placed::{PlacedGeometry, Touched};
 pub use solid::Solid;
 pub use touch::TouchConfig;
 pub use triangles::Triangles;
-pub(crate) use mesh::buffer_files;
 pub use unit::{Region, Shape, TileEdges, Unit, UnitSet};
 
 use serde::{Deserialize, Serialize};

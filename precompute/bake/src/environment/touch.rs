@@ -56,7 +56,8 @@ impl TouchConfig {
         ];
         for (key, on, off) in pairs {
             if !(on > 0.0 && on <= off && off < 1.0) {
-                let why = format!("expected above 0 and at most the distance that ends it, below 1, found {on} and {off}");
+                let why =
+                    format!("expected above 0 and at most the distance that ends it, below 1, found {on} and {off}");
                 return Err(BuildError::key(key, why));
             }
         }

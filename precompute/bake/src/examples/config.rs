@@ -213,7 +213,10 @@ impl BlendConfig {
         let names = self.axis_names();
         for (i, (a, name)) in self.axes.iter().zip(&names).enumerate() {
             if names[..i].contains(name) {
-                return Err(fault(format!("axes[{i}]"), &format!("expected names of their own, found two called `{name}`")));
+                return Err(fault(
+                    format!("axes[{i}]"),
+                    &format!("expected names of their own, found two called `{name}`"),
+                ));
             }
             if a.kind != AxisKind::Style && !a.tags.is_empty() {
                 let found = format!("expected none on axis `{name}`, whose value is measured, found some");
@@ -245,7 +248,8 @@ impl BlendConfig {
         }
         for (i, f) in self.find.iter().enumerate() {
             if f.most == Some(0) || f.closing_deg.is_some_and(|d| !(d > 0.0 && d <= 180.0)) || f.clips.is_empty() {
-                let expected = "expected `clips`, and `most` and `closing_deg` above 0, up to 180, where they are given";
+                let expected =
+                    "expected `clips`, and `most` and `closing_deg` above 0, up to 180, where they are given";
                 return Err(fault(format!("find[{i}]"), expected));
             }
         }

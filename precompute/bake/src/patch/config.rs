@@ -226,7 +226,7 @@ mod tests {
             (PatchConfig { block_units: vec![1, 5], ..Default::default() }, "block_units"),
             (
                 PatchConfig { tiles: vec![TileConfig { slots: 0, ..TileConfig::of("panel") }], ..Default::default() },
-                "tiles.slots",
+                "tiles[0].slots",
             ),
         ] {
             assert!(config.check().unwrap_err().to_string().contains(&format!("patches.{key}:")));

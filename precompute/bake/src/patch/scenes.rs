@@ -232,7 +232,7 @@ mod tests {
         let (folder, mut cfg, units) = files(&["*"]);
         cfg.environments.push(SourceEnvironment { clips: vec!["walk".into()], ..cfg.environments[0].clone() });
         let e = run(&mut clips(), &cfg, &units).unwrap_err().to_string();
-        assert!(e.contains("environments[1]: clip `walk` is in another environment too"), "{e}");
+        assert!(e.contains("environments[1].clips: clip `walk` is in another environment too"), "{e}");
         let (_folder, mut cfg, units) = files(&["*"]);
         cfg.units = Some(folder.path().join("units.toml"));
         let e = run(&mut clips(), &cfg, &units).unwrap_err().to_string();

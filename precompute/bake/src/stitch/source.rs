@@ -259,9 +259,10 @@ pub fn check_replaced(source: &Path, out: &Path) -> Result<(), BuildError> {
             out.display(),
             source.display()
         ),
-        help: "Give one of the two worlds another `name`, write this one elsewhere with `throng stitch --out`, or remove \
+        help:
+            "Give one of the two worlds another `name`, write this one elsewhere with `throng stitch --out`, or remove \
                the old one"
-            .into(),
+                .into(),
     })
 }
 

@@ -54,7 +54,8 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) ->
         return Err(BuildError::Config { message });
     };
     (with.tell)(&format!("{name} is not there: building it from {} ...", config.display()));
-    let report = BuildConfig::load(config).and_then(|c| pipeline::build(&c, bundle, with.cache, with.progress))
+    let report = BuildConfig::load(config)
+        .and_then(|c| pipeline::build(&c, bundle, with.cache, with.progress))
         .map_err(|e| e.in_file(config));
     let report = report.map_err(|e| {
         let message = format!("{name} is missing, and building it from {} failed: {e}", config.display());

@@ -211,3 +211,25 @@ pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Prof
     let forward = config.forward;
     Ok(Imported { clip, roles, rest_pose, metres_per_unit, up, facing, forward, height, findings, warnings })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_beyond_the_limit_and_what_is_no_file_are_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.amc", "a.bvh", "b.asf"] {
+            let path = folder.path().join(name);
+            // A file with a hole: it takes no room.
+            std::fs::File::create(&path).unwrap().set_len(MAX_MOTION_BYTES + 1).unwrap();
+            let e = load(&path).unwrap_err().to_string();
+            assert!(e.contains(name) && e.contains("has 2147.5 MB, but motion may have 2147 MB at most"), "{e}");
+        }
+        std::fs::create_dir(folder.path().join("c.bvh")).unwrap();
+        let e = read_source(&folder.path().join("c.bvh"), None).unwrap_err().to_string();
+        assert!(e.contains("c.bvh: is a folder, expected motion in a regular file"), "{e}");
+        #[cfg(unix)]
+        assert!(load(Path::new("/dev/zero")).unwrap_err().to_string().contains("is a device or a pipe"));
+    }
+}

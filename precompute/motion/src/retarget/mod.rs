@@ -94,7 +94,10 @@ impl ExplicitProportions {
                 BuildError::key(key(), format!("expected the name of a joint ({all}), found `{name}`."))
             })?;
             if !offset.iter().all(|v| v.abs() <= MAX_OFFSET) {
-                return Err(BuildError::key(key(), format!("expected up to {MAX_OFFSET} m each way, found {offset:?}")));
+                return Err(BuildError::key(
+                    key(),
+                    format!("expected up to {MAX_OFFSET} m each way, found {offset:?}"),
+                ));
             }
             out.offsets[joint.index()] = Vec3::from_array(*offset);
         }

@@ -38,9 +38,9 @@ impl<'a> Reader<'a> {
                     Cow::Owned(read_file(&file, "what is left for the buffers of a mesh", left)?)
                 }
             };
-            left = left.checked_sub(bytes.len() as u64).ok_or_else(|| {
-                fail(&format!("expected {} MiB at most in all buffers, found more", MAX_BYTES >> 20))
-            })?;
+            left = left
+                .checked_sub(bytes.len() as u64)
+                .ok_or_else(|| fail(&format!("expected {} MiB at most in all buffers, found more", MAX_BYTES >> 20)))?;
             buffers.push(bytes);
         }
         Ok(Self { document, buffers })

@@ -1,7 +1,7 @@
 //! The parts of a glTF document that geometry needs, and the container that may hold it.
 
-use serde::de::{Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
 use serde::Deserialize;
+use serde::de::{Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
 use std::marker::PhantomData;
 
 /// "glTF" at the start of binary files.

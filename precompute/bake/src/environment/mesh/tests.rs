@@ -26,8 +26,7 @@ fn bytes() -> Vec<u8> {
 }
 
 fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
-    let length = json.len().next_multiple_of(4);
-    let json = format!("{json:<length$}");
+    let json = format!("{json}{}", " ".repeat(json.len().next_multiple_of(4) - json.len()));
     let mut out = b"glTF".to_vec();
     out.extend(2u32.to_le_bytes());
     out.extend((28 + json.len() as u32 + binary.len() as u32).to_le_bytes());
@@ -177,9 +176,14 @@ fn buffers_lie_in_the_folder_of_the_mesh() {
     check(&with("./deep/b.bin").unwrap());
     assert_eq!(buffer_files(&path).unwrap(), [folder.join("./deep/b.bin")]);
     let absolute = folder.join("deep/b.bin").display().to_string().replace('\\', "/");
-    for uri in ["../b.bin", "deep/../../b.bin", "%2e%2e/b.bin", "/dev/zero", "/etc/passwd", "file:///b.bin", "", &absolute] {
+    for uri in
+        ["../b.bin", "deep/../../b.bin", "%2e%2e/b.bin", "/dev/zero", "/etc/passwd", "file:///b.bin", "", &absolute]
+    {
         let e = with(uri).unwrap_err();
-        assert!(e.contains(&format!("a.gltf: buffers[0]: expected a file in the folder of the mesh, found `{uri}`")), "{e}");
+        assert!(
+            e.contains(&format!("a.gltf: buffers[0]: expected a file in the folder of the mesh, found `{uri}`")),
+            "{e}"
+        );
     }
     assert!(with("deep").unwrap_err().contains("is a folder"));
     #[cfg(unix)]

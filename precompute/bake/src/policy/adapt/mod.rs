@@ -103,12 +103,7 @@ fn budget(solution: &Solution, num_cells: usize, cfg: &AdaptiveConfig) -> usize 
     (bytes as usize + whole).saturating_sub(records) / bytes_per_cell(solution)
 }
 
-fn too_little(
-    solution: &Solution,
-    num_cells: usize,
-    cfg: &AdaptiveConfig,
-    least: usize,
-) -> BuildError {
+fn too_little(solution: &Solution, num_cells: usize, cfg: &AdaptiveConfig, least: usize) -> BuildError {
     let num_states = solution.record.num_states as usize;
     let needed = least * bytes_per_cell(solution) + num_states * size_of::<StateGridRecord>();
     let share = needed as f64 / (num_states * num_cells * bytes_per_cell(solution)) as f64;

@@ -40,7 +40,10 @@ impl Evade {
             return Err(BuildError::key("reward", "the kind `evade` has `max` alone: one blow lands at one moment"));
         }
         let joint = Joint::from_name(&c.point).ok_or_else(|| {
-            BuildError::key("point", format!("there is no joint `{}`; expected names such as `head`, `upper_chest`", c.point))
+            BuildError::key(
+                "point",
+                format!("there is no joint `{}`; expected names such as `head`, `upper_chest`", c.point),
+            )
         })?;
         let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         let paths = paths(clips, graph, joint);

@@ -120,7 +120,10 @@ impl ThrowPunches {
 fn joints(c: &BehaviourConfig) -> Result<Vec<Joint>, BuildError> {
     let of_name = |name: &String| {
         Joint::from_name(name).ok_or_else(|| {
-            BuildError::key("joints", format!("there is no joint `{name}`; expected names such as `left_hand`, `right_foot`"))
+            BuildError::key(
+                "joints",
+                format!("there is no joint `{name}`; expected names such as `left_hand`, `right_foot`"),
+            )
         })
     };
     c.joints.iter().map(of_name).collect()
@@ -149,7 +152,10 @@ fn nothing_counts(hits: &[Vec<SegmentHit>]) -> BuildError {
     kinds.sort_unstable();
     kinds.dedup();
     let found = kinds.join(", ");
-    BuildError::key("hits", format!("none of the {total} effective hits is of these kinds and joints; there are {found}"))
+    BuildError::key(
+        "hits",
+        format!("none of the {total} effective hits is of these kinds and joints; there are {found}"),
+    )
 }
 
 /// The volume that a cylinder grid covers; with one height, those of the hits.

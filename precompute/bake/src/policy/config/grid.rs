@@ -164,8 +164,7 @@ impl GridConfig {
         let (rings, radius) = (self.rings.unwrap_or(16), self.radius.unwrap_or(8.0));
         let inner = self.inner_spacing(rings, radius)?;
         let falloff = self.falloff.unwrap_or(2.5) as f32;
-        TargetGrid::polar(rings, self.angles.unwrap_or(32), radius as f32, inner as f32, falloff)
-            .map_err(|e| wrong(&e))
+        TargetGrid::polar(rings, self.angles.unwrap_or(32), radius as f32, inner as f32, falloff).map_err(|e| wrong(&e))
     }
 
     /// The cylinder sector it describes, over `bounds` where the config does not say otherwise.
@@ -210,8 +209,7 @@ impl GridConfig {
         self.check()?;
         let counts = [self.rings.unwrap_or(8), self.angles.unwrap_or(16), self.times.unwrap_or(9)];
         let (radius, horizon) = (self.radius.unwrap_or(1.2) as f32, self.horizon_s.unwrap_or(0.8) as f32);
-        TargetGrid::space_time(counts, radius, horizon, self.falloff.unwrap_or(0.3) as f32)
-            .map_err(|e| wrong(&e))
+        TargetGrid::space_time(counts, radius, horizon, self.falloff.unwrap_or(0.3) as f32).map_err(|e| wrong(&e))
     }
 }
 
@@ -249,23 +247,23 @@ mod tests {
         let cylinder = |text: &str| read(text).make_cylinder(HITS).expect_err(text).to_string();
         let space_time = |text: &str| read(text).make_space_time().expect_err(text).to_string();
         for (message, expected) in [
-            (polar("rings = 0"), "`grid.rings`: expected 2 to 4096, found 0"),
-            (polar("angles = 1"), "`grid.angles`: expected 2 to 4096, found 1"),
-            (polar("radius = -1.0"), "`grid.radius`: expected 0.01 to 10000, found -1"),
-            (polar("radius = nan"), "`grid.radius`: expected 0.01 to 10000, found NaN"),
-            (polar("falloff = inf"), "`grid.falloff`: expected 0.001 to 10000, found inf"),
+            (polar("rings = 0"), "grid.rings: expected 2 to 4096, found 0"),
+            (polar("angles = 1"), "grid.angles: expected 2 to 4096, found 1"),
+            (polar("radius = -1.0"), "grid.radius: expected 0.01 to 10000, found -1"),
+            (polar("radius = nan"), "grid.radius: expected 0.01 to 10000, found NaN"),
+            (polar("falloff = inf"), "grid.falloff: expected 0.001 to 10000, found inf"),
             (polar("rings = 5\nradius = 8.0\ninner_spacing = 0.25"), "0.5000, and up to radius / (rings - 1), 2.0000"),
-            (polar("inner_spacing = nan"), "`grid.inner_spacing`: expected above"),
-            (polar("rings = 2\ninner_spacing = nan"), "`grid.inner_spacing`: expected above 0 to 10000, found NaN"),
-            (cylinder("heights = 0"), "`grid.heights`: expected 1 to 4096, found 0"),
-            (cylinder("rings = 5000"), "`grid.rings`: expected 2 to 4096, found 5000"),
-            (cylinder("bounds.angle_rad = [-90.0, 90.0]"), "`grid.bounds.angle_rad`: expected [least, greatest]"),
+            (polar("inner_spacing = nan"), "grid.inner_spacing: expected above"),
+            (polar("rings = 2\ninner_spacing = nan"), "grid.inner_spacing: expected above 0 to 10000, found NaN"),
+            (cylinder("heights = 0"), "grid.heights: expected 1 to 4096, found 0"),
+            (cylinder("rings = 5000"), "grid.rings: expected 2 to 4096, found 5000"),
+            (cylinder("bounds.angle_rad = [-90.0, 90.0]"), "grid.bounds.angle_rad: expected [least, greatest]"),
             (cylinder("bounds.angle_rad = [-3.14159, 3.14159]"), "less than a full turn"),
-            (cylinder("bounds.distance_m = [-1.0, 1.0]"), "`grid.bounds.distance_m`"),
-            (cylinder("bounds.height_m = [1.0, nan]"), "`grid.bounds.height_m`"),
-            (cylinder("bounds.height_m = [1.0, 1.0]"), "`grid.bounds.height_m`"),
-            (space_time("times = 1"), "`grid.times`: expected 2 to 4096, found 1"),
-            (space_time("horizon_s = 0.0"), "`grid.horizon_s`: expected 0.01 to 1000, found 0"),
+            (cylinder("bounds.distance_m = [-1.0, 1.0]"), "grid.bounds.distance_m"),
+            (cylinder("bounds.height_m = [1.0, nan]"), "grid.bounds.height_m"),
+            (cylinder("bounds.height_m = [1.0, 1.0]"), "grid.bounds.height_m"),
+            (space_time("times = 1"), "grid.times: expected 2 to 4096, found 1"),
+            (space_time("horizon_s = 0.0"), "grid.horizon_s: expected 0.01 to 1000, found 0"),
         ] {
             assert!(message.starts_with("grid") && message.contains(expected), "{message}");
         }
