@@ -121,42 +121,43 @@ fn every_shorter_file_is_refused_without_a_panic() {
     }
 }
 
-/// `nodes` nodes that show one mesh of `parts` parts, all of which share the accessors of the square.
-fn shared(nodes: usize, parts: usize) -> String {
+/// `nodes` nodes that show one mesh of `parts` parts, all of which share `positions` positions and `indices` indices.
+fn shared(nodes: usize, parts: usize, [positions, indices]: [usize; 2]) -> Vec<u8> {
     let list = |item: &str, n: usize| vec![item; n].join(",");
     let part = r#"{"attributes":{"POSITION":0,"NORMAL":7},"indices":1}"#;
-    format!(
+    let json = format!(
         r#"{{"nodes":[{}],"meshes":[{{"primitives":[{}]}}],
-        "accessors":[{{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"}},{INDICES}],
-        "bufferViews":[{{"buffer":0,"byteLength":64,"byteStride":16}},{{"buffer":0,"byteOffset":64,"byteLength":12}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":{positions},"type":"VEC3"}},
+        {{"bufferView":1,"componentType":5121,"count":{indices},"type":"SCALAR"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":768}},{{"buffer":0,"byteOffset":768,"byteLength":600}}],
         "buffers":[{{}}]}}"#,
         list(r#"{"mesh":0}"#, nodes),
         list(part, parts)
-    )
+    );
+    // All positions are 0, all indices too.
+    glb(&json, &[0; 768 + 600])
 }
 
 #[test]
 fn little_text_cannot_ask_for_much_memory_or_time() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.glb");
-    let put = |json: &str, binary: &[u8]| std::fs::write(&path, glb(json, binary)).unwrap();
-    put(&shared(30, 40), &bytes());
-    assert_eq!(read(&path).unwrap().len(), 2400);
-    // 200 kB that would be 18 million triangles, then one that stays below their number but not that of positions.
-    let text = shared(9000, 1000);
-    assert!(text.len() < 203_000, "{}", text.len());
-    put(&text, &bytes());
-    let e = read(&path).unwrap_err().to_string();
-    assert!(e.contains("a file may have 5000000 triangles and 15000000 positions at most"), "{e}");
-    put(&shared(9000, 1000).replace("\"count\":6", "\"count\":3"), &bytes());
-    assert!(read(&path).unwrap_err().to_string().contains("positions at most"));
-    put(&shared(9000, 1000).replace("\"count\":6", "\"count\":0"), &bytes());
-    assert!(read(&path).unwrap_err().to_string().contains("at most"));
-    put(&shared(9000, 1000).replace("\"count\":6", "\"count\":0").replace("\"count\":4", "\"count\":0"), &bytes());
-    let e = read(&path).unwrap_err().to_string();
+    let read = |file: Vec<u8>| {
+        assert!(file.len() < 203_000, "{} bytes", file.len());
+        std::fs::write(&path, file).unwrap();
+        read(&path).map(|t| t.len()).map_err(|e| e.to_string())
+    };
+    assert_eq!(read(shared(30, 40, [64, 600])), Ok(240_000));
+    // 1.8e9 triangles; then few triangles of many positions; then nothing at all, very often.
+    for counts in [[1, 600], [64, 3], [64, 0]] {
+        let e = read(shared(9000, 1000, counts)).unwrap_err();
+        assert!(e.contains("a file may have 5000000 triangles and 15000000 positions at most"), "{e}");
+    }
+    let e = read(shared(9000, 1000, [0, 0])).unwrap_err();
     assert!(e.contains("nodes may show 1000000 parts of meshes at most"), "{e}");
-    put(&format!("{{\"nodes\":[{}]}}", vec!["{}"; 1_000_001].join(",")), &[]);
-    let e = read(&path).unwrap_err().to_string();
+    let nodes = format!("{{\"nodes\":[{}]}}", vec!["{}"; 1_000_001].join(","));
+    std::fs::write(&path, nodes).unwrap();
+    let e = super::read(&path).unwrap_err().to_string();
     assert!(e.contains("a list may have 1000000 entries, found more"), "{e}");
 }
 
