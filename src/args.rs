@@ -38,15 +38,27 @@ pub struct CacheArgs {
     /// Folder that keeps the outputs of stages between builds.
     #[arg(long, value_name = "DIR", default_value = ".throng-cache")]
     cache: PathBuf,
+    /// Most that the folder may keep, in GB; what was not used for longest makes room.
+    #[arg(long, value_name = "GB", default_value_t = Cache::LIMIT_BYTES as f64 / 1e9, value_parser = parse_gb)]
+    cache_limit: f64,
     /// Run every stage, and keep nothing.
     #[arg(long)]
     no_cache: bool,
 }
 
+/// A number of gigabytes that a disk may have.
+fn parse_gb(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|gb| (0.0..=1e6).contains(gb));
+    number.ok_or_else(|| format!("expected 0 to 1000000 (GB), found `{text}`"))
+}
+
 impl CacheArgs {
     /// The cache that the flags name.
     pub fn cache(&self) -> Cache {
-        if self.no_cache { Cache::none() } else { Cache::in_folder(&self.cache) }
+        match self.no_cache {
+            true => Cache::none(),
+            false => Cache::in_folder(&self.cache).limited((self.cache_limit * 1e9) as u64),
+        }
     }
 }
 

@@ -49,7 +49,8 @@ pub fn run(args: &Args) -> Outcome {
         }
         None => PathBuf::from(format!("{}.throng", config.name)),
     };
-    let report = pipeline::build(&config, &out, &args.cache.cache(), &progress::Bar::default())?;
+    let report = pipeline::build(&config, &out, &args.cache.cache(), &progress::Bar::default());
+    let report = report.map_err(|e| e.in_file(&args.config))?;
     output::warnings(&report.skipped, &report.warnings);
     if let Some(path) = &args.report {
         let text = report::markdown(&report);

@@ -3,6 +3,7 @@
 mod args;
 mod bench;
 mod build;
+mod cache;
 mod completions;
 mod demo;
 mod export;
@@ -44,6 +45,7 @@ enum Command {
     Export(export::Args),
     View(view::Args),
     Schema(schema::Args),
+    Cache(cache::Args),
     Completions(completions::Args),
 }
 
@@ -66,6 +68,7 @@ fn main() -> ExitCode {
             Err(e) => Err(e),
         },
         Command::Schema(a) => schema::run(&a),
+        Command::Cache(a) => cache::run(&a),
         Command::Completions(a) => completions::run(&a),
     };
     match done {

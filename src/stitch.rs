@@ -18,7 +18,8 @@ pub struct Args {
     /// World file (TOML); data/worlds/ has examples. Its bundle is built from its config where it is not there.
     #[arg(value_name = "WORLD")]
     file: PathBuf,
-    /// File to write; the world's name with `.world`, beside the bundle, where absent.
+    /// File to write; the world's name with `.world`, beside the bundle, where absent. A world of that name that was
+    /// stitched from another file is then refused, not replaced.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Bundle in place of the world's.
@@ -47,7 +48,13 @@ pub fn run(args: &Args) -> Outcome {
     if let Some(bundle) = &args.bundle {
         (source.bundle, source.config) = (bundle.clone(), None);
     }
-    let out = args.out.clone().unwrap_or_else(|| source.stitched_path());
+    let out = match &args.out {
+        Some(out) => out.clone(),
+        None => source.stitched_path(),
+    };
+    if args.out.is_none() {
+        stitch::check_replaced(&args.file, &out)?;
+    }
     let tables = bundle(&source, &args.cache)?;
     let report = make(&source, &args.file, &tables, &out)?;
     if args.json {
@@ -70,8 +77,8 @@ fn make(
     out: &Path,
 ) -> Result<StitchReport, Box<dyn std::error::Error>> {
     let kit = Kit::new(tables, &source.bundle)?;
-    let (world, mut report) = stitch::stitch_source(source, file, tables, &kit, &progress::Bar::default())?;
-    report.world_bytes = stitch::save(&world, tables.patches(), out)?;
+    let (mut world, mut report) = stitch::stitch_source(source, file, tables, &kit, &progress::Bar::default())?;
+    report.world_bytes = stitch::save(&mut world, file, tables.patches(), out)?;
     Ok(report)
 }
 

@@ -129,6 +129,6 @@ fn settings_outside_their_limits_stop_a_build() {
     let cache = throng_precompute::cache::Cache::none();
     let out = folder.path().join("a.throng");
     let e = pipeline::build(&config, &out, &cache, &throng_precompute::progress::Silent).expect_err("refused");
-    assert!(e.to_string().contains("annotate.hits.landing_share: expected more than 0, at most 1, found 2"), "{e}");
+    assert!(e.to_string().contains("annotate.hits.landing_share: expected 0.01 to 1, found 2"), "{e}");
     assert!(!out.exists());
 }

@@ -13,7 +13,7 @@ use std::process::{Command, Output};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Every subcommand.
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "demo",
     "synth",
     "build",
@@ -26,6 +26,7 @@ const COMMANDS: [&str; 13] = [
     "export",
     "view",
     "schema",
+    "cache",
     "completions",
 ];
 
@@ -202,6 +203,31 @@ fn build_reports_what_it_did() {
     assert_eq!(again["cached"], serde_json::json!(["motion", "examples", "graph", "policy"]));
     let told = done(&args[..args.len() - 1]);
     assert!(told.contains("states") && told.contains("residual") && told.contains("a.throng"), "{told}");
+}
+
+#[test]
+fn the_cache_is_used_listed_and_cleared() {
+    let (place, folder) = (Place::shared(), folder());
+    let (cache, out) = (at(&folder, "cache"), at(&folder, "a.throng"));
+    let (none, keys) = (json(&["cache", "--cache", &cache, "--json"], &[]), ["folder", "entries", "bytes", "stages"]);
+    assert_eq!((&none["entries"], &none["bytes"]), (&0.into(), &0.into()), "a cache that is not there is empty");
+    let build = ["build", &place.path("little.toml"), "--out", &out, "--cache", &cache, "--json"];
+    assert!(json(&build, &["cached"])["cached"].as_array().expect("a list").is_empty());
+    let kept = json(&["cache", "--cache", &cache, "--json"], &keys);
+    assert!(kept["entries"].as_u64() > Some(2) && kept["stages"]["motion"]["bytes"].as_u64() > Some(1000), "{kept}");
+    assert!(!json(&build, &["cached"])["cached"].as_array().expect("a list").is_empty());
+    let printed = done(&["cache", "--cache", &cache]);
+    assert!(printed.contains("1 motion") && printed.contains("s ago"), "{printed}");
+    let gone = json(&["cache", "clear", "--cache", &cache, "--json"], &keys);
+    assert_eq!((&gone["entries"], &gone["bytes"], &gone["cleared"]), (&kept["entries"], &kept["bytes"], &true.into()));
+    assert!(done(&["cache", "--cache", &cache]).contains("0 entries, 0 bytes"));
+    let little = [&build[..], &["--cache-limit", "0.00000001"]].concat();
+    json(&little, &[]);
+    assert!(done(&["cache", "--cache", &cache]).contains("0 entries, 0 bytes"), "none fits");
+    assert!(done(&["build", "--help"]).contains("[default: 5]"));
+    for bad in ["-1", "nan", "much"] {
+        assert_eq!(throng(&["build", "a.toml", "--cache-limit", bad]).status.code(), Some(2), "{bad}");
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use crate::made_up_world;
 use bytemuck::Pod;
 use std::sync::OnceLock;
+use throng_precompute::stitch;
 use throng_runtime::Bundle;
 use throng_runtime::format::{AlignedBytes, Header};
 use throng_runtime::patch::NONE;
@@ -41,6 +42,27 @@ fn what_is_written_is_read_again() {
     assert_eq!(a, b);
     assert_eq!(*file.meta(), world.meta);
     assert_eq!(file.num_bytes(), bytes(&world).len());
+}
+
+#[test]
+fn a_world_of_another_file_is_not_replaced() {
+    let (tables, folder) = (made_up_world::tables(), tempfile::tempdir().unwrap());
+    let at = |name: &str| folder.path().join(name);
+    let (one, other, out) = (at("square.toml"), at("more/square.toml"), at("tables/square.world"));
+    for (path, text) in [(&one, "one"), (&other, "other")] {
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+    std::fs::create_dir(at("tables")).unwrap();
+    stitch::check_replaced(&other, &out).unwrap();
+    stitch::save(&mut world(&tables), &one, tables.patches(), &out).unwrap();
+    assert_eq!(World::open(&out, &tables).unwrap().meta().source, "../square.toml");
+    stitch::check_replaced(&one, &out).unwrap();
+    let e = stitch::check_replaced(&other, &out).unwrap_err().to_string();
+    assert!(e.contains("was stitched from ../square.toml") && e.contains("more/square.toml"), "{e}");
+    assert!(e.contains("another `name`") && e.contains("--out"), "{e}");
+    std::fs::write(&out, "no world").unwrap();
+    stitch::check_replaced(&other, &out).unwrap();
 }
 
 #[test]

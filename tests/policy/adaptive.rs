@@ -253,6 +253,6 @@ fn configuration_says_what_is_wrong_with_it() {
     let grid = GridConfig { adaptive: Some(AdaptiveConfig { share: 2.0, ..good }), ..GridConfig::default() };
     assert!(Approach::new(&BehaviourConfig { grid, ..BehaviourConfig::default() }, 30.0, None).is_err());
     let grid = GridConfig { adaptive: Some(good), ..GridConfig::default() };
-    let message = grid.make_space_time("dodge").expect_err("one resolution").to_string();
+    let message = grid.make_space_time().expect_err("one resolution").to_string();
     assert!(message.contains("grid.adaptive") && message.contains("evade"), "{message}");
 }

@@ -1,15 +1,18 @@
 //! Outputs of stages kept between builds, found again by a hash of everything they depend on.
 
 use serde::{Serialize, de::DeserializeOwned};
+use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+use throng_base::file::read_file;
 use throng_motion::error::{BuildError, Warnings};
-use throng_motion::files::write_atomically;
+use throng_motion::files::write_quickly;
 use xxhash_rust::xxh3::Xxh3;
 
 /// Part of every key: the version and a hash of the sources (`build.rs`), as other code may make something else of the
 /// same input.
 const EPOCH: &str = concat!("throng ", env!("CARGO_PKG_VERSION"), " ", env!("THRONG_SOURCES"));
-/// Most bytes a cached output may ask for while it is decoded.
+/// Most bytes of a cached output, and most that it may ask for while it is decoded.
 const LIMIT: usize = 8 << 30;
 
 /// Hash of everything an output depends on.
@@ -44,57 +47,162 @@ pub fn content_hash(bytes: &[u8]) -> u128 {
 }
 
 /// A folder of outputs, or none.
+///
+/// Several builds may use one folder at once: entries are written under another name first, and whoever finds one gone
+/// makes it anew.
 #[derive(Clone, Debug)]
 pub struct Cache {
     folder: Option<PathBuf>,
+    limit_bytes: u64,
+}
+
+/// An output in a cache's folder.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// The file.
+    pub path: PathBuf,
+    /// Stage that made it.
+    pub stage: String,
+    /// Its length (bytes).
+    pub bytes: u64,
+    /// When it was last read or written. Never before an entry that was used earlier, even where the clock was set back.
+    pub used: SystemTime,
 }
 
 impl Cache {
-    /// Keeps outputs in a folder, which is made when it is first needed.
+    /// Bytes that a cache keeps at most unless something else is said.
+    pub const LIMIT_BYTES: u64 = 5_000_000_000;
+
+    /// Keeps outputs in a folder, which is made when it is first needed, up to [`Cache::LIMIT_BYTES`].
     pub fn in_folder(folder: impl Into<PathBuf>) -> Self {
-        Self { folder: Some(folder.into()) }
+        Self { folder: Some(folder.into()), limit_bytes: Self::LIMIT_BYTES }
     }
 
     /// Keeps nothing.
     pub fn none() -> Self {
-        Self { folder: None }
+        Self { folder: None, limit_bytes: 0 }
+    }
+
+    /// The same with another limit: what was not used for longest makes room.
+    pub fn limited(self, limit_bytes: u64) -> Self {
+        Self { limit_bytes, ..self }
     }
 
     fn path(&self, stage: &str, key: Key) -> Option<PathBuf> {
         self.folder.as_ref().map(|f| f.join(format!("{stage}-{:032x}", key.0)))
     }
 
+    /// All entries, those first that were not used for longest. A folder that is not there has none.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`] where the folder cannot be listed.
+    pub fn entries(&self) -> Result<Vec<Entry>, BuildError> {
+        let Some(folder) = &self.folder else { return Ok(Vec::new()) };
+        let listed = match std::fs::read_dir(folder) {
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+            listed => listed.map_err(|source| BuildError::Io { path: folder.clone(), source })?,
+        };
+        // Other processes may remove entries meanwhile.
+        let entry = |e: std::fs::DirEntry| {
+            let (name, metadata) = (e.file_name().into_string().ok()?, e.metadata().ok()?);
+            let (stage, key) = name.rsplit_once('-')?;
+            let ours = key.len() == 32 && key.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
+            let used = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+            let entry = Entry { path: e.path(), stage: stage.to_owned(), bytes: metadata.len(), used };
+            (ours && metadata.is_file()).then_some(entry)
+        };
+        let mut entries: Vec<Entry> = listed.flatten().filter_map(entry).collect();
+        entries.sort_by(|a, b| a.used.cmp(&b.used).then_with(|| a.path.cmp(&b.path)));
+        Ok(entries)
+    }
+
+    /// Removes every entry, and nothing else; returns how many, and their length (bytes).
+    ///
+    /// # Errors
+    /// [`BuildError::Io`] names the first that cannot be removed.
+    pub fn clear(&self) -> Result<(usize, u64), BuildError> {
+        let entries = self.entries()?;
+        entries.iter().try_for_each(|e| remove(&e.path))?;
+        Ok((entries.len(), entries.iter().map(|e| e.bytes).sum()))
+    }
+
     /// The output kept under a key. Damaged entries count as absent.
     pub fn load<T: DeserializeOwned>(&self, stage: &str, key: Key) -> Option<T> {
-        let bytes = std::fs::read(self.path(stage, key)?).ok()?;
+        let path = self.path(stage, key)?;
+        let bytes = read_file(&path, "a cached output", LIMIT as u64).ok()?;
         let (body, sum) = bytes.split_last_chunk::<16>()?;
         if content_hash(body) != u128::from_le_bytes(*sum) {
             return None;
         }
         let config = bincode::config::standard().with_fixed_int_encoding().with_limit::<LIMIT>();
         let (value, used) = bincode::serde::decode_from_slice(body, config).ok()?;
-        (used == body.len()).then_some(value)
+        if used != body.len() {
+            return None;
+        }
+        self.touch(&path);
+        Some(value)
     }
 
     /// Keeps an output. A cache that cannot be written is a warning, not an error.
     pub fn store(&self, stage: &str, key: Key, value: &impl Serialize, warnings: &mut Warnings) {
         let Some(path) = self.path(stage, key) else { return };
-        if let Err(e) = try_store(&path, value) {
-            warnings.push(format!("{}: not cached: {e}", path.display()));
+        match self.try_store(&path, value) {
+            Ok(()) => {}
+            Err(e) => warnings.push(format!("{}: not cached: {e}", path.display())),
         }
+    }
+
+    fn try_store(&self, path: &Path, value: &impl Serialize) -> Result<(), BuildError> {
+        let config = bincode::config::standard().with_fixed_int_encoding();
+        let body = bincode::serde::encode_to_vec(value, config).map_err(|e| BuildError::Format(e.to_string()))?;
+        let bytes = body.len() as u64 + 16;
+        let most = self.limit_bytes.min(LIMIT as u64);
+        if bytes > most {
+            return Err(BuildError::Format(format!("it has {bytes} bytes, and the cache keeps {most} at most")));
+        }
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
+        }
+        write_quickly(path, |w| {
+            w.write_all(&body)?;
+            w.write_all(&content_hash(&body).to_le_bytes())
+        })?;
+        self.touch(path);
+        self.make_room(path)
+    }
+
+    /// Removes what was not used for longest until all fits, but not the entry that was just written.
+    fn make_room(&self, written: &Path) -> Result<(), BuildError> {
+        let entries = self.entries()?;
+        let mut bytes: u64 = entries.iter().map(|e| e.bytes).sum();
+        for e in entries.iter().filter(|e| e.path != written) {
+            if bytes <= self.limit_bytes {
+                break;
+            }
+            remove(&e.path)?;
+            bytes -= e.bytes;
+        }
+        Ok(())
+    }
+
+    /// Notes that an entry was used: now, or just after the one used last where the clock was set back since.
+    fn touch(&self, path: &Path) {
+        let others = self.entries().unwrap_or_default();
+        let last = others.iter().rev().find(|e| e.path != path).map(|e| e.used + Duration::from_micros(1));
+        let now = SystemTime::now();
+        // The order is all that is lost where this fails, as in a folder that may only be read.
+        _ = File::open(path).and_then(|f| f.set_modified(last.map_or(now, |l| l.max(now))));
     }
 }
 
-fn try_store(path: &Path, value: &impl Serialize) -> Result<(), BuildError> {
-    let config = bincode::config::standard().with_fixed_int_encoding();
-    let body = bincode::serde::encode_to_vec(value, config).map_err(|e| BuildError::Format(e.to_string()))?;
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
+/// Removes a file, unless another process was faster.
+fn remove(path: &Path) -> Result<(), BuildError> {
+    match std::fs::remove_file(path) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+            Err(BuildError::Io { path: path.to_path_buf(), source })
+        }
+        _ => Ok(()),
     }
-    write_atomically(path, |w| {
-        w.write_all(&body)?;
-        w.write_all(&content_hash(&body).to_le_bytes())
-    })
 }
 
 #[cfg(test)]
@@ -118,5 +226,74 @@ mod tests {
         bytes[3] ^= 1;
         std::fs::write(&path, bytes).unwrap();
         assert_eq!(cache.load::<Vec<f32>>("graph", key), None);
+    }
+
+    fn key(n: u32) -> Key {
+        Key::of("graph", &[], &n).unwrap()
+    }
+
+    /// The length of an entry of 1000 bytes.
+    const ENTRY: u64 = 1000 + 8 + 16;
+
+    #[test]
+    fn what_was_not_used_for_longest_makes_room() {
+        let dir = tempfile::tempdir().unwrap();
+        let cache = Cache::in_folder(dir.path()).limited(3 * ENTRY);
+        std::fs::write(dir.path().join("notes.txt"), [0; 9000]).unwrap();
+        let mut warnings = Warnings::default();
+        let mut store = |n: u32, length: usize| cache.store("graph", key(n), &vec![n as u8; length], &mut warnings);
+        (0..3).for_each(|n| store(n, 1000));
+        assert!(cache.load::<Vec<u8>>("graph", key(0)).is_some(), "used again");
+        store(3, 1000);
+        let there = |n: u32| cache.path("graph", key(n)).unwrap().exists();
+        assert_eq!([0, 1, 2, 3].map(there), [true, false, true, true]);
+        store(4, 1000);
+        assert_eq!([0, 2, 3, 4].map(there), [true, false, true, true]);
+        let entries = cache.entries().unwrap();
+        assert_eq!(entries.iter().map(|e| e.bytes).collect::<Vec<_>>(), [ENTRY; 3]);
+        assert!(entries.iter().all(|e| e.stage == "graph"));
+        store(5, 4000);
+        assert_eq!([0, 3, 4, 5].map(there), [true, true, true, false], "too long an entry puts nothing out");
+        assert!(warnings.messages[0].contains("keeps 3072 at most"), "{warnings:?}");
+        assert_eq!(cache.clear().unwrap(), (3, 3 * ENTRY));
+        assert!(cache.entries().unwrap().is_empty() && dir.path().join("notes.txt").exists());
+    }
+
+    #[test]
+    fn a_clock_that_was_set_back_changes_no_order() {
+        let dir = tempfile::tempdir().unwrap();
+        let cache = Cache::in_folder(dir.path());
+        let mut warnings = Warnings::default();
+        (0..3).for_each(|n| cache.store("graph", key(n), &n, &mut warnings));
+        let tomorrow = SystemTime::now() + Duration::from_secs(86400);
+        File::open(cache.path("graph", key(1)).unwrap()).unwrap().set_modified(tomorrow).unwrap();
+        assert!(cache.load::<u32>("graph", key(0)).is_some());
+        let order: Vec<_> = cache.entries().unwrap().into_iter().map(|e| e.path).collect();
+        assert_eq!(order, [2, 1, 0].map(|n| cache.path("graph", key(n)).unwrap()));
+    }
+
+    #[test]
+    fn builds_at_the_same_time_do_not_break_each_other() {
+        let dir = tempfile::tempdir().unwrap();
+        std::thread::scope(|s| {
+            for t in 0..4u32 {
+                let cache = Cache::in_folder(dir.path()).limited(4 * ENTRY);
+                s.spawn(move || {
+                    for round in 0..60 {
+                        let (n, mut warnings) = ((t + round) % 7, Warnings::default());
+                        let value = vec![n as u8; 1000];
+                        if let Some(found) = cache.load::<Vec<u8>>("graph", key(n)) {
+                            assert_eq!(found, value);
+                        }
+                        cache.store("graph", key(n), &value, &mut warnings);
+                        assert_eq!(warnings, Warnings::default());
+                        if round % 20 == 0 {
+                            cache.clear().unwrap();
+                        }
+                    }
+                });
+            }
+        });
+        assert!(Cache::in_folder(dir.path()).entries().unwrap().len() <= 7);
     }
 }

@@ -88,8 +88,7 @@ impl BuildConfig {
     /// Reads a config file; paths in it are taken from its folder.
     ///
     /// # Errors
-    /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column, and for an unknown key the nearest
-    /// known one.
+    /// [`BuildError::File`] with file, line and column, and for an unknown key the nearest known one.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
         let mut config = Self::of(&Source::read(path, "a config")?)?;
         if config.name.is_empty() {
@@ -106,31 +105,52 @@ impl BuildConfig {
     /// Reads a config's text; `path` is for messages alone.
     ///
     /// # Errors
-    /// [`BuildError::Config`] as [`BuildConfig::load`].
+    /// As [`BuildConfig::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
         Self::of(&Source::new(text, path))
     }
 
     fn of(source: &Source) -> Result<Self, BuildError> {
         let config: Self = source.parse("`throng schema` prints what a config may hold.")?;
-        config.check(source.path())?;
+        config.check().map_err(|e| e.at(source))?;
         Ok(config)
     }
 
-    fn check(&self, path: &Path) -> Result<(), BuildError> {
-        let fault = match (self.inputs.is_empty(), &self.synth) {
-            (true, None) => "expected `inputs = [\"folder\"]` or a table `[synth]`, found neither".to_owned(),
-            (false, Some(_)) => "expected `inputs` or `[synth]`, found both; leave one out".to_owned(),
-            _ if !self.graph.enabled && !self.behaviours.is_empty() => {
-                "expected `behaviours = []` where `graph.enabled = false`: policies need a motion graph".to_owned()
+    /// Checks every number against its range, and that what is asked for goes together.
+    ///
+    /// # Errors
+    /// [`BuildError::Key`] for the first fault.
+    pub fn check(&self) -> Result<(), BuildError> {
+        match (self.inputs.is_empty(), &self.synth) {
+            (true, None) => {
+                let why = "expected `inputs = [\"folder\"]` or a table `[synth]`, found neither";
+                return Err(BuildError::key("inputs", why));
             }
-            _ => match crate::examples::spaces(&self.blend) {
-                Ok(_) => return Ok(()),
-                Err(BuildError::Config { message }) => message,
-                Err(other) => return Err(other),
-            },
-        };
-        Err(BuildError::Config { message: format!("{}: {fault}", path.display()) })
+            (false, Some(_)) => {
+                return Err(BuildError::key("synth", "expected `inputs` or `[synth]`, found both; leave one out"));
+            }
+            _ if !self.graph.enabled && !self.behaviours.is_empty() => {
+                let why = "expected `behaviours = []` where `graph.enabled = false`: policies need a motion graph";
+                return Err(BuildError::key("graph.enabled", why));
+            }
+            _ => {}
+        }
+        self.import.check().map_err(|e| e.within("import"))?;
+        self.synth.as_ref().map_or(Ok(()), |s| s.check().map_err(|e| e.within("synth")))?;
+        self.retarget.check()?;
+        self.resample.check().map_err(|e| e.within("resample"))?;
+        self.annotate.check().map_err(|e| e.within("annotate"))?;
+        let sidecar = |(name, s): (&String, &Sidecar)| s.check().map_err(|e| e.within(&format!("clips.{name}")));
+        self.clips.iter().try_for_each(sidecar)?;
+        self.features.weights()?;
+        self.cluster.check()?;
+        self.graph.check()?;
+        self.patches.check()?;
+        crate::examples::spaces(&self.blend)?;
+        self.policy.check()?;
+        let behaviour =
+            |(i, b): (usize, &BehaviourConfig)| b.check().map_err(|e| e.within(&format!("behaviours[{i}]")));
+        self.behaviours.iter().enumerate().try_for_each(behaviour)
     }
 
     /// All that the stages from files to annotated clips take, for their key.
@@ -179,7 +199,53 @@ mod tests {
     fn faults_of_blend_spaces_name_the_file() {
         let text = "inputs = [\"a\"]\n[blend.walk]\naxes = [{ kind = \"speed\" }]\nphases = 3\n";
         let e = BuildConfig::parse(text, Path::new("x.toml")).unwrap_err().to_string();
-        assert!(e.starts_with("x.toml: blend.walk.phases: expected 8 to 1024, found 3"), "{e}");
+        assert!(e.starts_with("x.toml:4:1: blend.walk.phases: expected 8 to 1024, found 3"), "{e}");
+    }
+
+    #[test]
+    fn every_number_has_a_range_and_a_fault_its_place() {
+        for (text, expected) in [
+            ("[import]\nrate_hz = 0.0\n", "x.toml:3:1: import.rate_hz: expected 0.1 to 100000, found 0"),
+            ("[import]\nmetres_per_unit = nan\n", "x.toml:3:1: import.metres_per_unit: expected"),
+            (
+                "[resample]\nmirror = true\nrate_hz = 1000\n",
+                "x.toml:4:1: resample.rate_hz: expected 1 to 240, found 1000",
+            ),
+            (
+                "[retarget.proportions.explicit.offsets]\nhead = [0, 1e9, 0]\n",
+                "x.toml:3:1: retarget.proportions.explicit",
+            ),
+            ("[annotate.contacts]\nheight_on = inf\n", "x.toml:3:1: annotate.contacts.height_on: expected 0 to 0.045"),
+            (
+                "[annotate.ends]\nstill_keep = -1\n",
+                "x.toml:3:1: annotate.ends.still_keep: expected 0 to 10000, found -1",
+            ),
+            ("[annotate.hits]\nkicks.height = 1e30\n", "x.toml:3:7: annotate.hits.kicks.height: expected 0 to 10"),
+            (
+                "[clips.walk]\nexclude = [[0, 1], [3, 2]]\n",
+                "x.toml:3:20: clips.walk.exclude[1]: expected 0 <= start < end",
+            ),
+            ("[features]\nhorizon_s = 1e300\n", "x.toml:3:1: features.horizon_s: expected 0 to 1000000"),
+            ("[features.joint_weights]\nhaed = 1\n", "x.toml:3:1: features.joint_weights.haed: no such joint."),
+            ("[cluster]\nthreshold = 0.0\n", "x.toml:3:1: cluster.threshold: expected 0.000001 to 1000, found 0"),
+            ("[graph]\nmin_jump_s = 1e9\n", "x.toml:3:1: graph.min_jump_s: expected 0 to 10000, found 1000000000"),
+            ("[patches]\ncell_m = 9\n", "x.toml:3:1: patches.cell_m: expected 0.02 to 0.5, found 9"),
+            ("[patches.touch]\npenetration = 2\n", "x.toml:3:1: patches.touch.penetration: expected 0 to 1, found 2"),
+            (
+                "[[patches.tiles]]\nunit = 'a'\n[[patches.tiles]]\nunit = 'b'\nslots = 0\n",
+                "x.toml:6:1: patches.tiles[1].slots",
+            ),
+            ("[policy]\nmax_sweeps = 0\n", "x.toml:3:1: policy.max_sweeps: expected 1 to 1000000, found 0"),
+            ("[[behaviours]]\n[[behaviours]]\ngrid.rings = 1\n", "x.toml:4:6: behaviours[1].grid.rings: expected 2 to"),
+            ("[[behaviours]]\ngain = 1e9\n", "x.toml:3:1: behaviours[0].gain: expected -100 to 100"),
+        ] {
+            let e =
+                BuildConfig::parse(&format!("inputs = [\"a\"]\n{text}"), Path::new("x.toml")).unwrap_err().to_string();
+            assert!(e.starts_with(expected), "{e}, expected {expected}");
+        }
+        let e =
+            BuildConfig::parse("[synth]\nset = 'walk'\nminutes = 1e9\n", Path::new("x.toml")).unwrap_err().to_string();
+        assert!(e.starts_with("x.toml:3:1: synth.minutes: expected 0.05 to 240"), "{e}");
     }
 
     #[test]

@@ -29,6 +29,7 @@ use throng_synth as synth;
 /// # Errors
 /// What the first failing stage says; nothing is written then.
 pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progress) -> Result<BuildReport, BuildError> {
+    cfg.check()?;
     files::check_target(out)?;
     let s = Stages::new(cache, progress);
     let units = cfg.patches.units.as_deref().map(UnitSet::load).transpose()?;

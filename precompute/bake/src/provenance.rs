@@ -2,15 +2,18 @@
 
 use crate::cache::{Key, content_hash};
 use crate::config::BuildConfig;
-use crate::environment::{Shape, UnitSet};
+use crate::environment::{Shape, UnitSet, buffer_files};
 use crate::graph::GraphReport;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use throng_base::file::open_file;
 use throng_core::format::{Meta, SourceMeta};
 use throng_motion::error::BuildError;
 use throng_motion::import;
 use throng_synth::SynthInput;
+use xxhash_rust::xxh3::Xxh3;
 
 /// The files of a build: motion, skeletons, sidecars, profiles.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,12 +49,17 @@ fn surroundings(config: &BuildConfig) -> Result<Vec<PathBuf>, BuildError> {
         return Ok(Vec::new());
     };
     let units = UnitSet::load(path)?;
-    let meshes = units.units.iter().flat_map(|u| &u.shapes).filter_map(|s| match s {
-        Shape::Mesh { file } => Some(file.clone()),
-        _ => None,
-    });
-    let environments = config.patches.environments.iter().map(|e| e.file.clone());
-    Ok(std::iter::once(path.clone()).chain(meshes).chain(environments).collect())
+    let mut all = vec![path.clone()];
+    all.extend(config.patches.environments.iter().map(|e| e.file.clone()));
+    for shape in units.units.iter().flat_map(|u| &u.shapes) {
+        if let Shape::Mesh { file } = shape
+            && !all.contains(file)
+        {
+            all.extend(buffer_files(file)?);
+            all.push(file.clone());
+        }
+    }
+    Ok(all)
 }
 
 /// Synthetic motion: what it is made by stands for its content.
@@ -62,8 +70,28 @@ fn made(synth: &SynthInput, rate_hz: f64) -> SourceMeta {
 }
 
 fn hash(path: &Path) -> Result<SourceMeta, BuildError> {
-    let bytes = std::fs::read(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
-    Ok(SourceMeta { path: path.display().to_string(), bytes: bytes.len() as u64, hash: content_hash(&bytes) })
+    let (mut file, _) = open_file(path, "a file of a build", import::MAX_MOTION_BYTES)?;
+    let mut counted = Counted { hash: Xxh3::new(), bytes: 0 };
+    std::io::copy(&mut file, &mut counted).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+    Ok(SourceMeta { path: path.display().to_string(), bytes: counted.bytes, hash: counted.hash.digest128() })
+}
+
+/// Hashes what is written to it, as [`content_hash`] does.
+struct Counted {
+    hash: Xxh3,
+    bytes: u64,
+}
+
+impl Write for Counted {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.hash.update(bytes);
+        self.bytes += bytes.len() as u64;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
 }
 
 impl Provenance {
@@ -90,5 +118,36 @@ impl Provenance {
             frames_kept: graph.frames_kept as u64,
             ..Meta::default()
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_hashed_as_its_content_and_a_device_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bvh");
+        let bytes: Vec<u8> = (0..100_000u64).map(|i| (i * i >> 3) as u8).collect();
+        std::fs::write(&path, &bytes).unwrap();
+        let of = hash(&path).unwrap();
+        assert_eq!((of.bytes, of.hash), (100_000, content_hash(&bytes)));
+        #[cfg(unix)]
+        assert!(hash(Path::new("/dev/zero")).unwrap_err().to_string().contains("is a device or a pipe"));
+    }
+
+    #[test]
+    fn what_meshes_keep_in_other_files_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("m.gltf"), r#"{"buffers":[{"uri":"m.bin"}]}"#).unwrap();
+        std::fs::write(at("m.bin"), [1]).unwrap();
+        let shape = "{ mesh = { file = \"m.gltf\" } }";
+        std::fs::write(at("u.toml"), format!("[[units]]\nname = \"a\"\nshapes = [{shape}, {shape}]\n")).unwrap();
+        let mut config = BuildConfig::default();
+        config.patches.units = Some(at("u.toml"));
+        let found = surroundings(&config).unwrap();
+        assert_eq!(found, [at("u.toml"), at("m.bin"), at("m.gltf")]);
     }
 }

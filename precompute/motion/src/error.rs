@@ -1,13 +1,14 @@
 //! What can go wrong between files and tables, in words that name the place and the way out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use throng_base::text::Source;
 
 /// A file that could not be read as motion.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum ImportError {
     /// The file could not be opened or read.
-    #[error("{}: cannot be read: {source}. Check the path and its permissions.", path.display())]
+    #[error("{}: cannot be read: {source}. {}", path.display(), way_out(source))]
     Io {
         /// The file.
         path: PathBuf,
@@ -61,6 +62,14 @@ pub enum BuildError {
         /// File, line and key, what was expected, the way out.
         message: String,
     },
+    /// A key of a text that people write.
+    #[error("{key}: {why}")]
+    Key {
+        /// Where it stands, from the outermost table on, such as `behaviours[2].grid.height`.
+        key: String,
+        /// What was expected, what was found, the way out.
+        why: String,
+    },
     /// A stage cannot do its work with this input.
     #[error("{stage}: {message}. {help}")]
     Stage {
@@ -72,7 +81,7 @@ pub enum BuildError {
         help: String,
     },
     /// A file could not be written or read.
-    #[error("{}: {source}. Check the path and its permissions.", path.display())]
+    #[error("{}: {source}. {}", path.display(), way_out(source))]
     Io {
         /// The file.
         path: PathBuf,
@@ -82,6 +91,69 @@ pub enum BuildError {
     /// The tables could not be opened again.
     #[error("{0}")]
     Format(String),
+}
+
+impl BuildError {
+    /// A fault of a key.
+    pub fn key(key: impl Into<String>, why: impl std::fmt::Display) -> Self {
+        Self::Key { key: key.into(), why: why.to_string() }
+    }
+
+    /// The same as seen from the table or list entry that holds the key, such as `behaviours[2]`.
+    #[must_use]
+    pub fn within(self, outer: &str) -> Self {
+        match self {
+            Self::Key { key, why } if key.is_empty() => Self::Key { key: outer.into(), why },
+            Self::Key { key, why } => Self::Key { key: format!("{outer}.{key}"), why },
+            other => other,
+        }
+    }
+
+    /// The same with line and column of the key in a text.
+    #[must_use]
+    pub fn at(self, source: &Source) -> Self {
+        match self {
+            Self::Key { key, why } => Self::File(source.at(&key, format!("{key}: {why}"))),
+            other => other,
+        }
+    }
+
+    /// The same with the place in a file, which is read again for it.
+    #[must_use]
+    pub fn in_file(self, path: &Path) -> Self {
+        match (self, Source::read(path, "a text")) {
+            (Self::Key { key, why }, Err(_)) => {
+                Self::File(throng_base::Error::Format { path: path.to_path_buf(), why: format!("{key}: {why}") })
+            }
+            (fault, Ok(source)) => fault.at(&source),
+            (other, _) => other,
+        }
+    }
+}
+
+/// Checks numbers against their ranges: key, number, least, greatest.
+///
+/// # Errors
+/// [`BuildError::Key`] for the first one that is out of its range, or no number.
+pub fn check_ranges<'a>(ranges: impl IntoIterator<Item = (&'a str, f64, f64, f64)>) -> Result<(), BuildError> {
+    let bad = ranges.into_iter().find(|&(_, value, low, high)| !(low..=high).contains(&value));
+    let Some((key, value, low, high)) = bad else { return Ok(()) };
+    // Numbers of single precision are shown as they are written.
+    let single = value as f32;
+    let found = if f64::from(single) == value { single.to_string() } else { value.to_string() };
+    Err(BuildError::key(key, format!("expected {low} to {high}, found {found}. Correct it or leave it out.")))
+}
+
+/// What to do about what the system says.
+fn way_out(source: &std::io::Error) -> &'static str {
+    use std::io::ErrorKind::{OutOfMemory, PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
+    match source.kind() {
+        StorageFull | QuotaExceeded => "Free some space, or write elsewhere.",
+        ReadOnlyFilesystem => "Write to a folder that may be changed.",
+        PermissionDenied => "Change its permissions, or choose another place.",
+        OutOfMemory => "Free some memory, or give it less to do at once.",
+        _ => "Check the path and its permissions.",
+    }
 }
 
 /// Tolerable faults of the input, collected and reported once.
@@ -95,5 +167,27 @@ impl Warnings {
     /// Adds a sentence.
     pub fn push(&mut self, message: impl Into<String>) {
         self.messages.push(message.into());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_gets_its_place_from_the_text() {
+        let fault =
+            || check_ranges([("height", f64::from(0.7f32), 1.0, 2.0)]).unwrap_err().within("grid").within("b[1]");
+        let key = "b[1].grid.height: expected 1 to 2, found 0.7. Correct it or leave it out.";
+        assert_eq!(fault().to_string(), key);
+        let text = "[[b]]\n[[b]]\nname = 'x'\n  grid.height = 0.7\n";
+        let source = Source::new(text, Path::new("a.toml"));
+        assert_eq!(fault().at(&source).to_string(), format!("a.toml:4:8: {key}"));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.toml");
+        assert!(fault().in_file(&path).to_string().ends_with(&format!("a.toml: {key}")));
+        std::fs::write(&path, text).unwrap();
+        assert!(fault().in_file(&path).to_string().ends_with(&format!("a.toml:4:8: {key}")));
+        assert!(check_ranges([("a", f64::NAN, 0.0, 1.0)]).is_err() && check_ranges([("a", 1.0, 0.0, 1.0)]).is_ok());
     }
 }

@@ -1,10 +1,26 @@
 //! Writing files so that half of one is never seen.
+//!
+//! A file is written under a temporary name in its folder, and renamed when it is whole. While it is written it is
+//! locked: the system takes the lock from a process that ends, however it ends. So the next one that writes in that
+//! folder knows what killed processes left there, whatever clocks and process numbers say, and removes it.
 
 use crate::error::BuildError;
-use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::fs::{File, TryLockError};
+use std::io::{BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
-/// Writes a file through a temporary one in the same folder, which takes its name when all is written.
+/// Names of temporary files begin with this.
+const PREFIX: &str = ".throng-";
+/// And end with this.
+const SUFFIX: &str = ".tmp";
+/// Letters between the two.
+const RANDOM: usize = 8;
+/// Most links that lead from one to another before the file.
+const MAX_LINKS: usize = 40;
+
+/// Writes a file through a temporary one in the same folder, which takes its name when all of it is on the disk. A
+/// symbolic link stays, and the file that it leads to is written.
 ///
 /// # Errors
 /// [`BuildError::Io`] names the file; what stood there before stays as it was.
@@ -12,39 +28,145 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), BuildError> {
+    let done = replace(path, write, |file| file.sync_all())?;
+    // The name is on the disk when the folder is. Not every file system can be asked for that.
+    match sync_folder(folder_of(&done)) {
+        Err(e)
+            if !matches!(e.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported | ErrorKind::PermissionDenied) =>
+        {
+            Err(BuildError::Io { path: path.to_path_buf(), source: e })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// As [`write_atomically`], without waiting for the disk: for what is checked when it is read, and can be made again.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn write_quickly(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<(), BuildError> {
+    replace(path, write, |_| Ok(())).map(|_| ())
+}
+
+/// - returns the file that was written: where links lead to.
+fn replace(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    finish: impl FnOnce(&File) -> std::io::Result<()>,
+) -> Result<PathBuf, BuildError> {
     check_target(path)?;
     let io = |source| BuildError::Io { path: path.to_path_buf(), source };
-    let folder = folder_of(path);
-    let mut file = tempfile::Builder::new().prefix(".throng-").tempfile_in(folder).map_err(io)?;
+    let real = follow(path).map_err(io)?;
+    let folder = folder_of(&real);
+    remove_left(folder);
+    let in_folder = |e: std::io::Error| {
+        let why = format!("the folder {} takes no file: {}", folder.display(), plain(&e));
+        io(std::io::Error::new(e.kind(), why))
+    };
+    let mut file = temporary(folder).map_err(in_folder)?;
     {
         let mut buffered = BufWriter::new(file.as_file_mut());
         write(&mut buffered).map_err(io)?;
         buffered.flush().map_err(io)?;
     }
-    make_readable(file.as_file()).map_err(io)?;
-    file.persist(path).map_err(|e| io(e.error))?;
+    finish(file.as_file()).map_err(io)?;
+    file.persist(&real).map_err(|e| io(e.error))?;
+    Ok(real)
+}
+
+/// What the system says, without the temporary name.
+fn plain(e: &std::io::Error) -> String {
+    e.raw_os_error().map_or_else(|| e.kind().to_string(), |code| std::io::Error::from_raw_os_error(code).to_string())
+}
+
+/// A new file that is locked, with the permissions that new files have (the umask).
+fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
+    loop {
+        let file = new_file(folder)?;
+        match file.as_file().try_lock() {
+            // Another process may have taken it for one that was left, before it was locked.
+            Ok(()) if !file.path().exists() => {}
+            Err(TryLockError::WouldBlock) => {}
+            // Not every file system has locks; there, nothing is removed either.
+            Ok(()) | Err(TryLockError::Error(_)) => return Ok(file),
+        }
+    }
+}
+
+fn new_file(folder: &Path) -> std::io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(PREFIX).suffix(SUFFIX).rand_bytes(RANDOM);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+/// Removes temporary files that nobody writes any more.
+fn remove_left(folder: &Path) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for entry in entries.flatten().filter(|e| is_temporary(&e.file_name().to_string_lossy())) {
+        let path = entry.path();
+        if !entry.file_type().is_ok_and(|t| t.is_file()) {
+            continue;
+        }
+        if let Ok(file) = File::open(&path)
+            && file.try_lock().is_ok()
+        {
+            _ = std::fs::remove_file(&path);
+        }
+    }
+}
+
+fn is_temporary(name: &str) -> bool {
+    let random = name.strip_prefix(PREFIX).and_then(|n| n.strip_suffix(SUFFIX));
+    random.is_some_and(|r| r.len() == RANDOM && r.bytes().all(|b| b.is_ascii_alphanumeric()))
+}
+
+/// Where symbolic links lead to; the file need not be there.
+fn follow(path: &Path) -> std::io::Result<PathBuf> {
+    let mut path = path.to_path_buf();
+    for _ in 0..MAX_LINKS {
+        if !path.symlink_metadata().is_ok_and(|m| m.is_symlink()) {
+            return Ok(path);
+        }
+        path = folder_of(&path).join(std::fs::read_link(&path)?);
+    }
+    Err(std::io::Error::other(format!("it leads through more than {MAX_LINKS} links")))
+}
+
+#[cfg(unix)]
+fn sync_folder(folder: &Path) -> std::io::Result<()> {
+    File::open(folder)?.sync_all()
+}
+
+#[cfg(not(unix))]
+fn sync_folder(_: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
 /// Checks that a file may stand at a path, so that long work need not be done in vain.
 ///
 /// # Errors
-/// [`BuildError::Io`] where the path is a folder or a device, or its folder is not there.
+/// [`BuildError::Io`] where the path is a folder or a device, or its folder is not there or takes no file.
 pub fn check_target(path: &Path) -> Result<(), BuildError> {
     let fail =
         |kind, what: String| Err(BuildError::Io { path: path.to_path_buf(), source: std::io::Error::new(kind, what) });
-    let folder = folder_of(path);
     if path.is_dir() {
-        return fail(std::io::ErrorKind::IsADirectory, "expected a file to write, found a folder".into());
+        return fail(ErrorKind::IsADirectory, "expected a file to write, found a folder".into());
     }
     // The file takes the place of what was there: that must not be a device or a pipe.
     if path.exists() && !path.is_file() {
-        return fail(std::io::ErrorKind::InvalidInput, "expected a file to write, found a device or a pipe".into());
+        return fail(ErrorKind::InvalidInput, "expected a file to write, found a device or a pipe".into());
     }
+    let real = follow(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+    let folder = folder_of(&real);
     if !folder.is_dir() {
-        return fail(std::io::ErrorKind::NotFound, format!("there is no folder {}", folder.display()));
+        return fail(ErrorKind::NotFound, format!("there is no folder {}", folder.display()));
     }
-    Ok(())
+    match new_file(folder) {
+        Ok(_) => Ok(()),
+        Err(e) => fail(e.kind(), format!("the folder {} takes no file: {}", folder.display(), plain(&e))),
+    }
 }
 
 /// The folder a file lies in.
@@ -55,27 +177,23 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Temporary files are private; the finished one has the usual permissions.
-#[cfg(unix)]
-fn make_readable(file: &std::fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> =
+            std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
 
     #[test]
     fn a_folder_and_a_place_without_one_take_no_file() {
         let dir = tempfile::tempdir().unwrap();
         let nowhere = dir.path().join("nowhere");
         assert!(check_target(&dir.path().join("a")).is_ok());
+        assert!(names(dir.path()).is_empty(), "a check leaves nothing");
         assert!(check_target(dir.path()).unwrap_err().to_string().contains("found a folder"));
         let e = check_target(&nowhere.join("a")).unwrap_err().to_string();
         assert!(e.contains(&format!("there is no folder {}", nowhere.display())), "{e}");
@@ -88,11 +206,89 @@ mod tests {
         write_atomically(&path, |w| w.write_all(b"old")).unwrap();
         let failed = write_atomically(&path, |w| {
             w.write_all(b"ne")?;
-            Err(std::io::Error::other("full"))
+            Err(ErrorKind::StorageFull.into())
         });
-        assert!(failed.unwrap_err().to_string().contains("full"));
+        let e = failed.unwrap_err().to_string();
+        assert!(e.contains("no storage space") && e.ends_with("Free some space, or write elsewhere."), "{e}");
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
-        assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
+        assert_eq!(names(dir.path()), ["a"]);
+    }
+
+    #[test]
+    fn what_killed_runs_left_is_removed_and_what_is_being_written_is_not() {
+        let dir = tempfile::tempdir().unwrap();
+        let write = |name: &str| std::fs::write(dir.path().join(name), "half").unwrap();
+        // The first is ours and not locked: as a killed process leaves it. The others are not ours.
+        let others = [".throng-abc.tmp", ".throng-abcd1234", "a.tmp", "throng-abcd1234.tmp"];
+        others.iter().for_each(|n| write(n));
+        write(".throng-abcd1234.tmp");
+        let path = dir.path().join("b");
+        write_atomically(&dir.path().join("a"), |w| {
+            // Another one, while this is open.
+            write_atomically(&path, |w| w.write_all(b"b")).unwrap();
+            w.write_all(b"a")
+        })
+        .unwrap();
+        let mut expected = [&["a", "b"][..], &others].concat();
+        expected.sort_unstable();
+        assert_eq!(names(dir.path()), expected);
+        assert_eq!(std::fs::read(dir.path().join("a")).unwrap(), b"a");
+    }
+
+    #[test]
+    fn many_writers_of_one_file_leave_one_whole_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a");
+        std::thread::scope(|s| {
+            for t in 0..4u8 {
+                let path = &path;
+                s.spawn(move || {
+                    (0..50).for_each(|_| write_quickly(path, |w| w.write_all(&[t; 1000])).expect("written"));
+                });
+            }
+        });
+        let found = std::fs::read(&path).unwrap();
+        assert!(found.len() == 1000 && found.iter().all(|b| *b == found[0]));
+        assert_eq!(names(dir.path()), ["a"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_and_what_it_leads_to_is_written() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        std::fs::create_dir(at("deep")).unwrap();
+        std::os::unix::fs::symlink("deep/real", at("link")).unwrap();
+        for text in ["one", "two"] {
+            write_atomically(&at("link"), |w| w.write_all(text.as_bytes())).unwrap();
+            assert_eq!(std::fs::read_to_string(at("deep/real")).unwrap(), text);
+            assert!(at("link").symlink_metadata().unwrap().is_symlink());
+        }
+        std::os::unix::fs::symlink("round", at("round")).unwrap();
+        let e = write_atomically(&at("round"), |_| Ok(())).unwrap_err().to_string();
+        assert!(e.contains("more than 40 links"), "{e}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_has_the_permissions_of_new_files() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().unwrap();
+        let mode = |name: &str| std::fs::metadata(dir.path().join(name)).unwrap().permissions().mode();
+        std::fs::write(dir.path().join("plain"), "").unwrap();
+        write_atomically(&dir.path().join("a"), |_| Ok(())).unwrap();
+        assert_eq!(mode("a"), mode("plain"));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_folder_that_takes_no_file_is_named() {
+        // Nobody, not even root, makes files there.
+        for e in [check_target(Path::new("/proc/self/a")), write_atomically(Path::new("/proc/self/a"), |_| Ok(()))] {
+            let e = e.unwrap_err().to_string();
+            assert!(e.starts_with("/proc/self/a: the folder /proc/self takes no file: "), "{e}");
+            assert!(!e.contains(".throng-"), "{e}");
+        }
     }
 
     #[cfg(unix)]

@@ -1,7 +1,7 @@
 //! Clips at one rate, and their mirrored copies.
 
 use crate::clip::{Clip, ClipSet, Exclusion, FrameRange, Hit, Tag};
-use crate::error::BuildError;
+use crate::error::{BuildError, check_ranges};
 use crate::mirror::mirror;
 use glam::Quat;
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ use throng_core::NUM_JOINTS;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ResampleConfig {
-    /// Frames a second of the database (Hz, 1 to 1000).
+    /// Frames a second of the database (Hz, 1 to 240).
     pub rate_hz: f64,
     /// Add to each clip a copy with left and right exchanged.
     pub mirror: bool,
@@ -22,6 +22,19 @@ pub struct ResampleConfig {
 impl Default for ResampleConfig {
     fn default() -> Self {
         Self { rate_hz: 30.0, mirror: true }
+    }
+}
+
+/// Most frames of all clips, mirrored copies counted: 92 hours at 30 Hz.
+const MAX_FRAMES: f64 = 1e7;
+
+impl ResampleConfig {
+    /// Checks the rate.
+    ///
+    /// # Errors
+    /// [`BuildError::Key`] where it is out of its range.
+    pub fn check(&self) -> Result<(), BuildError> {
+        check_ranges([("rate_hz", self.rate_hz, 1.0, 240.0)])
     }
 }
 
@@ -36,9 +49,18 @@ impl Default for ResampleConfig {
 /// # Errors
 /// [`BuildError::Config`] for a rate outside its limits.
 pub fn resample(clips: &ClipSet, cfg: &ResampleConfig) -> Result<ClipSet, BuildError> {
-    if !(1.0..=1000.0).contains(&cfg.rate_hz) {
-        let message = format!("resample.rate_hz: expected 1 to 1000, found {}. Correct it in the config.", cfg.rate_hz);
-        return Err(BuildError::Config { message });
+    cfg.check().map_err(|e| e.within("resample"))?;
+    let seconds = |c: &Clip| c.num_frames() as f64 / c.rate_hz;
+    let copies = if cfg.mirror { 2.0 } else { 1.0 };
+    let frames: f64 = clips.clips.iter().map(|c| copies * (seconds(c) * cfg.rate_hz + 1.0)).sum();
+    if frames.is_nan() || frames > MAX_FRAMES {
+        let why = format!(
+            "{:.0} s of motion at {} Hz would be {frames:.0} frames, expected {MAX_FRAMES} at most. Take fewer clips, a \
+             lower rate, or set `import.rate_hz` where files name a wrong one",
+            clips.clips.iter().map(seconds).sum::<f64>(),
+            cfg.rate_hz
+        );
+        return Err(BuildError::key("resample.rate_hz", why));
     }
     let per_clip: Vec<Vec<Clip>> = clips
         .clips
@@ -141,11 +163,18 @@ mod tests {
 
     #[test]
     fn a_rate_that_cannot_be_is_refused() {
-        for rate_hz in [0.0, -30.0, f64::NAN, 1e9] {
+        for rate_hz in [0.0, -30.0, f64::NAN, 1e9, 241.0] {
             let cfg = ResampleConfig { rate_hz, mirror: false };
             let e = resample(&set(steady(30.0, 10, 1.0, 1.0)), &cfg).unwrap_err();
             assert!(e.to_string().contains("rate_hz"), "{e}");
         }
+    }
+
+    #[test]
+    fn more_frames_than_memory_holds_are_refused_before_they_are_made() {
+        let slow = Clip { rate_hz: 1e-6, ..steady(30.0, 100, 1.0, 1.0) };
+        let e = resample(&set(slow), &ResampleConfig::default()).unwrap_err().to_string();
+        assert!(e.starts_with("resample.rate_hz: ") && e.contains("expected 10000000 at most"), "{e}");
     }
 
     #[test]

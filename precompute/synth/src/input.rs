@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 use throng_motion::annotate::Sidecar;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, check_ranges};
 use throng_motion::import::{self, ImportConfig, ImportedSet};
 
 /// Motion that the project makes itself.
@@ -34,6 +34,15 @@ impl SynthInput {
         SynthConfig { minutes, seed, rate_hz, ..usual }
     }
 
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`BuildError::Key`] names the first one out of it.
+    pub fn check(&self) -> Result<(), BuildError> {
+        check_ranges([("minutes", self.minutes.unwrap_or(1.0), 0.05, 240.0)])?;
+        self.also.iter().enumerate().try_for_each(|(i, s)| s.check().map_err(|e| e.within(&format!("also[{i}]"))))
+    }
+
     /// This set and those that are made as well.
     pub fn all(&self) -> Vec<&SynthInput> {
         std::iter::once(self).chain(self.also.iter().flat_map(SynthInput::all)).collect()
@@ -56,9 +65,8 @@ pub fn input(
     for (i, one) in inputs.iter().enumerate() {
         if inputs[..i].iter().any(|o| o.set == one.set) {
             let name = one.set.name();
-            let message =
-                format!("synth.also: expected every set once, found `{name}` again. Raise its minutes instead");
-            return Err(BuildError::Config { message });
+            let why = format!("expected every set once, found `{name}` again. Raise its minutes instead");
+            return Err(BuildError::key("synth.also", why));
         }
         let set = make(one.set, &one.config(rate_hz))?;
         sidecars.extend(set.clips.iter().filter_map(|c| Some((c.name.clone(), files::sidecar(c)?))));

@@ -31,7 +31,7 @@ pub use set::{SynthSet, make, write};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, check_ranges};
 
 /// How much motion to make, and how varied.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -73,17 +73,12 @@ impl SynthConfig {
     }
 
     fn check(&self) -> Result<(), BuildError> {
-        let limits = [
+        let ranges = [
             ("minutes", self.minutes, 0.05, 240.0),
             ("clip_seconds", self.clip_seconds, 3.0, 600.0),
             ("rate_hz", self.rate_hz, 20.0, 240.0),
             ("variation", self.variation, 0.0, 2.0),
         ];
-        match limits.into_iter().find(|(_, v, low, high)| !(low..=high).contains(&v)) {
-            None => Ok(()),
-            Some((key, v, low, high)) => {
-                Err(BuildError::Config { message: format!("synth {key}: expected {low} to {high}, found {v}") })
-            }
-        }
+        check_ranges(ranges).map_err(|e| e.within("synth"))
     }
 }

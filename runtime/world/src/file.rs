@@ -4,6 +4,7 @@
 //!
 //! - 1: units, instances, neighbours, bits of cells and links, adjacencies, joint tables, resources.
 //! - 2: path costs, which planners worked out at every start before; content hashes of the bundle and of the source.
+//! - 3: the file that it was stitched from.
 
 use super::graph::{Baked, PathCosts};
 use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, Node, UnitRecord};
@@ -20,7 +21,7 @@ use throng_core::format::{AlignedBytes, BundleWriter, FormatError, Kind, Layout,
 /// First bytes of every world file.
 pub const WORLD_MAGIC: [u8; 8] = *b"\x89THWRLD\n";
 /// The version of world files that this code writes and reads.
-pub const WORLD_VERSION: u32 = 2;
+pub const WORLD_VERSION: u32 = 3;
 
 const KIND: Kind = Kind { what: "world", magic: WORLD_MAGIC, version: WORLD_VERSION };
 
@@ -62,6 +63,16 @@ impl World {
     /// [`WorldError`] says what is wrong, or that the world belongs to another bundle, and what to do.
     pub fn from_bytes(bytes: AlignedBytes, bundle: &Bundle) -> Result<Self, WorldError> {
         Self::new(Storage::Memory(bytes), bundle)
+    }
+
+    /// What a file says of itself, whatever bundle it was stitched with.
+    ///
+    /// # Errors
+    /// [`WorldError`] for a file that is no world of this version.
+    pub fn read_meta(path: &Path) -> Result<WorldMeta, WorldError> {
+        let storage = Storage::map(path)?;
+        let layout = Layout::read_kind(storage.bytes(), true, KIND)?;
+        Ok(decode("WMET", &storage.bytes()[layout.section::<u8>(tags::META)?])?)
     }
 
     fn new(storage: Storage, bundle: &Bundle) -> Result<Self, WorldError> {

@@ -33,7 +33,9 @@ pub struct WorldMeta {
     pub bundle: String,
     /// Content hash of that bundle.
     pub bundle_hash: u128,
-    /// Content hash of what it was stitched from: the environment and the settings.
+    /// The file it was stitched from, as seen from the folder of this one; empty where there is none.
+    pub source: String,
+    /// Content hash of what it was stitched from: the environment, its meshes, the settings and the bundle.
     pub source_hash: u128,
     /// The environment it was stitched from, as TOML.
     pub environment: String,

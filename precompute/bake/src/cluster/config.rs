@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, check_ranges};
 
 /// How frames are grouped.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -23,19 +23,10 @@ impl ClusterConfig {
     /// The threshold as distances are counted: a distance below it is below the one of the config.
     ///
     /// # Errors
-    /// [`BuildError::Config`] for a threshold outside its limits.
-    pub(super) fn check(&self) -> Result<f32, BuildError> {
-        let limit = self.threshold as f32;
-        // Its square is what squared distances are compared with.
-        if (limit * limit).is_normal() && limit > 0.0 {
-            return Ok(limit);
-        }
-        let found = self.threshold;
-        Err(BuildError::Config {
-            message: format!(
-                "cluster.threshold: expected a number above 0, as 0.3, found {found}. Correct the config."
-            ),
-        })
+    /// [`BuildError::Key`] for a threshold outside its limits.
+    pub(crate) fn check(&self) -> Result<f32, BuildError> {
+        check_ranges([("threshold", self.threshold, 1e-6, 1e3)]).map_err(|e| e.within("cluster"))?;
+        Ok(self.threshold as f32)
     }
 }
 
@@ -47,7 +38,7 @@ mod tests {
     fn refuses_thresholds_that_are_not_above_zero() {
         for threshold in [0.0, -0.3, f64::NAN, f64::INFINITY, 1e30, 1e-30] {
             let error = ClusterConfig { threshold }.check().unwrap_err().to_string();
-            assert!(error.contains("cluster.threshold") && error.contains("above 0"), "{error}");
+            assert!(error.starts_with("cluster.threshold: expected 0.000001 to 1000, found"), "{error}");
         }
         assert_eq!(ClusterConfig::default().check().unwrap(), 0.3);
     }

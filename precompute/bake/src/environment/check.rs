@@ -1,18 +1,21 @@
 //! Reading and checking files of unit objects.
 
 use super::{Shape, Unit, UnitSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 use throng_base::text::Source;
 use throng_motion::error::BuildError;
 
 /// Sizes and positions within a unit are smaller than this (m).
 const MAX_LENGTH: f32 = 1e4;
+/// Most units of a file.
+const MAX_UNITS: usize = 10_000;
 
 impl UnitSet {
     /// Reads a file of unit objects; mesh files are taken from its folder.
     ///
     /// # Errors
-    /// [`BuildError::Io`], or [`BuildError::Config`] with file and line, or file, unit and key.
+    /// [`BuildError::Io`], or [`BuildError::File`] with file, line, column and key.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
         Self::of(&Source::read(path, "a unit file")?)
     }
@@ -20,7 +23,7 @@ impl UnitSet {
     /// Reads the text of a unit file; mesh files are taken from the folder of `path`.
     ///
     /// # Errors
-    /// [`BuildError::Config`] as [`UnitSet::load`].
+    /// As [`UnitSet::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
         Self::of(&Source::new(text, path))
     }
@@ -28,14 +31,13 @@ impl UnitSet {
     fn of(source: &Source) -> Result<Self, BuildError> {
         let help = "A unit file has `[[units]]` with `name`, `shapes`, `region`, `symmetry`, `tile` and `floor`.";
         let mut set: Self = source.parse(help)?;
-        let path = source.path();
-        let folder = path.parent().unwrap_or(Path::new(""));
+        let folder = source.path().parent().unwrap_or(Path::new(""));
         for shape in set.units.iter_mut().flat_map(|u| &mut u.shapes) {
             if let Shape::Mesh { file } = shape {
                 *file = folder.join(&file);
             }
         }
-        set.check(path)?;
+        set.check().map_err(|e| e.at(source))?;
         Ok(set)
     }
 
@@ -52,55 +54,57 @@ impl UnitSet {
         self.units.iter().position(|u| u.name == name)
     }
 
-    fn check(&self, path: &Path) -> Result<(), BuildError> {
-        let fail = |i: usize, what: String| {
-            let name = &self.units[i].name;
-            let which = if name.is_empty() { String::new() } else { format!(" `{name}`") };
-            Err(BuildError::Config { message: format!("{}: units[{i}]{which}: {what}", path.display()) })
-        };
+    fn check(&self) -> Result<(), BuildError> {
+        if self.units.len() > MAX_UNITS {
+            return Err(BuildError::key("units", format!("expected {MAX_UNITS} at most, found {}", self.units.len())));
+        }
+        let mut names = BTreeSet::new();
         for (i, unit) in self.units.iter().enumerate() {
-            if self.units[..i].iter().any(|u| u.name == unit.name) {
-                return fail(i, "name: another unit has that name; rename one of them".into());
+            let within = |e: BuildError| e.within(&format!("units[{i}]"));
+            if !names.insert(&unit.name) {
+                let why = format!("another unit is called `{}`; rename one of them", unit.name);
+                return Err(within(BuildError::key("name", why)));
             }
-            if let Err(what) = check_unit(unit) {
-                return fail(i, what);
-            }
+            check_unit(unit).map_err(within)?;
         }
         Ok(())
     }
 }
 
-fn check_unit(unit: &Unit) -> Result<(), String> {
+fn check_unit(unit: &Unit) -> Result<(), BuildError> {
+    let fault = |key: &str, why: String| Err(BuildError::key(key, why));
     if unit.name.is_empty() || unit.name.contains('+') {
-        return Err("name: expected a name without `+`, which joins the names of blocks".into());
+        return fault("name", "expected a name without `+`, which joins the names of blocks".into());
     }
     for (i, shape) in unit.shapes.iter().enumerate() {
-        check_shape(shape).map_err(|e| format!("shapes[{i}].{e}"))?;
+        check_shape(shape).map_err(|e| e.within(&format!("shapes[{i}]")))?;
     }
     if let Some(region) = unit.region {
         moderate("region.min", &region.min)?;
         moderate("region.max", &region.max)?;
         if (0..3).any(|k| region.min[k] >= region.max[k]) {
-            return Err(format!("region: expected min below max, found {:?} and {:?}", region.min, region.max));
+            return fault("region", format!("expected min below max, found {:?} and {:?}", region.min, region.max));
         }
     }
-    if unit.symmetry == 0 {
-        return Err("symmetry: expected at least 1, found 0; 1 is a unit without symmetry".into());
+    if !(1..=360).contains(&unit.symmetry) {
+        let why = "expected 1 to 360, found";
+        return fault("symmetry", format!("{why} {}; 1 is a unit without symmetry", unit.symmetry));
     }
     let Some(tile) = &unit.tile else { return Ok(()) };
     let (steps, widths) = (tile.steps.len(), tile.widths.len());
     if steps != widths || !(1..=2).contains(&steps) {
-        return Err(format!("tile: expected 1 or 2 steps and as many widths, found {steps} and {widths}"));
+        return fault("tile", format!("expected 1 or 2 steps and as many widths, found {steps} and {widths}"));
     }
     tile.steps.iter().try_for_each(|s| moderate("tile.steps", s))?;
     positive("tile.widths", &tile.widths)?;
+    moderate("tile.centre", &tile.centre)?;
     if tile.steps.iter().any(|s| s[0].hypot(s[2]) < 0.1) {
-        return Err("tile.steps: expected steps of at least 0.1 m over the ground".into());
+        return fault("tile.steps", "expected steps of at least 0.1 m over the ground".into());
     }
     Ok(())
 }
 
-fn check_shape(shape: &Shape) -> Result<(), String> {
+fn check_shape(shape: &Shape) -> Result<(), BuildError> {
     match shape {
         Shape::Box { at, size, heading_deg, pitch_deg } => {
             moderate("box.at", at)?;
@@ -114,20 +118,20 @@ fn check_shape(shape: &Shape) -> Result<(), String> {
             positive("bar.radius", &[*radius])
         }
         Shape::Mesh { file } if file.is_file() => Ok(()),
-        Shape::Mesh { file } => Err(format!("mesh.file: there is no file {}", file.display())),
+        Shape::Mesh { file } => Err(BuildError::key("mesh.file", format!("there is no file {}", file.display()))),
     }
 }
 
-fn moderate(key: &str, numbers: &[f32]) -> Result<(), String> {
+fn moderate(key: &str, numbers: &[f32]) -> Result<(), BuildError> {
     match numbers.iter().find(|v| v.is_nan() || v.abs() >= MAX_LENGTH) {
-        Some(v) => Err(format!("{key}: expected finite numbers below {MAX_LENGTH}, found {v}")),
+        Some(v) => Err(BuildError::key(key, format!("expected finite numbers below {MAX_LENGTH}, found {v}"))),
         None => Ok(()),
     }
 }
 
-fn positive(key: &str, numbers: &[f32]) -> Result<(), String> {
+fn positive(key: &str, numbers: &[f32]) -> Result<(), BuildError> {
     match numbers.iter().find(|v| !(**v > 0.0 && **v < MAX_LENGTH)) {
-        Some(v) => Err(format!("{key}: expected numbers above 0 and below {MAX_LENGTH}, found {v}")),
+        Some(v) => Err(BuildError::key(key, format!("expected numbers above 0 and below {MAX_LENGTH}, found {v}"))),
         None => Ok(()),
     }
 }
@@ -147,20 +151,25 @@ mod tests {
     #[test]
     fn faults_name_file_unit_and_key() {
         let e = unit("shapes = [{ box = { at = [0.0, 0.0, 0.0], size = [1.0, -1.0, 1.0] } }]");
-        assert_eq!(e, "u.toml: units[0] `a`: shapes[0].box.size: expected numbers above 0 and below 10000, found -1");
+        let key = "units[0].shapes[0].box.size";
+        assert_eq!(e, format!("u.toml:3:43: {key}: expected numbers above 0 and below 10000, found -1"));
         let e = unit("shapes = [{ bar = { from = [0.0, inf, 0.0], to = [1.0, 1.0, 1.0], radius = 0.1 } }]");
         assert!(e.contains("shapes[0].bar.from: expected finite numbers"), "{e}");
         let e = unit("shapes = [{ bar = { from = [0.0, 0.0, 0.0], to = [1.0, 1.0, 1.0], radius = nan } }]");
         assert!(e.contains("shapes[0].bar.radius: expected numbers above 0"), "{e}");
         let e = unit("shapes = [{ mesh = { file = \"no-such.glb\" } }]");
         assert!(e.contains("shapes[0].mesh.file: there is no file no-such.glb"), "{e}");
-        assert!(unit("symmetry = 0").contains("symmetry: expected at least 1"));
+        assert!(unit("symmetry = 0").contains("u.toml:3:1: units[0].symmetry: expected 1 to 360, found 0"));
         let e = unit("region = { min = [0.0, 0.0, 0.0], max = [1.0, 0.0, 1.0] }");
         assert!(e.contains("region: expected min below max"), "{e}");
         let e = unit("tile = { steps = [[1.0, 0.0, 0.0]], widths = [1.0, 2.0] }");
         assert!(e.contains("tile: expected 1 or 2 steps and as many widths, found 1 and 2"), "{e}");
+        let e = unit("tile = { steps = [[1.0, 0.0, 0.0]], widths = [1.0], centre = [0.0, nan, 0.0] }");
+        assert!(e.contains("tile.centre: expected finite numbers"), "{e}");
+        let e = fault(&"[[units]]\nname = \"a\"\n".repeat(10_001));
+        assert!(e.contains("units: expected 10000 at most, found 10001"), "{e}");
         assert!(unit("tile = { steps = [[0.0, 1.0, 0.0]], widths = [1.0] }").contains("over the ground"));
-        assert!(unit("[[units]]\nname = \"a\"").contains("units[1] `a`: name: another unit has that name"));
+        assert!(unit("[[units]]\nname = \"a\"").contains("u.toml:4:1: units[1].name: another unit is called `a`"));
         assert!(unit("[[units]]\nname = \"a+b\"").contains("without `+`"));
         assert!(unit("shaeps = []").contains("u.toml:3:1: unknown field `shaeps`"));
     }

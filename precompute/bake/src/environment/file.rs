@@ -13,6 +13,9 @@ use throng_motion::error::BuildError;
 /// Most units of an environment.
 const MAX_UNITS: usize = 1_000_000;
 
+/// Most levels of prefabs that hold prefabs.
+const MAX_DEPTH: usize = 64;
+
 /// Positions and headings are smaller than this (m, deg).
 const MAX_NUMBER: f32 = 1e5;
 
@@ -65,8 +68,7 @@ impl EnvironmentFile {
             file.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
         if file.units.as_os_str().is_empty() {
-            let message = format!("{}: units: expected a file of unit objects, found nothing", path.display());
-            return Err(BuildError::Config { message });
+            return Err(BuildError::key("units", "expected a file of unit objects, found nothing").at(&source));
         }
         file.units = path.parent().unwrap_or(Path::new("")).join(&file.units);
         Ok(file)
@@ -74,23 +76,26 @@ impl EnvironmentFile {
 
     /// Lays out all that is placed: patterns and prefabs are resolved, headings add up.
     ///
-    /// - `path`: for messages alone.
+    /// - `path`: of the file, which is read again where something is wrong, for the place in it.
     /// - returns the units in the order of the file, the last number of `repeat` varying fastest.
     ///
     /// # Errors
-    /// [`BuildError::Config`] with file and key for a name that is no unit or prefab (with the nearest one), for a
-    /// prefab that holds itself, for numbers that are not finite, and for two equal units in one place.
+    /// [`BuildError::File`] with file, place and key for a name that is no unit or prefab (with the nearest one), for a
+    /// prefab that holds itself or too many others, for numbers that are not finite, and for two equal units in one place.
     pub fn expand(&self, units: &UnitSet, path: &Path) -> Result<Environment, BuildError> {
+        self.lay_out(units).map_err(|e| e.in_file(path))
+    }
+
+    fn lay_out(&self, units: &UnitSet) -> Result<Environment, BuildError> {
         if let Some(name) = self.prefabs.keys().find(|name| units.find(name).is_some()) {
-            let message = format!("{}: prefabs.{name}: a unit has that name too; rename one of them", path.display());
-            return Err(BuildError::Config { message });
+            let why = "a unit has that name too; rename one of them";
+            return Err(BuildError::key(format!("prefabs.{name}"), why));
         }
-        let mut layout = Layout { file: self, units, path, open: Vec::new(), out: Vec::new(), taken: BTreeSet::new() };
+        let mut layout = Layout { file: self, units, open: Vec::new(), out: Vec::new(), taken: BTreeSet::new() };
         // Those that are never placed must be right too.
         for (name, places) in &self.prefabs {
             if places.is_empty() {
-                let message = format!("{}: prefabs.{name}: expected at least one unit, found none", path.display());
-                return Err(BuildError::Config { message });
+                return Err(BuildError::key(format!("prefabs.{name}"), "expected at least one unit, found none"));
             }
             layout.open.push(name);
             places.iter().enumerate().try_for_each(|(i, place)| layout.check(place, i))?;
@@ -105,7 +110,6 @@ impl EnvironmentFile {
 struct Layout<'a> {
     file: &'a EnvironmentFile,
     units: &'a UnitSet,
-    path: &'a Path,
     /// Prefabs that are being laid out, outermost first.
     open: Vec<&'a str>,
     out: Vec<PlacedUnit>,
@@ -116,9 +120,8 @@ struct Layout<'a> {
 impl<'a> Layout<'a> {
     fn fault<T>(&self, index: usize, key: &str, what: String) -> Result<T, BuildError> {
         let list = self.open.last().map_or("place".to_owned(), |name| format!("prefabs.{name}"));
-        let key = if key.is_empty() { String::new() } else { format!(".{key}") };
-        let message = format!("{}: {list}[{index}]{key}: {what}", self.path.display());
-        Err(BuildError::Config { message })
+        let list = format!("{list}[{index}]");
+        Err(BuildError::key(key, what).within(&list))
     }
 
     fn check(&self, place: &Place, index: usize) -> Result<(), BuildError> {
@@ -194,6 +197,13 @@ impl<'a> Layout<'a> {
             let chain = [&self.open[..], &[name.as_str()]].concat().join("` holds `");
             return self.fault(index, "unit", format!("`{chain}`: a prefab cannot hold itself"));
         }
+        if self.open.len() == MAX_DEPTH {
+            let why = format!(
+                "`{name}` would be level {} of prefabs in each other, expected {MAX_DEPTH} at most",
+                MAX_DEPTH + 1
+            );
+            return self.fault(index, "unit", why);
+        }
         self.open.push(name);
         self.all(places, at)?;
         self.open.pop();
@@ -251,6 +261,35 @@ mod tests {
     }
 
     #[test]
+    fn a_long_chain_of_prefabs_is_refused_and_a_short_one_is_laid_out() {
+        let chain = |n: usize| {
+            let held = |i: usize| if i + 1 < n { format!("p{}", i + 1) } else { "post".into() };
+            let link = |i: usize| format!("p{i} = [{{ unit = \"{}\", at = [0.0, 0.0, 0.0] }}]\n", held(i));
+            let links: String = (0..n).map(link).collect();
+            expand(&format!(
+                "units = \"u.toml\"\nplace = [{{ unit = \"p0\", at = [0.0, 0.0, 0.0] }}]\n[prefabs]\n{links}"
+            ))
+        };
+        assert_eq!(chain(64).unwrap().units.len(), 1);
+        for n in [65, 20_000] {
+            let e = chain(n).unwrap_err();
+            let key = "e.toml: prefabs.p63[0].unit";
+            assert_eq!(e, format!("{key}: `p64` would be level 65 of prefabs in each other, expected 64 at most"));
+        }
+    }
+
+    #[test]
+    fn faults_of_a_file_name_line_and_column() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("e.toml");
+        let text = "units = \"u.toml\"\n[[place]]\nunit = \"row\"\nat = [0, 0, 0]\n\n[[prefabs.row]]\n\
+                    unit = \"post\"\nat = [0, 1e7, 0]\n";
+        std::fs::write(&path, text).unwrap();
+        let e = EnvironmentFile::load(&path).unwrap().expand(&units(), &path).unwrap_err().to_string();
+        assert!(e.contains("e.toml:8:1: prefabs.row[0].at: expected numbers below 100000"), "{e}");
+    }
+
+    #[test]
     fn faults_name_file_and_key() {
         let place = |s: &str| expand(&format!("units = \"u.toml\"\nplace = [{s}]\n")).unwrap_err();
         let e = place("{ unit = \"pots\", at = [0.0, 0.0, 0.0] }");
@@ -287,6 +326,6 @@ mod tests {
         assert!(e.contains("yard.toml:1:1: unknown field `plaice`") && e.contains("`place`?"), "{e}");
         std::fs::write(&path, "place = []\n").unwrap();
         let e = EnvironmentFile::load(&path).unwrap_err().to_string();
-        assert!(e.contains("yard.toml: units: expected a file of unit objects"), "{e}");
+        assert!(e.contains("yard.toml:1:1: units: expected a file of unit objects"), "{e}");
     }
 }

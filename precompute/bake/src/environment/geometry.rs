@@ -1,6 +1,7 @@
 //! The geometry of a unit object, made once.
 
 use super::bounds::{Bounds, BoundsTree};
+use super::mesh::MAX_TRIANGLES;
 use super::{Solid, Unit, UnitSet};
 use glam::Vec3;
 use std::sync::Arc;
@@ -95,7 +96,23 @@ impl UnitGeometry {
 /// # Errors
 /// As [`UnitGeometry::new`].
 pub fn geometries(units: &UnitSet) -> Result<Vec<Arc<UnitGeometry>>, BuildError> {
-    units.units.iter().map(|u| UnitGeometry::new(u).map(Arc::new)).collect()
+    let mut triangles = 0;
+    let mut one = |unit| {
+        let geometry = UnitGeometry::new(unit)?;
+        let of_meshes = geometry.solids.iter().map(|s| if let Solid::Mesh(t) = s { t.corners().len() } else { 0 });
+        triangles += of_meshes.sum::<usize>();
+        match triangles <= MAX_TRIANGLES {
+            true => Ok(Arc::new(geometry)),
+            false => Err(BuildError::Config {
+                message: format!(
+                    "unit `{}`: the meshes of all units may have {MAX_TRIANGLES} triangles at most, found more; make them \
+                     simpler",
+                    unit.name
+                ),
+            }),
+        }
+    };
+    units.units.iter().map(&mut one).collect()
 }
 
 #[cfg(test)]

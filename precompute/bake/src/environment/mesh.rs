@@ -6,11 +6,20 @@ mod document;
 use accessor::Reader;
 use document::{Document, Node, Primitive};
 use glam::{Mat4, Quat, Vec3};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use throng_base::file::read_file;
 use throng_motion::error::BuildError;
 
 /// Most levels of nodes.
 const MAX_DEPTH: usize = 64;
+/// Most bytes of a file and of all its buffers together (1 GiB).
+const MAX_BYTES: u64 = 1 << 30;
+/// Most triangles of a file, each time that a node shows them counted.
+pub(super) const MAX_TRIANGLES: usize = 5_000_000;
+/// Most corners of them, of positions that no triangle uses too.
+const MAX_POSITIONS: usize = 3 * MAX_TRIANGLES;
+/// Most parts of meshes that nodes show.
+const MAX_PARTS: usize = 1_000_000;
 
 /// Coordinates are smaller than this (m).
 const MAX_POSITION: f32 = 1e6;
@@ -27,11 +36,11 @@ const TRIANGLES: u32 = 4;
 /// [`BuildError::Io`], or [`BuildError::Config`] with file and mesh, accessor or buffer.
 pub(super) fn read(path: &Path) -> Result<Vec<[Vec3; 3]>, BuildError> {
     let fail = |what: String| BuildError::Config { message: format!("{}: {what}", path.display()) };
-    let bytes = std::fs::read(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+    let bytes = read_file(path, "a mesh", MAX_BYTES)?;
     let (document, binary) = document::parse(&bytes).map_err(fail)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let reader = Reader::new(&document, binary, folder)?;
-    let mut scene = Scene { document: &document, reader, seen: vec![false; document.nodes.len()], out: Vec::new() };
+    let reader = Reader::new(&document, binary, path)?;
+    let seen = vec![false; document.nodes.len()];
+    let mut scene = Scene { document: &document, reader, seen, positions: 0, parts: 0, out: Vec::new() };
     for root in roots(&document).map_err(fail)? {
         scene.node(root, Mat4::IDENTITY, 0).map_err(fail)?;
     }
@@ -39,6 +48,18 @@ pub(super) fn read(path: &Path) -> Result<Vec<[Vec3; 3]>, BuildError> {
         return Err(fail("expected triangles in the scene's meshes, found none".into()));
     }
     Ok(scene.out)
+}
+
+/// The files beside a `.gltf` file that hold its numbers, as messages and provenance name them.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn buffer_files(path: &Path) -> Result<Vec<PathBuf>, BuildError> {
+    let fail = |what: String| BuildError::Config { message: format!("{}: {what}", path.display()) };
+    let bytes = read_file(path, "a mesh", MAX_BYTES)?;
+    let (document, _) = document::parse(&bytes).map_err(fail)?;
+    let uris = document.buffers.iter().filter_map(|b| b.uri.as_deref()).filter(|uri| !uri.starts_with("data:"));
+    uris.map(|uri| accessor::beside(path, uri).map_err(fail)).collect()
 }
 
 fn roots(document: &Document) -> Result<Vec<usize>, String> {
@@ -64,6 +85,10 @@ struct Scene<'a> {
     reader: Reader<'a>,
     /// Nodes that were met.
     seen: Vec<bool>,
+    /// Positions that were read, over all parts.
+    positions: usize,
+    /// Parts of meshes that were met.
+    parts: usize,
     out: Vec<[Vec3; 3]>,
 }
 
@@ -88,6 +113,10 @@ impl Scene<'_> {
     }
 
     fn primitive(&mut self, primitive: &Primitive, at: Mat4) -> Result<(), String> {
+        self.parts += 1;
+        if self.parts > MAX_PARTS {
+            return Err(format!("nodes may show {MAX_PARTS} parts of meshes at most; merge them"));
+        }
         match primitive.mode.unwrap_or(TRIANGLES) {
             TRIANGLES => {}
             mode @ 5..=6 => {
@@ -95,9 +124,19 @@ impl Scene<'_> {
             }
             _ => return Ok(()),
         }
-        let Some(&accessor) = primitive.attributes.get("POSITION") else {
+        let Some(accessor) = primitive.attributes.position else {
             return Err("expected an attribute POSITION, found none".into());
         };
+        // Parts may share accessors, so that little text asks for much memory: count before anything is made.
+        let positions = self.reader.count(accessor)?;
+        self.positions = self.positions.saturating_add(positions);
+        let triangles = primitive.indices.map_or(Ok(positions), |i| self.reader.count(i))? / 3;
+        if self.positions > MAX_POSITIONS || triangles > MAX_TRIANGLES - self.out.len() {
+            return Err(format!(
+                "a file may have {MAX_TRIANGLES} triangles and {MAX_POSITIONS} positions at most, each node that shows a \
+                 mesh counted; export a simpler mesh"
+            ));
+        }
         let points: Vec<Vec3> = self.reader.positions(accessor)?.into_iter().map(|p| at.transform_point3(p)).collect();
         if let Some(i) = points.iter().position(|p| p.is_nan() || p.abs().max_element() >= MAX_POSITION) {
             return Err(format!(

@@ -25,6 +25,7 @@ pub use contacts::annotate_in;
 pub use file::{EnvironmentFile, Place};
 pub use geometry::{Nearest, UnitGeometry, geometries};
 pub use infer::{InferReport, Inferred, infer};
+pub(crate) use mesh::buffer_files;
 pub use placed::{PlacedGeometry, Touched};
 pub use solid::Solid;
 pub use touch::TouchConfig;

@@ -4,7 +4,7 @@ use glam::{Quat, Vec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, check_ranges};
 
 /// When a part of a body counts as planted on the geometry of an environment (Lee, Choi and Lee 2006, section 3).
 ///
@@ -47,9 +47,8 @@ impl TouchConfig {
     /// Checks that every number is within its limits.
     ///
     /// # Errors
-    /// [`BuildError::Config`] names the setting.
+    /// [`BuildError::Key`] names the setting.
     pub fn check(&self) -> Result<(), BuildError> {
-        let fail = |key: &str, what: String| Err(BuildError::Config { message: format!("{key}: {what}") });
         let pairs = [
             ("foot_on", self.foot_on, self.foot_off),
             ("hand_on", self.hand_on, self.hand_off),
@@ -57,16 +56,12 @@ impl TouchConfig {
         ];
         for (key, on, off) in pairs {
             if !(on > 0.0 && on <= off && off < 1.0) {
-                return fail(
-                    key,
-                    format!("expected above 0 and at most the distance that ends it, found {on} and {off}"),
-                );
+                let why =
+                    format!("expected above 0 and at most the distance that ends it, below 1, found {on} and {off}");
+                return Err(BuildError::key(key, why));
             }
         }
-        if !(0.0..1.0).contains(&self.penetration) {
-            return fail("penetration", format!("expected 0 to 1 m, found {}", self.penetration));
-        }
-        Ok(())
+        check_ranges([("penetration", f64::from(self.penetration), 0.0, 1.0)])
     }
 }
 

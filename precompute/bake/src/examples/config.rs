@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::blend::{MAX_AXES, axis};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, check_ranges};
 
 /// A blend space: example motions in a parameter box, and how they are tabulated (Kim, Kim and Shin 2003a, section 4).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -163,7 +163,7 @@ pub struct FindConfig {
     pub mirror: bool,
     /// Most examples from these clips: those that are farthest from one another (>= 1).
     pub most: Option<usize>,
-    /// Cycles whose ends differ by more, as the mean turn of a joint, are not taken (deg, > 0).
+    /// Cycles whose ends differ by more, as the mean turn of a joint, are not taken (deg, > 0, <= 180).
     pub closing_deg: Option<f64>,
 }
 
@@ -197,8 +197,8 @@ impl BlendConfig {
     }
 
     /// # Errors
-    /// [`BuildError::Config`] naming the space and the first key out of its limits.
-    pub(super) fn check(&self, space: &str) -> Result<(), BuildError> {
+    /// [`BuildError::Key`] naming the first key out of its limits.
+    pub(super) fn check(&self) -> Result<(), BuildError> {
         let limits = [
             ("axes", self.axes.len() as f64, 1.0, MAX_AXES as f64),
             ("phases", self.phases as f64, 8.0, 1024.0),
@@ -209,68 +209,69 @@ impl BlendConfig {
             ("gyration_tolerance", self.gyration_tolerance, 1e-3, 100.0),
             ("min_distance", self.min_distance, 1e-6, 0.999),
         ];
-        for (key, value, low, high) in limits {
-            if !(low..=high).contains(&value) {
-                return Err(fault(space, key, &format!("expected {low} to {high}, found {value}")));
-            }
-        }
+        check_ranges(limits)?;
         let names = self.axis_names();
         for (i, (a, name)) in self.axes.iter().zip(&names).enumerate() {
             if names[..i].contains(name) {
-                return Err(fault(space, "axes", &format!("expected names of their own, found two called `{name}`")));
+                return Err(fault(
+                    format!("axes[{i}]"),
+                    &format!("expected names of their own, found two called `{name}`"),
+                ));
             }
             if a.kind != AxisKind::Style && !a.tags.is_empty() {
                 let found = format!("expected none on axis `{name}`, whose value is measured, found some");
-                return Err(fault(space, "axes.tags", &found));
+                return Err(fault(format!("axes[{i}].tags"), &found));
             }
             if a.range.is_some_and(|[low, high]| !(low < high && low.abs().max(high.abs()) < 1e4)) {
                 let found = format!("expected [low, high] of axis `{name}`, found {:?}", a.range);
-                return Err(fault(space, "axes.range", &found));
+                return Err(fault(format!("axes[{i}].range"), &found));
             }
             if a.spacing.is_some_and(|s| !(s > 0.0 && s < 1e4)) {
                 let found = format!("expected a number above 0 on axis `{name}`, found {:?}", a.spacing);
-                return Err(fault(space, "axes.spacing", &found));
+                return Err(fault(format!("axes[{i}].spacing"), &found));
             }
         }
         if self.examples.is_empty() && self.find.is_empty() {
-            return Err(fault(space, "examples", "expected `examples` or `find`, found neither"));
+            return Err(fault("examples", "expected `examples` or `find`, found neither"));
         }
-        self.check_styles(space, &names)
+        self.check_styles(&names)
     }
 
-    fn check_styles(&self, space: &str, names: &[String]) -> Result<(), BuildError> {
+    fn check_styles(&self, names: &[String]) -> Result<(), BuildError> {
         let styles = self.examples.iter().map(|e| &e.style).chain(self.find.iter().map(|f| &f.style));
         for (name, value) in styles.flatten() {
             let known = names.iter().zip(&self.axes).any(|(n, a)| n == name && a.kind == AxisKind::Style);
             if !known || !(-1e4..=1e4).contains(value) {
                 let found = format!("expected a number on a style axis, found `{name} = {value}`");
-                return Err(fault(space, "style", &found));
+                return Err(fault("style", &found));
             }
         }
-        for f in &self.find {
-            if f.most == Some(0) || f.closing_deg.is_some_and(|d| d.is_nan() || d <= 0.0) || f.clips.is_empty() {
-                let expected = "expected `clips`, and `most` and `closing_deg` above 0 where they are given";
-                return Err(fault(space, "find", expected));
+        for (i, f) in self.find.iter().enumerate() {
+            if f.most == Some(0) || f.closing_deg.is_some_and(|d| !(d > 0.0 && d <= 180.0)) || f.clips.is_empty() {
+                let expected =
+                    "expected `clips`, and `most` and `closing_deg` above 0, up to 180, where they are given";
+                return Err(fault(format!("find[{i}]"), expected));
             }
         }
         let both = "`symmetric` makes the cycle of one step and its mirrored image, of what moves; expected neither \
                     `mirror` nor `still` with it, found";
         if let Some(e) = self.examples.iter().find(|e| e.symmetric && (e.mirror || e.still)) {
             let found = if e.still { "still" } else { "mirror" };
-            return Err(fault(space, "examples", &format!("`{}`: {both} `{found}`", e.clip)));
+            return Err(fault("examples", &format!("`{}`: {both} `{found}`", e.clip)));
         }
-        if let Some(f) = self.find.iter().find(|f| f.symmetric && f.mirror) {
-            return Err(fault(space, "find", &format!("{:?}: {both} `mirror`", f.clips)));
+        if let Some(i) = self.find.iter().position(|f| f.symmetric && f.mirror) {
+            let f = &self.find[i];
+            return Err(fault(format!("find[{i}]"), &format!("{:?}: {both} `mirror`", f.clips)));
         }
         match self.examples.iter().find(|e| e.frames.is_some_and(|[a, b]| a >= b) || e.clip.is_empty()) {
-            Some(e) => Err(fault(space, "examples", &format!("expected a clip and frames [first, end), found {e:?}"))),
+            Some(e) => Err(fault("examples", &format!("expected a clip and frames [first, end), found {e:?}"))),
             None => Ok(()),
         }
     }
 }
 
-fn fault(space: &str, key: &str, what: &str) -> BuildError {
-    BuildError::Config { message: format!("blend.{space}.{key}: {what}. Correct the config.") }
+fn fault(key: impl Into<String>, what: &str) -> BuildError {
+    BuildError::key(key, format!("{what}. Correct the config."))
 }
 
 #[cfg(test)]
@@ -293,7 +294,7 @@ mod tests {
 
     #[test]
     fn what_is_out_of_its_limits_is_named() {
-        assert!(plain().check("walk").is_ok());
+        assert!(plain().check().is_ok());
         let same_axis = vec![plain().axes[1].clone(), plain().axes[1].clone()];
         let mut unknown = plain();
         unknown.examples[0].style.insert("mood".into(), 1.0);
@@ -306,17 +307,17 @@ mod tests {
         backwards.axes[1].range = Some([1.0, -1.0]);
         for (config, key) in [
             (BlendConfig { phases: 3, ..plain() }, "phases"),
-            (BlendConfig { axes: same_axis, ..plain() }, "axes"),
+            (BlendConfig { axes: same_axis, ..plain() }, "axes[1]"),
             (BlendConfig { examples: Vec::new(), ..plain() }, "examples"),
             (BlendConfig { weight_tolerance: 0.0, ..plain() }, "weight_tolerance"),
             (unknown, "style"),
             (twofold, "examples"),
             (standing, "examples"),
-            (found, "find"),
-            (backwards, "axes.range"),
+            (found, "find[0]"),
+            (backwards, "axes[1].range"),
         ] {
-            let e = config.check("walk").unwrap_err().to_string();
-            assert!(e.starts_with(&format!("blend.walk.{key}:")), "{e}");
+            let e = config.check().unwrap_err().to_string();
+            assert!(e.starts_with(&format!("{key}:")), "{e}");
         }
     }
 }

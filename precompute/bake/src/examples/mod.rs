@@ -130,7 +130,7 @@ pub struct ExampleReport {
 /// - returns spaces in the order of their names.
 ///
 /// # Errors
-/// [`BuildError::Config`] for a setting out of its limits; [`BuildError::Stage`] for named examples that are not there,
+/// [`BuildError::Key`] for a setting out of its limits; [`BuildError::Stage`] for named examples that are not there,
 /// have wrong keytimes or coincide, for too few examples, and for a weight table that would be too large.
 ///
 /// # Source
@@ -156,15 +156,18 @@ pub fn fit(
 /// Every space of some tables of a config, by name.
 ///
 /// # Errors
-/// [`BuildError::Config`] naming the space and the first key out of its limits.
+/// [`BuildError::Key`] naming the first key out of its limits.
 pub fn spaces(configs: &BTreeMap<String, BlendConfig>) -> Result<Vec<(String, BlendConfig)>, BuildError> {
-    let all: Vec<_> = configs.iter().flat_map(|(name, c)| c.spaces(name)).collect();
-    for (i, (name, config)) in all.iter().enumerate() {
-        if all[..i].iter().any(|(n, _)| n == name) {
-            let message = format!("blend.{name}: two spaces have this name. Correct the config.");
-            return Err(BuildError::Config { message });
+    let mut all: Vec<(String, BlendConfig)> = Vec::new();
+    for (table, config) in configs {
+        let key = format!("blend.{table}");
+        for (name, space) in config.spaces(table) {
+            if all.iter().any(|(n, _)| *n == name) {
+                return Err(BuildError::key(key, format!("two spaces are called `{name}`. Correct the config.")));
+            }
+            space.check().map_err(|e| e.within(&key))?;
+            all.push((name, space));
         }
-        config.check(name)?;
     }
     Ok(all)
 }

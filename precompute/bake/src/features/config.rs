@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_base::text;
 use throng_core::{Joint, NUM_JOINTS};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, check_ranges};
 
 /// Weights of the six features of Lee, Choi and Lee (2006), section 3.
 ///
@@ -21,14 +21,14 @@ use throng_motion::error::BuildError;
 #[serde(default, deny_unknown_fields)]
 pub struct FeaturesConfig {
     /// Relative weights of joints by snake_case name, in place of the default ones. Only the proportions among
-    /// all joints matter. The hips are weighted by `orientation_weight` (>= 0).
+    /// all joints matter. The hips are weighted by `orientation_weight` (0 to 1e6).
     pub joint_weights: BTreeMap<String, f64>,
-    /// Weight of the root's orientation without the rotation about the vertical, per square radian (>= 0).
+    /// Weight of the root's orientation without the rotation about the vertical, per square radian (0 to 1e6).
     pub orientation_weight: f64,
     /// Joint angle that a metre counts for: root height, and root travel within `horizon_s`.
-    /// (rad/m, >= 0)
+    /// (rad/m, 0 to 1e6)
     pub angle_per_metre: f64,
-    /// Time within which a difference in velocity counts (s, >= 0).
+    /// Time within which a difference in velocity counts (s, 0 to 1e6).
     pub horizon_s: f64,
 }
 
@@ -40,7 +40,7 @@ impl Default for FeaturesConfig {
 
 /// Weights ready for use. Velocity weights include the horizon.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Weights {
+pub(crate) struct Weights {
     /// Per squared joint angle; the hips' is 0 (NUM_JOINTS).
     pub joints: [f64; NUM_JOINTS],
     pub height: f64,
@@ -53,8 +53,8 @@ pub(super) struct Weights {
 
 impl FeaturesConfig {
     /// # Errors
-    /// [`BuildError::Config`] for a joint that does not exist or a number out of range.
-    pub(super) fn weights(&self) -> Result<Weights, BuildError> {
+    /// [`BuildError::Key`] for a joint that does not exist or a number out of range.
+    pub(crate) fn weights(&self) -> Result<Weights, BuildError> {
         let mut joints = Joint::ALL.map(default_weight);
         for (name, &w) in &self.joint_weights {
             let joint = Joint::from_name(name).filter(|&j| j != Joint::Hips).ok_or_else(|| unknown_joint(name))?;
@@ -62,10 +62,8 @@ impl FeaturesConfig {
         }
         let sum: f64 = joints.iter().sum();
         if sum <= 0.0 {
-            return Err(BuildError::Config {
-                message: "features.joint_weights: every joint has weight 0. Give at least one a weight above 0."
-                    .to_owned(),
-            });
+            let why = "every joint has weight 0. Give at least one a weight above 0.";
+            return Err(BuildError::key("features.joint_weights", why));
         }
         let orientation = check("orientation_weight", self.orientation_weight)?;
         let metre = check("angle_per_metre", self.angle_per_metre)?.powi(2);
@@ -102,22 +100,16 @@ fn default_weight(joint: Joint) -> f64 {
 }
 
 fn check(key: &str, value: f64) -> Result<f64, BuildError> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(value);
-    }
-    Err(BuildError::Config {
-        message: format!("features.{key}: expected a finite number of at least 0, found {value}. Correct the config."),
-    })
+    check_ranges([(key, value, 0.0, 1e6)]).map_err(|e| e.within("features")).map(|()| value)
 }
 
 fn unknown_joint(name: &str) -> BuildError {
     let meant = text::did_you_mean(name, Joint::ALL[1..].iter().map(|j| j.name()));
-    let message = if name == Joint::Hips.name() {
-        "features.joint_weights.hips: the hips are weighted by orientation_weight. Remove the entry.".to_owned()
-    } else {
-        format!("features.joint_weights.{name}: no such joint.{meant}")
+    let why = match name == Joint::Hips.name() {
+        true => "the hips are weighted by orientation_weight. Remove the entry.".to_owned(),
+        false => format!("no such joint.{meant}"),
     };
-    BuildError::Config { message }
+    BuildError::key(format!("features.joint_weights.{name}"), why)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, check_ranges};
 
 /// Settings of [`super::connect`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -12,32 +12,32 @@ pub struct GraphConfig {
     pub enabled: bool,
     /// Actions a state should have on average; the threshold is chosen for it (2 to max_actions).
     pub branching: f64,
-    /// Distance up to which frames match, in place of one chosen for `branching` (rad, > 0).
+    /// Distance up to which frames match, in place of one chosen for `branching` (rad, 1e-6 to 1000).
     pub threshold: Option<f64>,
     /// Largest distance of any transition: of the threshold chosen for `branching`, and of the transitions beyond
-    /// it that keep rare motion in and offer every kind of outcome (rad, > 0).
+    /// it that keep rare motion in and offer every kind of outcome (rad, 1e-6 to 1000).
     pub max_error: f64,
     /// Most actions a state may have (4 to 255).
     pub max_actions: usize,
     /// Transitions that stay within this time of where they leave in the same clip are left out.
-    /// (s, >= 0)
+    /// (s, 0 to 10000)
     pub min_jump_s: f64,
     /// Of two matches whose motion leads within `outcome_horizon_s` to places nearer than this, and to headings
-    /// nearer than `outcome_angle`, only the better is an action. 0 keeps both (m, >= 0).
+    /// nearer than `outcome_angle`, only the better is an action. 0 keeps both (m, 0 to 1000).
     pub outcome_distance: f64,
-    /// See `outcome_distance` (rad, >= 0).
+    /// See `outcome_distance` (rad, 0 to 10).
     pub outcome_angle: f64,
-    /// See `outcome_distance` (s, > 0).
+    /// See `outcome_distance` (s, 0.001 to 1000).
     pub outcome_horizon_s: f64,
-    /// A character with both feet planted whose root is slower than this stands (m/s, >= 0).
+    /// A character with both feet planted whose root is slower than this stands (m/s, 0 to 100).
     pub standing_speed_mps: f64,
-    /// Shortest time that counts as standing (s, >= 0).
+    /// Shortest time that counts as standing (s, 0 to 10000).
     pub standing_min_s: f64,
-    /// Time between event frames while standing (s, > 0).
+    /// Time between event frames while standing (s, 0.001 to 10000).
     pub standing_interval_s: f64,
-    /// A foot that comes down again sooner has not left the ground (s, >= 0).
+    /// A foot that comes down again sooner has not left the ground (s, 0 to 10000).
     pub min_swing_s: f64,
-    /// Least motion in the graph; less is an error (s, >= 0).
+    /// Least motion in the graph; less is an error (s, 0 to 1e6).
     pub min_component_s: f64,
 }
 
@@ -64,36 +64,24 @@ impl Default for GraphConfig {
 
 impl GraphConfig {
     /// # Errors
-    /// [`BuildError::Config`] naming the first key out of its limits.
-    pub(super) fn check(&self) -> Result<(), BuildError> {
-        let limits = [
-            ("threshold", self.threshold.unwrap_or(1.0), f64::MIN_POSITIVE, f64::MAX),
-            ("max_error", self.max_error, f64::MIN_POSITIVE, f64::MAX),
+    /// [`BuildError::Key`] naming the first key out of its limits.
+    pub(crate) fn check(&self) -> Result<(), BuildError> {
+        let ranges = [
+            ("threshold", self.threshold.unwrap_or(1.0), 1e-6, 1e3),
+            ("max_error", self.max_error, 1e-6, 1e3),
             ("max_actions", self.max_actions as f64, 4.0, 255.0),
             ("branching", self.branching, 2.0, self.max_actions as f64),
-            ("min_jump_s", self.min_jump_s, 0.0, f64::MAX),
-            ("outcome_distance", self.outcome_distance, 0.0, f64::MAX),
-            ("outcome_angle", self.outcome_angle, 0.0, f64::MAX),
-            ("outcome_horizon_s", self.outcome_horizon_s, f64::MIN_POSITIVE, f64::MAX),
-            ("standing_speed_mps", self.standing_speed_mps, 0.0, f64::MAX),
-            ("standing_min_s", self.standing_min_s, 0.0, f64::MAX),
-            ("standing_interval_s", self.standing_interval_s, f64::MIN_POSITIVE, f64::MAX),
-            ("min_swing_s", self.min_swing_s, 0.0, f64::MAX),
-            ("min_component_s", self.min_component_s, 0.0, f64::MAX),
+            ("min_jump_s", self.min_jump_s, 0.0, 1e4),
+            ("outcome_distance", self.outcome_distance, 0.0, 1e3),
+            ("outcome_angle", self.outcome_angle, 0.0, 10.0),
+            ("outcome_horizon_s", self.outcome_horizon_s, 1e-3, 1e3),
+            ("standing_speed_mps", self.standing_speed_mps, 0.0, 100.0),
+            ("standing_min_s", self.standing_min_s, 0.0, 1e4),
+            ("standing_interval_s", self.standing_interval_s, 1e-3, 1e4),
+            ("min_swing_s", self.min_swing_s, 0.0, 1e4),
+            ("min_component_s", self.min_component_s, 0.0, 1e6),
         ];
-        match limits.into_iter().find(|&(_, value, low, high)| !(low..=high).contains(&value)) {
-            None => Ok(()),
-            Some((key, value, low, high)) => {
-                let wanted = match (low == f64::MIN_POSITIVE, high == f64::MAX) {
-                    (true, _) => "a number above 0".to_owned(),
-                    (false, true) => format!("a number of at least {low}"),
-                    (false, false) => format!("a number from {low} to {high}"),
-                };
-                Err(BuildError::Config {
-                    message: format!("graph.{key}: expected {wanted}, found {value}. Correct the config."),
-                })
-            }
-        }
+        check_ranges(ranges).map_err(|e| e.within("graph"))
     }
 }
 

@@ -4,7 +4,7 @@ use crate::environment::TouchConfig;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, check_ranges};
 
 /// How motion patches are built from clips and the environments they were captured in.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -147,15 +147,21 @@ fn margin() -> f64 {
 
 impl PatchConfig {
     /// # Errors
-    /// [`BuildError::Config`] naming the first key out of its limits.
-    pub(super) fn check(&self) -> Result<(), BuildError> {
+    /// [`BuildError::Key`] naming the first key out of its limits.
+    pub(crate) fn check(&self) -> Result<(), BuildError> {
         let (least, most) = (self.min_link_frames as f64, f64::from(u16::MAX));
-        within("cell_m", self.cell_m, 0.02, 0.5)?;
-        within("cell_deg", self.cell_deg, 2.0, 45.0)?;
-        within("min_link_frames", least, 1.0, most)?;
-        within("max_link_frames", self.max_link_frames as f64, 2.0 * least, most)?;
-        self.block_units.iter().try_for_each(|&k| within("block_units", k as f64, 1.0, 4.0))?;
-        self.tiles.iter().try_for_each(TileConfig::check)
+        let ranges = [
+            ("cell_m", self.cell_m, 0.02, 0.5),
+            ("cell_deg", self.cell_deg, 2.0, 45.0),
+            ("min_link_frames", least, 1.0, most),
+            ("max_link_frames", self.max_link_frames as f64, 2.0 * least, most),
+        ];
+        let blocks = self.block_units.iter().map(|&k| ("block_units", k as f64, 1.0, 4.0));
+        let tiles = || self.tiles.iter().enumerate();
+        check_ranges(ranges.into_iter().chain(blocks))
+            .and_then(|()| self.touch.check().map_err(|e| e.within("touch")))
+            .and_then(|()| tiles().try_for_each(|(i, t)| t.check().map_err(|e| e.within(&format!("tiles[{i}]")))))
+            .map_err(|e| e.within("patches"))
     }
 }
 
@@ -193,16 +199,8 @@ impl TileConfig {
             ("variety", self.variety as f64, 1.0, 1000.0),
             ("margin_m", self.margin_m, 0.0, 10.0),
         ];
-        limits.into_iter().try_for_each(|(key, value, low, high)| within(&format!("tiles.{key}"), value, low, high))
+        check_ranges(limits)
     }
-}
-
-fn within(key: &str, value: f64, low: f64, high: f64) -> Result<(), BuildError> {
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    let message = format!("patches.{key}: expected {low} to {high}, found {value}. Correct the config.");
-    Err(BuildError::Config { message })
 }
 
 /// True where `name` is `pattern`, in which one `*` may stand for any text.
@@ -228,7 +226,7 @@ mod tests {
             (PatchConfig { block_units: vec![1, 5], ..Default::default() }, "block_units"),
             (
                 PatchConfig { tiles: vec![TileConfig { slots: 0, ..TileConfig::of("panel") }], ..Default::default() },
-                "tiles.slots",
+                "tiles[0].slots",
             ),
         ] {
             assert!(config.check().unwrap_err().to_string().contains(&format!("patches.{key}:")));

@@ -109,8 +109,8 @@ pub fn build(
     let (tracks, hips, min_frames) = (tracks.as_slice(), hips.as_slice(), config.min_link_frames);
     let given = tile::Given { clips, tracks, settings, units, hips, bounds: &bounds, min_frames };
     progress.begin("patch", config.tiles.len() as u64, "tiles");
-    for tile in &config.tiles {
-        let (patch, report) = tile::build(&given, tile)?;
+    for (i, tile) in config.tiles.iter().enumerate() {
+        let (patch, report) = tile::build(&given, tile).map_err(|e| e.within(&format!("patches.tiles[{i}]")))?;
         out.patches.push(patch);
         out.report.push(report);
         progress.advance(1);

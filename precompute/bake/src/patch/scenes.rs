@@ -35,7 +35,7 @@ pub struct SourceScenes {
 /// [`geometries`]; for a pattern that no clip matches, with the clips there are; for a clip in two environments; for an
 /// environment that was made with another unit file.
 pub fn scenes(clips: &[Clip], cfg: &PatchConfig, units: &UnitSet) -> Result<SourceScenes, BuildError> {
-    cfg.touch.check()?;
+    cfg.touch.check().map_err(|e| e.within("patches.touch"))?;
     let geometries = geometries(units)?;
     let mut of_clip = vec![None; clips.len()];
     let mut scenes = Vec::with_capacity(cfg.environments.len());
@@ -44,11 +44,12 @@ pub fn scenes(clips: &[Clip], cfg: &PatchConfig, units: &UnitSet) -> Result<Sour
         check_units(&file, &source.file, cfg)?;
         scenes.push(PlacedGeometry::new(&file.expand(units, &source.file)?, &geometries));
         for pattern in &source.clips {
-            for clip in matching(clips, pattern, &source.file)? {
+            let key = format!("patches.environments[{number}].clips");
+            for clip in matching(clips, pattern, &key)? {
                 if of_clip[clip].replace(number).is_some_and(|n| n != number) {
                     let name = &clips[clip].name;
-                    let what = format!("patches.environments[{number}]: clip `{name}` is in another environment too");
-                    return Err(BuildError::Config { message: format!("{what}; leave it out of one of them") });
+                    let why = format!("clip `{name}` is in another environment too; leave it out of one of them");
+                    return Err(BuildError::key(key, why));
                 }
             }
         }
@@ -106,8 +107,8 @@ fn check_units(file: &EnvironmentFile, path: &Path, cfg: &PatchConfig) -> Result
     match &cfg.units {
         Some(units) if whole(units) != whole(&file.units) => {
             let (theirs, ours) = (file.units.display(), units.display());
-            let what = format!("units: expected the build's own file {ours}, found {theirs}; use one file for both");
-            Err(BuildError::Config { message: format!("{}: {what}", path.display()) })
+            let why = format!("expected the build's own file {ours}, found {theirs}; use one file for both");
+            Err(BuildError::key("units", why).in_file(path))
         }
         _ => Ok(()),
     }
@@ -116,9 +117,9 @@ fn check_units(file: &EnvironmentFile, path: &Path, cfg: &PatchConfig) -> Result
 /// Numbers of the clips that a pattern names, mirrored copies left out.
 ///
 /// # Errors
-/// [`BuildError::Config`] for more than one `*`, and where no clip matches.
-fn matching(clips: &[Clip], pattern: &str, path: &Path) -> Result<Vec<usize>, BuildError> {
-    let fail = |what: String| Err(BuildError::Config { message: format!("{}: clips: {what}", path.display()) });
+/// [`BuildError::Key`] for more than one `*`, and where no clip matches.
+fn matching(clips: &[Clip], pattern: &str, key: &str) -> Result<Vec<usize>, BuildError> {
+    let fail = |why: String| Err(BuildError::key(key, why));
     if pattern.matches('*').count() > 1 {
         return fail(format!("expected at most one `*` in a pattern, found `{pattern}`"));
     }
@@ -231,7 +232,7 @@ mod tests {
         let (folder, mut cfg, units) = files(&["*"]);
         cfg.environments.push(SourceEnvironment { clips: vec!["walk".into()], ..cfg.environments[0].clone() });
         let e = run(&mut clips(), &cfg, &units).unwrap_err().to_string();
-        assert!(e.contains("environments[1]: clip `walk` is in another environment too"), "{e}");
+        assert!(e.contains("environments[1].clips: clip `walk` is in another environment too"), "{e}");
         let (_folder, mut cfg, units) = files(&["*"]);
         cfg.units = Some(folder.path().join("units.toml"));
         let e = run(&mut clips(), &cfg, &units).unwrap_err().to_string();

@@ -4,7 +4,7 @@ use super::config::PolicyConfig;
 use super::model::ActionModel;
 use super::solve::{Solution, stage_error, tolerance};
 use rayon::prelude::*;
-use throng_core::policy::{Goal, LookAheadJob, MAX_RANKED, PolicyTable, RankedActions};
+use throng_core::policy::{Goal, LookAheadJob, PolicyTable, RankedActions};
 use throng_motion::error::BuildError;
 
 /// Best actions of a policy, best first (num_states * num_cells * num_choices).
@@ -17,10 +17,6 @@ use throng_motion::error::BuildError;
 /// # Errors
 /// [`BuildError::Stage`] with the residual where `cfg.max_sweeps` are not enough.
 pub fn bake(model: &ActionModel, solution: &mut Solution, cfg: &PolicyConfig) -> Result<Vec<u8>, BuildError> {
-    if cfg.choices == 0 || cfg.choices as usize > MAX_RANKED {
-        let message = format!("policy: `choices` is {}, expected 1 to {MAX_RANKED}", cfg.choices);
-        return Err(BuildError::Config { message });
-    }
     let wanted = tolerance(cfg.epsilon, f64::from(solution.record.discount), model.least_frames()) as f32;
     let first_actions = vec![0; solution.values.len()];
     loop {

@@ -109,7 +109,7 @@ impl PolicyTables {
 /// - `rng`: for the comparison in the reports only; tables do not depend on it.
 ///
 /// # Errors
-/// [`BuildError::Config`] for keys out of range or names used twice, [`BuildError::Stage`] where a state has more
+/// [`BuildError::Key`] for keys out of range or names used twice, [`BuildError::Stage`] where a state has more
 /// than 255 actions or value iteration does not come to its end.
 pub fn solve(
     clips: &ClipSet,
@@ -121,8 +121,8 @@ pub fn solve(
 ) -> Result<PolicyTables, BuildError> {
     let model = ActionModel::new(clips, graph)?;
     let hits = segment_hits(clips, graph);
-    let made: Vec<Box<dyn Behaviour>> =
-        behaviours.iter().map(|b| make(b, clips, graph, &hits)).collect::<Result<_, BuildError>>()?;
+    let one = |(i, b)| make(b, clips, graph, &hits).map_err(|e| e.within(&format!("behaviours[{i}]")));
+    let made: Vec<Box<dyn Behaviour>> = behaviours.iter().enumerate().map(one).collect::<Result<_, BuildError>>()?;
     let made: Vec<&dyn Behaviour> = made.iter().map(|b| &**b).collect();
     solve_behaviours(model, &made, cfg, rng, progress)
 }
@@ -161,12 +161,13 @@ pub fn solve_behaviours(
     progress: &dyn Progress,
 ) -> Result<PolicyTables, BuildError> {
     let mut policies: Vec<Policy> = Vec::new();
-    for &behaviour in behaviours {
+    for (i, &behaviour) in behaviours.iter().enumerate() {
+        let key = format!("behaviours[{i}]");
         if policies.iter().any(|p| p.name == behaviour.spec().name) {
-            let message = format!("behaviour \"{}\" is there twice; give each its own name", behaviour.spec().name);
-            return Err(BuildError::Config { message });
+            let why = format!("\"{}\" is there twice; give each its own name", behaviour.spec().name);
+            return Err(BuildError::key("name", why).within(&key));
         }
-        policies.push(solve_one(&model, behaviour, cfg, rng, progress)?);
+        policies.push(solve_one(&model, behaviour, cfg, rng, progress).map_err(|e| e.within(&key))?);
     }
     let ActionModel { action_offsets, action_segments, .. } = model;
     Ok(PolicyTables { action_offsets, action_segments, policies })

@@ -183,14 +183,7 @@ fn blank(
     segments: Vec<SegmentRecord>,
     cfg: &PolicyConfig,
 ) -> Result<Solution, BuildError> {
-    let valid = (1e-6..=1.0).contains(&cfg.epsilon) && cfg.max_sweeps > 0;
-    if !valid {
-        let message = format!(
-            "policy: `epsilon` is {} and `max_sweeps` is {}, expected 1e-6 to 1 and at least 1",
-            cfg.epsilon, cfg.max_sweeps
-        );
-        return Err(BuildError::Config { message });
-    }
+    cfg.check()?;
     let grid = behaviour.spec().grid;
     let record = PolicyRecord {
         grid: *grid.record(),

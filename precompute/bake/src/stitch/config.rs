@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, check_ranges};
 
 /// How patches are fitted into an environment and joined where they overlap.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -15,13 +15,13 @@ pub struct StitchConfig {
     /// And turned by no more than this (deg, > 0, <= 45).
     pub heading_deg: f32,
     /// Motion of a tile is left and entered no nearer to its ends than this, or than a quarter of it where it is short.
-    /// (frames, >= 1)
+    /// (frames, 1 to 10000)
     pub min_frames: u32,
-    /// Most joints that a block's cell may have with one other patch: the nearest ones are kept (>= 1).
+    /// Most joints that a block's cell may have with one other patch: the nearest ones are kept (1 to 1000).
     pub joints_per_cell: usize,
-    /// A body that is deeper than this in a unit collides with it (m, >= 0).
+    /// A body that is deeper than this in a unit collides with it (m, 0 to 100).
     pub penetration_m: f32,
-    /// Two units stand in each other where their solids are deeper in each other than this (m, > 0).
+    /// Two units stand in each other where their solids are deeper in each other than this (m, > 0, <= 100).
     pub overlap_m: f32,
     /// Names of units that are only in the way, such as walls: no patch need fit them.
     pub obstacles: Vec<String>,
@@ -49,24 +49,25 @@ impl StitchConfig {
     /// Checks the limits of its numbers.
     ///
     /// # Errors
-    /// [`BuildError::Config`] names the key, what was expected and what was found.
+    /// [`BuildError::Key`] names the key, what was expected and what was found.
     pub fn check(&self) -> Result<(), BuildError> {
-        let numbers = [
-            ("position_m", self.position_m, self.position_m > 0.0 && self.position_m <= 0.5, "above 0, up to 0.5"),
-            ("height_m", self.height_m, self.height_m > 0.0 && self.height_m <= 0.5, "above 0, up to 0.5"),
-            ("heading_deg", self.heading_deg, self.heading_deg > 0.0 && self.heading_deg <= 45.0, "above 0, up to 45"),
-            ("penetration_m", self.penetration_m, self.penetration_m >= 0.0, "0 or more"),
-            ("overlap_m", self.overlap_m, self.overlap_m > 0.0, "above 0"),
-        ];
-        let counts = [("min_frames", self.min_frames as usize), ("joints_per_cell", self.joints_per_cell)];
-        let bad_number = numbers.iter().find(|n| !n.2).map(|n| (n.0, n.3, n.1.to_string()));
-        let bad_count = counts.iter().find(|c| c.1 == 0).map(|c| (c.0, "1 or more", c.1.to_string()));
-        match bad_number.or(bad_count) {
-            None => Ok(()),
-            Some((key, expected, found)) => Err(BuildError::Config {
-                message: format!("[stitch] {key}: expected {expected}, found {found}. Correct it or leave it out."),
-            }),
-        }
+        let above = |key, v: f32, high| {
+            let fine = v > 0.0 && v <= high;
+            let why = || format!("expected above 0, up to {high}, found {v}. Correct it or leave it out.");
+            if fine { Ok(()) } else { Err(BuildError::key(key, why())) }
+        };
+        above("position_m", self.position_m, 0.5)
+            .and_then(|()| above("height_m", self.height_m, 0.5))
+            .and_then(|()| above("heading_deg", self.heading_deg, 45.0))
+            .and_then(|()| above("overlap_m", self.overlap_m, 100.0))
+            .and_then(|()| {
+                check_ranges([
+                    ("penetration_m", f64::from(self.penetration_m), 0.0, 100.0),
+                    ("min_frames", f64::from(self.min_frames), 1.0, 1e4),
+                    ("joints_per_cell", self.joints_per_cell as f64, 1.0, 1e3),
+                ])
+            })
+            .map_err(|e| e.within("stitch"))
     }
 }
 

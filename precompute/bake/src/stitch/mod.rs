@@ -18,7 +18,7 @@ pub use edit::why::{Collision, Item, Why};
 pub use inferred::SavedFiles;
 pub use library::Library;
 pub use report::{Reason, StitchReport};
-pub use source::{Kit, WorldSource, save, stitch_source};
+pub use source::{Kit, WorldSource, check_replaced, save, stitch_source};
 
 use crate::environment::Environment;
 use throng_core::patch::Patches;

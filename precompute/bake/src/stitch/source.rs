@@ -15,7 +15,7 @@ use throng_core::patch::Patches;
 use throng_motion::error::BuildError;
 use throng_motion::files::write_atomically;
 use throng_motion::progress::Progress;
-use throng_world::{PathCosts, WorldData, WorldGraph};
+use throng_world::{PathCosts, World, WorldData, WorldGraph};
 
 /// A world that is to be stitched.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -43,7 +43,7 @@ impl WorldSource {
     /// Reads a world file; paths in it are taken from its folder.
     ///
     /// # Errors
-    /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column.
+    /// [`BuildError::File`] with file, line and column.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
         let source = Source::read(path, "a world")?;
         let help = "A world has `bundle`, `config`, `stitch`, `place` and `prefabs`; data/worlds/ has examples.";
@@ -51,6 +51,12 @@ impl WorldSource {
         if world.name.is_empty() {
             world.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
+        // The stitched world is called by it, beside the bundle.
+        if Path::new(&world.name).file_name().is_none_or(|n| n != world.name.as_str()) || world.name.contains('\\') {
+            let why = format!("expected the name of a file without folders, found \"{}\"", world.name);
+            return Err(BuildError::key("name", why).at(&source));
+        }
+        world.stitch.check().map_err(|e| e.at(&source))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         world.bundle = folder.join(&world.bundle);
         world.config = world.config.map(|c| folder.join(c));
@@ -107,8 +113,8 @@ impl WorldSource {
     ///
     /// # Errors
     /// As [`WorldSource::environment`].
-    pub fn hash(&self, units: &UnitSet, path: &Path) -> Result<u128, BuildError> {
-        Ok(source_hash(&as_toml(&self.environment(units, path)?)?, &self.stitch))
+    pub fn hash(&self, library: &Library<'_>, path: &Path) -> Result<u128, BuildError> {
+        source_hash(&as_toml(&self.environment(library.units, path)?)?, &self.stitch, library)
     }
 
     /// What stands where.
@@ -117,7 +123,7 @@ impl WorldSource {
     /// - `path`: of the world file, for messages.
     ///
     /// # Errors
-    /// [`BuildError::Config`] as [`EnvironmentFile::expand`].
+    /// As [`EnvironmentFile::expand`].
     pub fn environment(&self, units: &UnitSet, path: &Path) -> Result<Environment, BuildError> {
         let file = EnvironmentFile {
             name: self.name.clone(),
@@ -216,26 +222,65 @@ pub fn stitch_source(
 
 /// Works out a world's path costs and writes it; it takes its place only when it is whole.
 ///
+/// - `source`: the file it was stitched from, which the world names.
 /// - `patches`: the bundle's.
 /// - returns its length (bytes).
 ///
 /// # Errors
 /// [`BuildError::Io`] where it cannot be written, [`BuildError::Stage`] for a world without a place for a character.
-pub fn save(world: &WorldData, patches: &Patches, out: &Path) -> Result<u64, BuildError> {
+pub fn save(world: &mut WorldData, source: &Path, patches: &Patches, out: &Path) -> Result<u64, BuildError> {
     let paths = WorldGraph::new(patches, &world.view()).and_then(|graph| PathCosts::bake(&graph));
     let paths = paths.map_err(|e| BuildError::Stage {
         stage: STAGE,
         message: format!("world {}: {e}", world.meta.name),
         help: "Place more units".into(),
     })?;
+    world.meta.source = seen_from(source, out)?;
     write_atomically(out, |mut w| world.write(&paths, &mut w))?;
     let length = std::fs::metadata(out).map_err(|source| BuildError::Io { path: out.to_path_buf(), source })?.len();
     Ok(length)
 }
 
+/// Refuses to write a world over one that was stitched from another file: neither would ever find its own again.
+///
+/// # Errors
+/// [`BuildError::Stage`] that names both files.
+pub fn check_replaced(source: &Path, out: &Path) -> Result<(), BuildError> {
+    // What is no world, or of another version, cannot be used by anybody.
+    let Ok(meta) = World::read_meta(out) else { return Ok(()) };
+    if meta.source == seen_from(source, out)? {
+        return Ok(());
+    }
+    let by = if meta.source.is_empty() { "no file" } else { meta.source.as_str() };
+    Err(BuildError::Stage {
+        stage: STAGE,
+        message: format!(
+            "{} was stitched from {by} (as seen from its folder), not from {}",
+            out.display(),
+            source.display()
+        ),
+        help:
+            "Give one of the two worlds another `name`, write this one elsewhere with `throng stitch --out`, or remove \
+               the old one"
+                .into(),
+    })
+}
+
+/// A file as seen from the folder of another one, with `/` between the parts.
+fn seen_from(file: &Path, other: &Path) -> Result<String, BuildError> {
+    let real = |path: &Path| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
+    let folder = other.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let io = |source| BuildError::Io { path: file.to_path_buf(), source };
+    let seen = relative(&real(file).map_err(io)?, &real(folder).map_err(io)?);
+    Ok(seen.to_string_lossy().replace('\\', "/"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::environment::{Solid, Triangles};
+    use glam::Vec3;
+    use throng_core::Skeleton;
 
     fn load(text: &str) -> Result<WorldSource, String> {
         let folder = tempfile::tempdir().unwrap();
@@ -273,6 +318,49 @@ mod tests {
         let after = saved.environment(&units, &b).unwrap();
         for (a, b) in before.units.iter().zip(&after.units) {
             assert!(a.placement.to_local(b.placement).wrapped().is_moderate(1e-4), "{a:?} {b:?}");
+        }
+    }
+
+    #[test]
+    fn the_hash_tells_environment_settings_bundle_and_meshes_apart() {
+        let units = UnitSet::parse("[[units]]\nname = \"wall\"\n", Path::new("u.toml")).unwrap();
+        let mesh = |x| {
+            let corners = vec![[Vec3::ZERO, Vec3::X * x, Vec3::Y]];
+            let mut geometry = UnitGeometry::new(&units.units[0]).unwrap();
+            geometry.solids = vec![Solid::Mesh(Triangles::new(corners))];
+            vec![Arc::new(geometry)]
+        };
+        let (one, other) = (mesh(1.0), mesh(2.0));
+        let skeleton = Skeleton::default();
+        let hash = |text: &str, bundle_hash, geometries: &[Arc<UnitGeometry>]| {
+            let library = Library {
+                bundle: "b",
+                bundle_hash,
+                rate_hz: 30.0,
+                names: &[],
+                units: &units,
+                frames: &[],
+                groups: &[],
+                contacts: &[],
+                geometries,
+                skeleton: &skeleton,
+            };
+            load(text).unwrap().hash(&library, Path::new("square.toml")).unwrap()
+        };
+        let text = "bundle = \"b.throng\"\n[[place]]\nunit = \"wall\"\nat = [0, 0, 0]\n";
+        let base = hash(text, 1, &one);
+        assert_eq!(base, hash(&text.replace("[0, 0, 0]", "[0.0, 0.0, 0.0]"), 1, &one), "spelling changes nothing");
+        assert_ne!(base, hash(&text.replace("[0, 0, 0]", "[0, 0, 1]"), 1, &one));
+        assert_ne!(base, hash(&format!("{text}[stitch]\nposition_m = 0.2\n"), 1, &one));
+        assert_ne!(base, hash(text, 2, &one));
+        assert_ne!(base, hash(text, 1, &other));
+    }
+
+    #[test]
+    fn a_name_that_is_a_path_is_refused() {
+        for name in ["../other", "a/b", "..", "/tmp/a"] {
+            let error = load(&format!("name = \"{name}\"\nbundle = \"b.throng\"\nplace = []\n")).unwrap_err();
+            assert!(error.contains("square.toml:1:1: name: expected the name of a file"), "{error}");
         }
     }
 

@@ -54,7 +54,9 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) ->
         return Err(BuildError::Config { message });
     };
     (with.tell)(&format!("{name} is not there: building it from {} ...", config.display()));
-    let report = BuildConfig::load(config).and_then(|c| pipeline::build(&c, bundle, with.cache, with.progress));
+    let report = BuildConfig::load(config)
+        .and_then(|c| pipeline::build(&c, bundle, with.cache, with.progress))
+        .map_err(|e| e.in_file(config));
     let report = report.map_err(|e| {
         let message = format!("{name} is missing, and building it from {} failed: {e}", config.display());
         BuildError::Config { message }
@@ -64,12 +66,12 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) ->
     Ok(())
 }
 
-/// Stitches a world where it is missing, or was made with another bundle or from another text.
+/// Stitches a world where it is missing, or was made with another bundle or from an older text of its file.
 ///
 /// - returns what was done, where anything was.
 ///
 /// # Errors
-/// As [`ensure`].
+/// As [`ensure`]; as [`stitch::check_replaced`] where a world of another file stands there.
 pub fn ensure_world(
     source: &WorldSource,
     file: &Path,
@@ -78,12 +80,13 @@ pub fn ensure_world(
     with: &Cached<'_>,
 ) -> Result<Option<StitchReport>, BuildError> {
     let kit = Kit::new(tables, &source.bundle)?;
-    let hash = source.hash(&kit.units, file)?;
+    let hash = source.hash(&kit.library(tables), file)?;
     if World::open(out, tables).is_ok_and(|world| world.meta().source_hash == hash) {
         return Ok(None);
     }
+    stitch::check_replaced(file, out)?;
     (with.tell)(&format!("stitching {} ...", source.name));
-    let (world, mut report) = stitch::stitch_source(source, file, tables, &kit, with.progress)?;
-    report.world_bytes = stitch::save(&world, tables.patches(), out)?;
+    let (mut world, mut report) = stitch::stitch_source(source, file, tables, &kit, with.progress)?;
+    report.world_bytes = stitch::save(&mut world, file, tables.patches(), out)?;
     Ok(Some(report))
 }

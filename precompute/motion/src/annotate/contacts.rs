@@ -1,6 +1,7 @@
 //! Foot contacts by height and speed, with hysteresis.
 
 use crate::clip::{Clip, runs};
+use crate::error::{BuildError, check_ranges};
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -49,6 +50,25 @@ impl Default for ContactConfig {
             max_gap: 0.07,
             ground: Ground::Auto,
         }
+    }
+}
+
+impl ContactConfig {
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`BuildError::Key`] names the first one out of it.
+    pub fn check(&self) -> Result<(), BuildError> {
+        let lengths = [("height_on", self.height_on, 0.0, self.height_off), ("height_off", self.height_off, 0.0, 10.0)];
+        let speeds = [
+            ("speed_on", self.speed_on, 0.0, self.speed_off),
+            ("speed_off", self.speed_off, 0.0, 100.0),
+            ("vertical_speed_off", self.vertical_speed_off, 0.0, 100.0),
+            ("speed_share", self.speed_share, 0.0, 10.0),
+        ];
+        let times = [("min_duration", self.min_duration, 0.0, 60.0), ("max_gap", self.max_gap, 0.0, 60.0)];
+        let single = |(key, number, low, high)| (key, f64::from(number), f64::from(low), f64::from(high));
+        check_ranges(lengths.into_iter().chain(speeds).chain(times).map(single))
     }
 }
 

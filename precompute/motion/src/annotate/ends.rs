@@ -2,6 +2,7 @@
 
 use super::contacts::speeds;
 use crate::clip::{Clip, Exclusion, ExclusionReason};
+use crate::error::{BuildError, check_ranges};
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,24 @@ pub struct EndsConfig {
 impl Default for EndsConfig {
     fn default() -> Self {
         Self { t_pose: true, still: true, t_pose_within: 1.0, still_duration: 0.5, still_speed: 0.1, still_keep: 0.3 }
+    }
+}
+
+impl EndsConfig {
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`BuildError::Key`] names the first one out of it.
+    pub fn check(&self) -> Result<(), BuildError> {
+        check_ranges(
+            [
+                ("t_pose_within", self.t_pose_within, 0.0, 1e4),
+                ("still_duration", self.still_duration, 0.0, 1e4),
+                ("still_speed", self.still_speed, 0.0, 100.0),
+                ("still_keep", self.still_keep, 0.0, 1e4),
+            ]
+            .map(|(key, number, low, high)| (key, f64::from(number), low, high)),
+        )
     }
 }
 

@@ -31,6 +31,18 @@ pub struct AnnotateConfig {
     pub hits: HitConfig,
 }
 
+impl AnnotateConfig {
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`BuildError::Key`] names the first one out of it.
+    pub fn check(&self) -> Result<(), BuildError> {
+        self.contacts.check().map_err(|e| e.within("contacts"))?;
+        self.ends.check().map_err(|e| e.within("ends"))?;
+        self.hits.check().map_err(|e| e.within("hits"))
+    }
+}
+
 /// Finds foot contacts, unusable ends and effective hits of every clip, and adds what the sidecars mark.
 ///
 /// Exclusions and tags the clips bring are kept. A mirrored copy that follows its original gets the original's
@@ -40,7 +52,7 @@ pub struct AnnotateConfig {
 /// [`BuildError::Config`] for a setting outside its limits, for a sidecar of a clip that is not there, or of a range
 /// or hit outside its clip.
 pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> Result<ClipSet, BuildError> {
-    cfg.hits.check()?;
+    cfg.check().map_err(|e| e.within("annotate"))?;
     sidecars.check_names(clips)?;
     let annotated: Vec<Clip> = clips
         .clips

@@ -134,13 +134,16 @@ impl Sidecar {
             "Expected `unit`, `exclude = [[start, end], ...]`, `[[tags]]` with name, start, end, `[[hits]]` with name, \
              joint, at, and `automatic_hits`.",
         )?;
-        sidecar.check().map_err(|(key, why)| source.at(&key, format!("{key}: {why}")))?;
+        sidecar.check().map_err(|e| e.at(source))?;
         Ok(sidecar)
     }
 
     /// Refuses ranges that end before they start, names without letters, and joints that do not exist.
-    fn check(&self) -> Result<(), (String, String)> {
-        let fault = |list: &str, i: usize, what: String| Err((format!("{list}[{i}]"), what));
+    ///
+    /// # Errors
+    /// [`BuildError::Key`] for the first of them.
+    pub fn check(&self) -> Result<(), BuildError> {
+        let fault = |list: &str, i: usize, what: String| Err(BuildError::key(format!("{list}[{i}]"), what));
         let sound = |start: f64, end: f64| start >= 0.0 && start.is_finite() && end > start;
         for (i, [start, end]) in self.exclude.iter().enumerate() {
             if !sound(*start, *end) {
@@ -182,7 +185,7 @@ impl Sidecars {
     /// Adds a clip's sidecar. `source_rate_hz` is the rate of its file, `origin` the file or table it is written in.
     ///
     /// # Errors
-    /// [`BuildError::Config`] for ranges that end before they start, or joints that do not exist.
+    /// [`BuildError::Key`] for ranges that end before they start, or joints that do not exist.
     pub fn insert(
         &mut self,
         clip_name: &str,
@@ -190,7 +193,7 @@ impl Sidecars {
         source_rate_hz: f64,
         origin: &str,
     ) -> Result<(), BuildError> {
-        sidecar.check().map_err(|(key, why)| BuildError::Config { message: format!("{origin}: {key}: {why}") })?;
+        sidecar.check().map_err(|e| e.in_file(Path::new(origin)))?;
         self.entries.insert(clip_name.into(), Entry { sidecar, source_rate_hz, origin: origin.into() });
         Ok(())
     }
@@ -258,13 +261,12 @@ impl Sidecars {
             let at = |t: f64| ((t * per_unit - 1e-6).ceil().max(0.0)).min(n as f64) as usize;
             let range = at(start)..at(end);
             if range.start >= n {
-                let message = format!(
-                    "{}: {key}: starts at {start}, after the end of clip `{}` ({:.2} in the same unit). Correct the start or remove the range.",
-                    entry.origin,
+                let why = format!(
+                    "starts at {start}, after the end of clip `{}` ({:.2} in the same unit). Correct the start or remove the range.",
                     original_name(clip),
                     n as f64 / per_unit
                 );
-                return Err(BuildError::Config { message });
+                return Err(BuildError::key(key, why).in_file(Path::new(&entry.origin)));
             }
             Ok(range)
         };
@@ -274,14 +276,14 @@ impl Sidecars {
             out.excluded.push(Exclusion { range, reason: ExclusionReason::Sidecar });
         }
         for (i, t) in entry.sidecar.tags.iter().enumerate() {
-            let range = frames(t.start, t.end, &format!("tags[{i}] `{}`", t.name))?;
+            let range = frames(t.start, t.end, &format!("tags[{i}]"))?;
             out.tags.push(Tag { name: t.name.clone(), range });
         }
         for (i, h) in entry.sidecar.hits.iter().enumerate() {
             let key = format!("hits[{i}] `{}`", h.name);
-            let wrong = |what: String| BuildError::Config { message: format!("{}: hits[{i}]: {what}", entry.origin) };
+            let wrong = |why| BuildError::key(format!("hits[{i}]"), why).in_file(Path::new(&entry.origin));
             let ((start, end), joint) = (h.times().map_err(wrong)?, h.joint().map_err(wrong)?);
-            let mut range = frames(start, end, &key)?;
+            let mut range = frames(start, end, &format!("hits[{i}]"))?;
             if start == end {
                 range.start = (start * per_unit).round() as usize;
             }

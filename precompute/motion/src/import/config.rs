@@ -1,5 +1,6 @@
 //! What the user may say about the files instead of having it detected.
 
+use crate::error::{BuildError, check_ranges};
 use std::path::PathBuf;
 
 /// The axis of a source that points up.
@@ -56,14 +57,14 @@ impl Forward {
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImportConfig {
-    /// Length of one unit of the files; detected where absent (m, > 0).
+    /// Length of one unit of the files; detected where absent (m, 1e-6 to 1e6).
     pub metres_per_unit: Option<f64>,
     /// Axis that points up in the files; detected where absent.
     pub up: Option<UpAxis>,
     /// Direction the rest pose faces, once Y is up; detected where absent. Says nothing of a rest pose that is not a
     /// standing body.
     pub forward: Option<Forward>,
-    /// Frames a second, instead of what the files say (Hz, > 0).
+    /// Frames a second, instead of what the files say (Hz, 0.1 to 100000).
     pub rate_hz: Option<f64>,
     /// Skeleton file of all AMC files; found beside each AMC file where absent.
     pub asf: Option<PathBuf>,
@@ -73,4 +74,17 @@ pub struct ImportConfig {
     pub profiles: Vec<PathBuf>,
     /// True: one bad file stops the build. False: it is named, skipped and counted.
     pub strict: bool,
+}
+
+impl ImportConfig {
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`BuildError::Key`] names the first one out of it.
+    pub fn check(&self) -> Result<(), BuildError> {
+        check_ranges([
+            ("metres_per_unit", self.metres_per_unit.unwrap_or(1.0), 1e-6, 1e6),
+            ("rate_hz", self.rate_hz.unwrap_or(1.0), 0.1, 1e5),
+        ])
+    }
 }

@@ -32,6 +32,7 @@ pub use roles::RoleMap;
 pub use source::SourceClip;
 use source::content_error;
 use std::path::{Path, PathBuf};
+use throng_base::file::read_file;
 
 /// A clip as read, with everything that was found out about it.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,8 +151,14 @@ pub fn read_source(path: &Path, asf: Option<&Path>) -> Result<SourceClip, Import
     }
 }
 
+/// Most bytes of a file of motion or of a skeleton (2 GiB).
+pub const MAX_MOTION_BYTES: u64 = 2 << 30;
+
 fn load(path: &Path) -> Result<Vec<u8>, ImportError> {
-    std::fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })
+    read_file(path, "motion", MAX_MOTION_BYTES).map_err(|e| match e {
+        throng_base::Error::Io { path, source } => ImportError::Io { path, source },
+        e => e.into(),
+    })
 }
 
 /// Legs shorter than this are none (m).
@@ -203,4 +210,26 @@ pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Prof
     }
     let forward = config.forward;
     Ok(Imported { clip, roles, rest_pose, metres_per_unit, up, facing, forward, height, findings, warnings })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_beyond_the_limit_and_what_is_no_file_are_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a.amc", "a.bvh", "b.asf"] {
+            let path = folder.path().join(name);
+            // A file with a hole: it takes no room.
+            std::fs::File::create(&path).unwrap().set_len(MAX_MOTION_BYTES + 1).unwrap();
+            let e = load(&path).unwrap_err().to_string();
+            assert!(e.contains(name) && e.contains("has 2147.5 MB, but motion may have 2147 MB at most"), "{e}");
+        }
+        std::fs::create_dir(folder.path().join("c.bvh")).unwrap();
+        let e = read_source(&folder.path().join("c.bvh"), None).unwrap_err().to_string();
+        assert!(e.contains("c.bvh: is a folder, expected motion in a regular file"), "{e}");
+        #[cfg(unix)]
+        assert!(load(Path::new("/dev/zero")).unwrap_err().to_string().contains("is a device or a pipe"));
+    }
 }

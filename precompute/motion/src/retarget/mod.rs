@@ -64,6 +64,22 @@ pub struct ExplicitProportions {
     pub offsets: std::collections::BTreeMap<String, [f32; 3]>,
 }
 
+/// Longest offset along each axis (m).
+const MAX_OFFSET: f32 = 10.0;
+
+impl RetargetConfig {
+    /// Checks the proportions.
+    ///
+    /// # Errors
+    /// [`BuildError::Key`] for a name that is no joint, an offset that is too long, or a leg without length.
+    pub fn check(&self) -> Result<(), BuildError> {
+        match &self.proportions {
+            Proportions::Explicit(explicit) => explicit.skeleton().map(|_| ()),
+            _ => Ok(()),
+        }
+    }
+}
+
 impl ExplicitProportions {
     /// The skeleton they describe.
     ///
@@ -72,20 +88,22 @@ impl ExplicitProportions {
     fn skeleton(&self) -> Result<Skeleton, BuildError> {
         let mut out = Skeleton::default();
         for (name, offset) in &self.offsets {
-            let joint = Joint::from_name(name).ok_or_else(|| BuildError::Config {
-                message: format!(
-                    "skeleton.proportions.explicit.offsets.{name}: expected the name of a joint ({}), found `{name}`.",
-                    Joint::ALL.map(Joint::name).join(", ")
-                ),
+            let key = || format!("retarget.proportions.explicit.offsets.{name}");
+            let joint = Joint::from_name(name).ok_or_else(|| {
+                let all = Joint::ALL.map(Joint::name).join(", ");
+                BuildError::key(key(), format!("expected the name of a joint ({all}), found `{name}`."))
             })?;
+            if !offset.iter().all(|v| v.abs() <= MAX_OFFSET) {
+                return Err(BuildError::key(
+                    key(),
+                    format!("expected up to {MAX_OFFSET} m each way, found {offset:?}"),
+                ));
+            }
             out.offsets[joint.index()] = Vec3::from_array(*offset);
         }
-        let sound = out.offsets.iter().all(|o| o.is_finite()) && out.leg_length() > 0.05;
-        sound.then_some(out).ok_or_else(|| BuildError::Config {
-            message: "skeleton.proportions.explicit: expected finite offsets and legs longer than 0.05 m; \
-                      check the offsets of the shins and feet."
-                .into(),
-        })
+        let why = "expected legs longer than 0.05 m; check the offsets of the shins and feet.";
+        let sound = out.leg_length() > 0.05;
+        sound.then_some(out).ok_or_else(|| BuildError::key("retarget.proportions.explicit", why))
     }
 }
 

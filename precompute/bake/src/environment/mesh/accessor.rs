@@ -1,9 +1,11 @@
 //! Numbers of glTF accessors.
 
+use super::MAX_BYTES;
 use super::document::{Accessor, Document};
 use glam::Vec3;
 use std::borrow::Cow;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
+use throng_base::file::read_file;
 use throng_motion::error::BuildError;
 
 const UNSIGNED_BYTE: u32 = 5121;
@@ -18,23 +20,28 @@ pub struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// Reads all buffers: `binary` is the one without a place of its own, files lie in `folder`.
-    pub fn new(document: &'a Document, binary: Option<&'a [u8]>, folder: &Path) -> Result<Self, BuildError> {
-        let mut buffers = Vec::with_capacity(document.buffers.len());
+    /// Reads all buffers: `binary` is the one without a place of its own, files lie beside `path`.
+    pub fn new(document: &'a Document, binary: Option<&'a [u8]>, path: &Path) -> Result<Self, BuildError> {
+        let mut buffers: Vec<Cow<'a, [u8]>> = Vec::new();
+        let mut left = MAX_BYTES;
         for (i, buffer) in document.buffers.iter().enumerate() {
-            let fail =
-                |what: &str| BuildError::Config { message: format!("{}: buffers[{i}]: {what}", folder.display()) };
-            buffers.push(match buffer.uri.as_deref() {
+            let fail = |what: &str| BuildError::Config { message: format!("{}: buffers[{i}]: {what}", path.display()) };
+            let bytes = match buffer.uri.as_deref() {
                 None => Cow::Borrowed(binary.filter(|_| i == 0).ok_or_else(|| fail("it has no bytes"))?),
                 Some(uri) if uri.starts_with("data:") => {
                     let text = uri.split_once(";base64,").ok_or_else(|| fail("expected data in base64"))?.1;
                     Cow::Owned(base64(text).ok_or_else(|| fail("expected data in base64, found other characters"))?)
                 }
                 Some(uri) => {
-                    let path = folder.join(unescaped(uri));
-                    Cow::Owned(std::fs::read(&path).map_err(|source| BuildError::Io { path, source })?)
+                    let file = beside(path, uri).map_err(|e| fail(&e))?;
+                    // Buffers of one file count each time: what is left for all of them is what this one may have.
+                    Cow::Owned(read_file(&file, "what is left for the buffers of a mesh", left)?)
                 }
-            });
+            };
+            left = left
+                .checked_sub(bytes.len() as u64)
+                .ok_or_else(|| fail(&format!("expected {} MiB at most in all buffers, found more", MAX_BYTES >> 20)))?;
+            buffers.push(bytes);
         }
         Ok(Self { document, buffers })
     }
@@ -69,6 +76,11 @@ impl<'a> Reader<'a> {
         };
         let items = self.items(a, size).map_err(name)?;
         Ok(items.map(|b| b.iter().rev().fold(0u32, |v, &byte| v << 8 | u32::from(byte))).collect())
+    }
+
+    /// Number of items of an accessor.
+    pub fn count(&self, accessor: usize) -> Result<usize, String> {
+        Ok(self.accessor(accessor)?.count)
     }
 
     fn accessor(&self, index: usize) -> Result<&'a Accessor, String> {
@@ -128,6 +140,23 @@ fn base64(text: &str) -> Option<Vec<u8>> {
         }
     }
     Some(out)
+}
+
+/// The file of a buffer, which lies in the folder of the file that names it, or deeper.
+pub fn beside(path: &Path, uri: &str) -> Result<PathBuf, String> {
+    let name = unescaped(uri);
+    let outside = || format!("expected a file in the folder of the mesh, found `{uri}`; put it there");
+    let plain = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
+    if name.is_empty() || name.contains(['\\', ':', '\0']) || !Path::new(&name).components().all(plain) {
+        return Err(outside());
+    }
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let file = folder.join(&name);
+    // Links may lead anywhere. Where this fails there is no such file, which is said when it is read.
+    match (file.canonicalize(), folder.canonicalize()) {
+        (Ok(real), Ok(folder)) if !real.starts_with(&folder) => Err(outside()),
+        _ => Ok(file),
+    }
 }
 
 /// A file name whose `%20` and the like are written out.

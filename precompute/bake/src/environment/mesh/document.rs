@@ -1,7 +1,8 @@
 //! The parts of a glTF document that geometry needs, and the container that may hold it.
 
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use serde::de::{Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
+use std::marker::PhantomData;
 
 /// "glTF" at the start of binary files.
 const MAGIC: &[u8] = b"glTF";
@@ -10,17 +11,29 @@ const JSON: u32 = 0x4E4F_534A;
 /// Type of the chunk that holds buffer 0.
 const BIN: u32 = 0x004E_4942;
 
+/// Most bytes of the document, buffers in it included (128 MiB).
+const MAX_TEXT: usize = 128 << 20;
+/// Most entries of each list of the document.
+const MAX_ITEMS: usize = 1_000_000;
+
 /// A glTF document.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Document {
     pub scene: Option<usize>,
+    #[serde(deserialize_with = "limited")]
     pub scenes: Vec<SceneNodes>,
+    #[serde(deserialize_with = "limited")]
     pub nodes: Vec<Node>,
+    #[serde(deserialize_with = "limited")]
     pub meshes: Vec<Mesh>,
+    #[serde(deserialize_with = "limited")]
     pub accessors: Vec<Accessor>,
+    #[serde(deserialize_with = "limited")]
     pub buffer_views: Vec<BufferView>,
+    #[serde(deserialize_with = "limited")]
     pub buffers: Vec<Buffer>,
+    #[serde(deserialize_with = "limited")]
     pub extensions_required: Vec<String>,
 }
 
@@ -52,9 +65,16 @@ pub struct Mesh {
 /// A part of a mesh.
 #[derive(Debug, Deserialize)]
 pub struct Primitive {
-    pub attributes: BTreeMap<String, usize>,
+    pub attributes: Attributes,
     pub indices: Option<usize>,
     pub mode: Option<u32>,
+}
+
+/// Accessors of what each corner has; the others are not read.
+#[derive(Debug, Deserialize)]
+pub struct Attributes {
+    #[serde(rename = "POSITION")]
+    pub position: Option<usize>,
 }
 
 /// Typed numbers in a part of a buffer.
@@ -68,7 +88,7 @@ pub struct Accessor {
     pub count: usize,
     #[serde(rename = "type")]
     pub kind: String,
-    pub sparse: Option<serde_json::Value>,
+    pub sparse: Option<IgnoredAny>,
 }
 
 /// A part of a buffer.
@@ -91,6 +111,10 @@ pub struct Buffer {
 /// The document of a `.gltf` or `.glb` file and the bytes that come with it.
 pub fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
     let (text, binary) = if bytes.starts_with(MAGIC) { chunks(bytes)? } else { (bytes, None) };
+    if text.len() > MAX_TEXT {
+        let mib = MAX_TEXT >> 20;
+        return Err(format!("its document has {} bytes, expected {mib} MiB at most; export it as .glb", text.len()));
+    }
     let document: Document =
         serde_json::from_slice(text).map_err(|e| format!("expected a glTF 2.0 document as JSON: {e}"))?;
     if let Some(extension) = document.extensions_required.first() {
@@ -98,6 +122,31 @@ pub fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
         return Err(format!("extensionsRequired: `{extension}` is not supported; {help}"));
     }
     Ok((document, binary))
+}
+
+/// A list that is not longer than [`MAX_ITEMS`]: in memory, an entry is up to a hundred times as long as in the text.
+fn limited<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
+    struct List<T>(PhantomData<T>);
+
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for List<T> {
+        type Value = Vec<T>;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str("a list")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<T>, A::Error> {
+            let mut out = Vec::new();
+            while let Some(item) = list.next_element()? {
+                if out.len() == MAX_ITEMS {
+                    return Err(A::Error::custom(format!("a list may have {MAX_ITEMS} entries, found more")));
+                }
+                out.push(item);
+            }
+            Ok(out)
+        }
+    }
+    deserializer.deserialize_seq(List(PhantomData))
 }
 
 /// The document and the first binary chunk of a binary file.

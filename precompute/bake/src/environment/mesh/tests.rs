@@ -26,8 +26,7 @@ fn bytes() -> Vec<u8> {
 }
 
 fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
-    let length = json.len().next_multiple_of(4);
-    let json = format!("{json:<length$}");
+    let json = format!("{json}{}", " ".repeat(json.len().next_multiple_of(4) - json.len()));
     let mut out = b"glTF".to_vec();
     out.extend(2u32.to_le_bytes());
     out.extend((28 + json.len() as u32 + binary.len() as u32).to_le_bytes());
@@ -120,4 +119,91 @@ fn every_shorter_file_is_refused_without_a_panic() {
         std::fs::write(&path, &whole[..n]).unwrap();
         assert!(read(&path).is_err(), "{n} bytes of {}", whole.len());
     }
+}
+
+/// `nodes` nodes that show one mesh of `parts` parts, all of which share `positions` positions and `indices` indices.
+fn shared(nodes: usize, parts: usize, [positions, indices]: [usize; 2]) -> Vec<u8> {
+    let list = |item: &str, n: usize| vec![item; n].join(",");
+    let part = r#"{"attributes":{"POSITION":0,"NORMAL":7},"indices":1}"#;
+    let json = format!(
+        r#"{{"nodes":[{}],"meshes":[{{"primitives":[{}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":{positions},"type":"VEC3"}},
+        {{"bufferView":1,"componentType":5121,"count":{indices},"type":"SCALAR"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":768}},{{"buffer":0,"byteOffset":768,"byteLength":600}}],
+        "buffers":[{{}}]}}"#,
+        list(r#"{"mesh":0}"#, nodes),
+        list(part, parts)
+    );
+    // All positions are 0, all indices too.
+    glb(&json, &[0; 768 + 600])
+}
+
+#[test]
+fn little_text_cannot_ask_for_much_memory_or_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    let read = |file: Vec<u8>| {
+        assert!(file.len() < 203_000, "{} bytes", file.len());
+        std::fs::write(&path, file).unwrap();
+        read(&path).map(|t| t.len()).map_err(|e| e.to_string())
+    };
+    assert_eq!(read(shared(30, 40, [64, 600])), Ok(240_000));
+    // 1.8e9 triangles; then few triangles of many positions; then nothing at all, very often.
+    for counts in [[1, 600], [64, 3], [64, 0]] {
+        let e = read(shared(9000, 1000, counts)).unwrap_err();
+        assert!(e.contains("a file may have 5000000 triangles and 15000000 positions at most"), "{e}");
+    }
+    let e = read(shared(9000, 1000, [0, 0])).unwrap_err();
+    assert!(e.contains("nodes may show 1000000 parts of meshes at most"), "{e}");
+    let nodes = format!("{{\"nodes\":[{}]}}", vec!["{}"; 1_000_001].join(","));
+    std::fs::write(&path, nodes).unwrap();
+    let e = super::read(&path).unwrap_err().to_string();
+    assert!(e.contains("a list may have 1000000 entries, found more"), "{e}");
+}
+
+#[test]
+fn buffers_lie_in_the_folder_of_the_mesh() {
+    let outer = tempfile::tempdir().unwrap();
+    let folder = outer.path().join("mesh");
+    std::fs::create_dir_all(folder.join("deep")).unwrap();
+    let path = folder.join("a.gltf");
+    std::fs::write(outer.path().join("b.bin"), bytes()).unwrap();
+    std::fs::write(folder.join("deep/b.bin"), bytes()).unwrap();
+    let with = |uri: &str| {
+        std::fs::write(&path, square(&format!("{{\"uri\":\"{uri}\"}}"), INDICES)).unwrap();
+        read(&path).map_err(|e| e.to_string())
+    };
+    check(&with("deep/b.bin").unwrap());
+    check(&with("./deep/b.bin").unwrap());
+    assert_eq!(buffer_files(&path).unwrap(), [folder.join("./deep/b.bin")]);
+    let absolute = folder.join("deep/b.bin").display().to_string().replace('\\', "/");
+    for uri in
+        ["../b.bin", "deep/../../b.bin", "%2e%2e/b.bin", "/dev/zero", "/etc/passwd", "file:///b.bin", "", &absolute]
+    {
+        let e = with(uri).unwrap_err();
+        assert!(
+            e.contains(&format!("a.gltf: buffers[0]: expected a file in the folder of the mesh, found `{uri}`")),
+            "{e}"
+        );
+    }
+    assert!(with("deep").unwrap_err().contains("is a folder"));
+    #[cfg(unix)]
+    {
+        let link = |to: &str, name: &str| std::os::unix::fs::symlink(to, folder.join(name)).unwrap();
+        link("../b.bin", "out.bin");
+        link("/dev/zero", "zero.bin");
+        link("deep/b.bin", "in.bin");
+        check(&with("in.bin").unwrap());
+        for uri in ["out.bin", "zero.bin"] {
+            assert!(with(uri).unwrap_err().contains("expected a file in the folder"), "{uri}");
+        }
+    }
+}
+
+#[test]
+fn a_mesh_that_is_no_file_is_refused_at_once() {
+    #[cfg(unix)]
+    assert!(read(Path::new("/dev/zero")).unwrap_err().to_string().contains("is a device or a pipe, expected a mesh"));
+    let folder = tempfile::tempdir().unwrap();
+    assert!(read(folder.path()).unwrap_err().to_string().contains("is a folder, expected a mesh"));
 }

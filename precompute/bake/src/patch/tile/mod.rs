@@ -46,7 +46,7 @@ pub(super) struct Given<'a> {
 /// Makes one tile.
 ///
 /// # Errors
-/// [`BuildError::Config`] for a unit that is not there or has no edges, or patterns that no clip matches;
+/// [`BuildError::Key`] for a unit that is not there or has no edges, or patterns that no clip matches;
 /// [`BuildError::Stage`] where pruning leaves nothing, with the condition that could not be met.
 pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchReport), BuildError> {
     let unit =

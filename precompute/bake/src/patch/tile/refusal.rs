@@ -12,19 +12,18 @@ use throng_motion::error::BuildError;
 /// The config names a unit that is not there.
 pub(super) fn no_unit(given: &Given, config: &TileConfig) -> BuildError {
     let names: Vec<_> = given.units.units.iter().map(|u| format!("`{}`", u.name)).collect();
-    let message =
-        format!("patches.tiles: expected a unit ({}), found `{}`. Correct the config.", names.join(", "), config.unit);
-    BuildError::Config { message }
+    let why = format!("expected a unit ({}), found `{}`. Correct the config.", names.join(", "), config.unit);
+    BuildError::key("unit", why)
 }
 
 /// The unit does not say where its edges are.
 pub(super) fn no_edges(unit: &Unit) -> BuildError {
-    let message = format!(
-        "patches.tiles: the unit `{}` has no edges. Give it `tile = {{ steps = [[...]], widths = [...] }}` in the unit \
+    let why = format!(
+        "the unit `{}` has no edges. Give it `tile = {{ steps = [[...]], widths = [...] }}` in the unit \
          file, or take it out of the tiles.",
         unit.name
     );
-    BuildError::Config { message }
+    BuildError::key("unit", why)
 }
 
 /// No clip serves the tile.
@@ -34,8 +33,7 @@ pub(super) fn no_clips(unit: &Unit, config: &TileConfig) -> BuildError {
         (true, false) => format!("a clip whose name matches {}", config.clips.join(", ")),
         (false, _) => format!("a clip captured in an environment that holds `{}`", unit.name),
     };
-    let message = format!("patches.tiles: `{}`: expected {wanted}, found none. Correct the config.", unit.name);
-    BuildError::Config { message }
+    BuildError::key("clips", format!("`{}`: expected {wanted}, found none. Correct the config.", unit.name))
 }
 
 /// Pruning left nothing.

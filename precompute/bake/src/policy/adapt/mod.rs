@@ -35,7 +35,7 @@ use throng_motion::error::BuildError;
 /// equal rings, it is off by 1.7 times as much as these.
 ///
 /// # Errors
-/// [`BuildError::Config`] where not even the coarsest grids fit the memory.
+/// [`BuildError::Key`] where not even the coarsest grids fit the memory.
 ///
 /// # Source
 /// Lee and Lee (2004), section 7 names adaptive resolution as a way to compact its tables. Here each
@@ -56,7 +56,7 @@ pub fn adapt(
     let enough = cfg.tolerance * cfg.tolerance * num_cells as f64;
     let (weights, budget) = (uses(model), budget(solution, num_cells, cfg));
     let choices = Choices { cells: &cells, errors: &errors, weights: &weights, budget, enough };
-    let chosen = choices.choose().map_err(|least| too_little(behaviour, solution, num_cells, cfg, least))?;
+    let chosen = choices.choose().map_err(|least| too_little(solution, num_cells, cfg, least))?;
     Ok(with_shapes(solution, &shapes, &chosen))
 }
 
@@ -103,22 +103,10 @@ fn budget(solution: &Solution, num_cells: usize, cfg: &AdaptiveConfig) -> usize 
     (bytes as usize + whole).saturating_sub(records) / bytes_per_cell(solution)
 }
 
-fn too_little(
-    behaviour: &dyn Behaviour,
-    solution: &Solution,
-    num_cells: usize,
-    cfg: &AdaptiveConfig,
-    least: usize,
-) -> BuildError {
+fn too_little(solution: &Solution, num_cells: usize, cfg: &AdaptiveConfig, least: usize) -> BuildError {
     let num_states = solution.record.num_states as usize;
     let needed = least * bytes_per_cell(solution) + num_states * size_of::<StateGridRecord>();
     let share = needed as f64 / (num_states * num_cells * bytes_per_cell(solution)) as f64;
-    BuildError::Config {
-        message: format!(
-            "behaviour \"{}\", key `grid.adaptive.share`: {} is too little even for the coarsest grids, which take \
-             {share:.3}",
-            behaviour.spec().name,
-            cfg.share
-        ),
-    }
+    let why = format!("{} is too little even for the coarsest grids, which take {share:.3}", cfg.share);
+    BuildError::key("grid.adaptive.share", why)
 }

@@ -38,28 +38,28 @@ impl Approach {
     ///   (m).
     ///
     /// # Errors
-    /// [`BuildError::Config`] names the key that is out of its range.
+    /// [`BuildError::Key`] names the key that is out of its range.
     pub fn new(config: &BehaviourConfig, rate_hz: f64, hit_centre: Option<Vec2>) -> Result<Self, BuildError> {
         let c = config;
         c.check()?;
         let form = c.reward.unwrap_or(RewardForm::Integral);
         if form == RewardForm::Sum {
-            return Err(c.fault("reward", "the kind `approach` has `integral` and `max`"));
+            return Err(BuildError::key("reward", "the kind `approach` has `integral` and `max`"));
         }
         let centre = match c.centre {
             CentreConfig::Root => Vec2::ZERO,
             CentreConfig::Place([x, z]) if x.abs() < 100.0 && z.abs() < 100.0 => Vec2::new(x as f32, z as f32),
-            CentreConfig::Place(_) => return Err(c.fault("centre", "expected two lengths below 100 m")),
+            CentreConfig::Place(_) => return Err(BuildError::key("centre", "expected two lengths below 100 m")),
             CentreConfig::Hits => hit_centre.ok_or_else(|| {
-                c.fault(
+                BuildError::key(
                     "centre",
                     "the database has no effective hits. Add clips with blows, lower `annotate.hits`, or choose `root`",
                 )
             })?,
         };
         Ok(Self {
-            grid: c.grid.make_polar(&c.name)?,
-            region: c.region.make(&c.name, false, RegionRecord::EVERYWHERE)?,
+            grid: c.grid.make_polar()?,
+            region: c.region.make(false, RegionRecord::EVERYWHERE)?,
             reward: c.make_reward(form, KernelConfig::Exponential, 1.5, 1.0)?,
             discount: c.discount_at(rate_hz),
             config: config.clone(),
@@ -201,10 +201,10 @@ mod tests {
     fn refuses_numbers_out_of_range_by_name() {
         let config = BehaviourConfig { discount: 1.0, ..BehaviourConfig::default() };
         let message = Approach::new(&config, 30.0, None).expect_err("out of range").to_string();
-        assert!(message.contains("`discount`") && message.contains("0.9999"), "{message}");
+        assert!(message.starts_with("discount: ") && message.contains("0.9999"), "{message}");
         let mut config = BehaviourConfig::default();
         config.grid.rings = Some(0);
         let message = Approach::new(&config, 30.0, None).expect_err("out of range").to_string();
-        assert!(message.contains("key `grid.rings`: expected 2 to 4096, found 0"), "{message}");
+        assert!(message.contains("grid.rings: expected 2 to 4096, found 0"), "{message}");
     }
 }

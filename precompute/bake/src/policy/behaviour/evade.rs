@@ -32,20 +32,23 @@ pub struct Evade {
 
 impl Evade {
     /// # Errors
-    /// [`BuildError::Config`] names the key that is out of its range.
+    /// [`BuildError::Key`] names the key that is out of its range.
     pub fn new(config: &BehaviourConfig, clips: &ClipSet, graph: &MotionGraph) -> Result<Self, BuildError> {
         let c = config;
         c.check()?;
         if c.reward.is_some_and(|r| r != RewardForm::Max) {
-            return Err(c.fault("reward", "the kind `evade` has `max` alone: one blow lands at one moment"));
+            return Err(BuildError::key("reward", "the kind `evade` has `max` alone: one blow lands at one moment"));
         }
         let joint = Joint::from_name(&c.point).ok_or_else(|| {
-            c.fault("point", format!("there is no joint `{}`; expected names such as `head`, `upper_chest`", c.point))
+            BuildError::key(
+                "point",
+                format!("there is no joint `{}`; expected names such as `head`, `upper_chest`", c.point),
+            )
         })?;
         let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         let paths = paths(clips, graph, joint);
         let height = c.height.unwrap_or_else(|| median_height(&paths));
-        let grid = c.grid.make_space_time(&c.name)?;
+        let grid = c.grid.make_space_time()?;
         let r = grid.record();
         let horizon = r.height_spacing * (r.num_heights - 1) as f32;
         let default =
@@ -53,8 +56,8 @@ impl Evade {
         let reward = c.make_reward(RewardForm::Max, KernelConfig::Exponential, 0.2, -1.0)?;
         let reward = RewardRecord { height: height as f32, ..*reward.record() };
         Ok(Self {
-            region: c.region.make(&c.name, true, default)?,
-            reward: Reward::new(reward).map_err(|e| c.fault("height", e))?,
+            region: c.region.make(true, default)?,
+            reward: Reward::new(reward).map_err(|e| BuildError::key("height", e))?,
             discount: c.discount_at(rate_hz),
             config: config.clone(),
             grid,

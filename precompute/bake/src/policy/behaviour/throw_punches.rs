@@ -81,14 +81,14 @@ impl ThrowPunches {
     /// - `hits`: of every segment, see [`segment_hits`] (num_segments).
     ///
     /// # Errors
-    /// [`BuildError::Config`] names the key that is out of its range, or that leaves no hit at all.
+    /// [`BuildError::Key`] names the key that is out of its range, or that leaves no hit at all.
     pub fn new(config: &BehaviourConfig, rate_hz: f64, hits: &[Vec<SegmentHit>]) -> Result<Self, BuildError> {
         let c = config;
         debug_assert_eq!(c.kind, BehaviourKind::ThrowPunches);
         c.check()?;
         let form = c.reward.unwrap_or(RewardForm::Max);
         if form == RewardForm::Integral {
-            return Err(c.fault("reward", "the kind `throw_punches` has `max` and `sum`"));
+            return Err(BuildError::key("reward", "the kind `throw_punches` has `max` and `sum`"));
         }
         let joints = joints(c)?;
         let counts = |h: &&SegmentHit| {
@@ -101,11 +101,11 @@ impl ThrowPunches {
             all.sort_by(|a, b| b.0.total_cmp(&a.0));
             [0, 1].map(|k| all.get(k).copied().unwrap_or_default())
         };
-        let reach = reach(hits.iter().flatten().filter(counts)).ok_or_else(|| nothing_counts(c, hits))?;
-        let grid = c.grid.make_cylinder(&c.name, reach)?;
+        let reach = reach(hits.iter().flatten().filter(counts)).ok_or_else(|| nothing_counts(hits))?;
+        let grid = c.grid.make_cylinder(reach)?;
         let default = region_of(&grid, reach);
         Ok(Self {
-            region: c.region.make(&c.name, false, default)?,
+            region: c.region.make(false, default)?,
             reward: c.make_reward(form, KernelConfig::Within, 0.15, 1.0)?,
             blows: hits.iter().map(strongest).collect(),
             config: config.clone(),
@@ -120,7 +120,10 @@ impl ThrowPunches {
 fn joints(c: &BehaviourConfig) -> Result<Vec<Joint>, BuildError> {
     let of_name = |name: &String| {
         Joint::from_name(name).ok_or_else(|| {
-            c.fault("joints", format!("there is no joint `{name}`; expected names such as `left_hand`, `right_foot`"))
+            BuildError::key(
+                "joints",
+                format!("there is no joint `{name}`; expected names such as `left_hand`, `right_foot`"),
+            )
         })
     };
     c.joints.iter().map(of_name).collect()
@@ -136,10 +139,10 @@ fn reach<'a>(hits: impl Iterator<Item = &'a SegmentHit>) -> Option<[Vec3; 2]> {
         .fold(None, |bounds: Option<[Vec3; 2]>, p| Some(bounds.map_or([p, p], |[low, high]| [low.min(p), high.max(p)])))
 }
 
-fn nothing_counts(c: &BehaviourConfig, hits: &[Vec<SegmentHit>]) -> BuildError {
+fn nothing_counts(hits: &[Vec<SegmentHit>]) -> BuildError {
     let total = hits.iter().flatten().count();
     if total == 0 {
-        return c.fault(
+        return BuildError::key(
             "kind",
             "the motion graph plays no effective hit. Add clips with punches or kicks, lower the thresholds in \
              `annotate.hits`, mark hits in sidecar files, or leave this behaviour out",
@@ -149,7 +152,10 @@ fn nothing_counts(c: &BehaviourConfig, hits: &[Vec<SegmentHit>]) -> BuildError {
     kinds.sort_unstable();
     kinds.dedup();
     let found = kinds.join(", ");
-    c.fault("hits", format!("none of the {total} effective hits is of these kinds and joints; there are {found}"))
+    BuildError::key(
+        "hits",
+        format!("none of the {total} effective hits is of these kinds and joints; there are {found}"),
+    )
 }
 
 /// The volume that a cylinder grid covers; with one height, those of the hits.

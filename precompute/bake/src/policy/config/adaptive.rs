@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, check_ranges};
 
 /// A resolution for every state: fine where its values change fast, coarse where they do not (Lee and Lee 2004, section
 /// 7).
@@ -30,18 +30,11 @@ impl AdaptiveConfig {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// [`BuildError::Config`] names the key that is out of its range.
-    pub(super) fn check(&self, behaviour: &str) -> Result<(), BuildError> {
-        let fault = |key: &str, why: String| {
-            let message = format!("behaviour \"{behaviour}\", key `grid.adaptive.{key}`: {why}");
-            Err(BuildError::Config { message })
-        };
-        if !(self.share > 0.0 && self.share <= 1.0) {
-            return fault("share", format!("{} is not above 0 and up to 1", self.share));
+    /// [`BuildError::Key`] names the key that is out of its range.
+    pub(super) fn check(&self) -> Result<(), BuildError> {
+        if self.share <= 0.0 {
+            return Err(BuildError::key("share", format!("expected above 0, up to 1, found {}", self.share)));
         }
-        if !(0.0..1e6).contains(&self.tolerance) {
-            return fault("tolerance", format!("{} is not an error of values, 0 or more", self.tolerance));
-        }
-        Ok(())
+        check_ranges([("share", self.share, 0.0, 1.0), ("tolerance", self.tolerance, 0.0, 1e6)])
     }
 }

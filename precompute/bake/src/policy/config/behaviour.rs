@@ -4,7 +4,7 @@ use super::{CentreConfig, GridConfig, RegionConfig};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_core::policy::{COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_WITHIN, Reward, RewardRecord};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, check_ranges};
 
 /// One behaviour: what is rewarded, over which cells of the target, and where it is active.
 ///
@@ -32,7 +32,7 @@ pub struct BehaviourConfig {
     /// How a distance is paid; `exponential` for `approach` and `evade`, `within` for `throw_punches` where absent.
     pub kernel: Option<KernelConfig>,
     /// Distance at which nearness has fallen to 1/e, or up to which it counts; 1.5 for `approach`, 0.15 for
-    /// `throw_punches`, 0.2 for `evade` where absent (m, > 0).
+    /// `throw_punches`, 0.2 for `evade` where absent (m, 0.001 to 1000).
     pub scale: Option<f64>,
     /// Distance that is paid best, in place of the target itself (m, 0 to 100).
     pub offset: f64,
@@ -44,7 +44,7 @@ pub struct BehaviourConfig {
     /// (0 to 1)
     pub stand_bonus: f64,
     /// Speed, over ground or of the feet in a turn on the spot, at which most of that bonus is gone (m/s).
-    /// (> 0)
+    /// (0.001 to 1000)
     pub stand_speed: f64,
     /// For `throw_punches`: kinds of hits that count (`punch`, `kick`, names of tags); all where empty.
     pub hits: Vec<String>,
@@ -132,13 +132,14 @@ impl BehaviourConfig {
     /// Checks the name, the numbers that all kinds share, and that no key is given that the kind does not read.
     ///
     /// # Errors
-    /// [`BuildError::Config`] names the key that is out of its range or not read.
-    pub(in crate::policy) fn check(&self) -> Result<(), BuildError> {
+    /// [`BuildError::Key`] names the key that is out of its range or not read.
+    pub(crate) fn check(&self) -> Result<(), BuildError> {
         if self.name.trim().is_empty() {
-            return Err(self.fault("name", "expected the policy's name in the bundle, found none"));
+            return Err(BuildError::key("name", "expected the policy's name in the bundle, found none"));
         }
         self.refuse_unread()?;
-        for (key, value, low, high) in [
+        self.grid.check()?;
+        check_ranges([
             ("discount", self.discount, 0.5, 0.9999),
             ("scale", self.scale.unwrap_or(1.0), 1e-3, 1e3),
             ("offset", self.offset, 0.0, 100.0),
@@ -146,12 +147,7 @@ impl BehaviourConfig {
             ("stand_bonus", self.stand_bonus, 0.0, 1.0),
             ("stand_speed", self.stand_speed, 1e-3, 1e3),
             ("height", self.height.unwrap_or(0.0), -10.0, 10.0),
-        ] {
-            if !(low..=high).contains(&value) {
-                return Err(self.fault(key, format!("{value} is not between {low} and {high}")));
-            }
-        }
-        Ok(())
+        ])
     }
 
     /// Refuses keys of other kinds: they would have no effect.
@@ -169,15 +165,10 @@ impl BehaviourConfig {
         ] {
             if given && read_by != self.kind {
                 let kind = self.kind.name();
-                return Err(self.fault(key, format!("the kind `{kind}` has no such key; leave it out")));
+                return Err(BuildError::key(key, format!("the kind `{kind}` has no such key; leave it out")));
             }
         }
         Ok(())
-    }
-
-    /// An error about one key.
-    pub(in crate::policy) fn fault(&self, key: &str, why: impl std::fmt::Display) -> BuildError {
-        BuildError::Config { message: format!("behaviour \"{}\", key `{key}`: {why}", self.name) }
     }
 
     /// Discount per frame at the database's rate.
@@ -200,7 +191,7 @@ impl BehaviourConfig {
         };
         let record = RewardRecord::new(combine, kernel, self.scale.unwrap_or(scale) as f32);
         let (offset, gain) = (self.offset as f32, self.gain.unwrap_or(gain) as f32);
-        Reward::new(RewardRecord { offset, gain, ..record }).map_err(|e| self.fault("scale", e))
+        Reward::new(RewardRecord { offset, gain, ..record }).map_err(|e| BuildError::key("scale", e))
     }
 }
 
@@ -227,8 +218,7 @@ mod tests {
                 match config.check() {
                     Ok(()) => assert_eq!(kind, read_by, "{line}"),
                     Err(e) => {
-                        let expected =
-                            format!("behaviour \"b\", key `{key}`: the kind `{kind}` has no such key; leave it out");
+                        let expected = format!("{key}: the kind `{kind}` has no such key; leave it out");
                         assert!(kind != read_by && e.to_string().contains(&expected), "{e}");
                     }
                 }
@@ -240,12 +230,12 @@ mod tests {
     fn refuses_names_and_heights_that_are_none() {
         let message = |c: BehaviourConfig| c.check().unwrap_err().to_string();
         for name in ["", "  "] {
-            assert!(message(BehaviourConfig { name: name.into(), ..BehaviourConfig::default() }).contains("`name`"));
+            assert!(message(BehaviourConfig { name: name.into(), ..BehaviourConfig::default() }).starts_with("name: "));
         }
         for height in [f64::NAN, f64::INFINITY, 11.0, -11.0] {
             let config =
                 BehaviourConfig { kind: BehaviourKind::Evade, height: Some(height), ..BehaviourConfig::default() };
-            assert!(message(config).contains("key `height`"), "{height}");
+            assert!(message(config).starts_with("height: "), "{height}");
         }
     }
 }

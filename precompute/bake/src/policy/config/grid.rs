@@ -59,7 +59,7 @@ pub struct BoundsConfig {
 
 impl BoundsConfig {
     /// Checks every pair that is given, by its key.
-    fn check(&self, behaviour: &str) -> Result<(), BuildError> {
+    fn check(&self) -> Result<(), BuildError> {
         let half_turn = consts::PI + ANGLE_TOLERANCE;
         for (key, given, [least, most], limits) in [
             ("angle_rad", self.angle_rad, [-half_turn, half_turn], "from -pi to pi, less than a full turn"),
@@ -73,7 +73,7 @@ impl BoundsConfig {
                 let why = format!(
                     "expected [least, greatest] {limits}, {LEAST_GIVEN_EXTENT} apart or more, found [{from}, {to}]"
                 );
-                return Err(fault(behaviour, &format!("bounds.{key}"), why));
+                return Err(fault(&format!("bounds.{key}"), why));
             }
         }
         Ok(())
@@ -103,7 +103,7 @@ impl GridConfig {
     }
 
     /// Checks every number that is given, by its key.
-    fn check(&self, behaviour: &str) -> Result<(), BuildError> {
+    pub(super) fn check(&self) -> Result<(), BuildError> {
         let most = MAX_AXIS;
         for (key, given, least) in [
             ("rings", self.rings, 2),
@@ -112,7 +112,7 @@ impl GridConfig {
             ("times", self.times, 2),
         ] {
             if let Some(n) = given.filter(|n| !(least..=most).contains(n)) {
-                return Err(fault(behaviour, key, format!("expected {least} to {most}, found {n}")));
+                return Err(fault(key, format!("expected {least} to {most}, found {n}")));
             }
         }
         for (key, given, least, most) in [
@@ -121,15 +121,15 @@ impl GridConfig {
             ("falloff", self.falloff, 1e-3, 1e4),
         ] {
             if let Some(v) = given.filter(|v| !(least..=most).contains(v)) {
-                return Err(fault(behaviour, key, format!("expected {least} to {most}, found {v}")));
+                return Err(fault(key, format!("expected {least} to {most}, found {v}")));
             }
         }
-        self.bounds.check(behaviour)?;
-        self.adaptive.map_or(Ok(()), |a| a.check(behaviour))
+        self.bounds.check()?;
+        self.adaptive.map_or(Ok(()), |a| a.check().map_err(|e| e.within("grid.adaptive")))
     }
 
     /// Distance between the first two rings: as given, or 0.25 m as far as that suits (m).
-    fn inner_spacing(&self, behaviour: &str, rings: u32, radius: f64) -> Result<f64, BuildError> {
+    fn inner_spacing(&self, rings: u32, radius: f64) -> Result<f64, BuildError> {
         let last = f64::from(rings - 1);
         let (share, least) = (radius / last, radius / (last * last));
         let Some(given) = self.inner_spacing else { return Ok(0.25f64.max(2.0 * least).min(share)) };
@@ -145,42 +145,41 @@ impl GridConfig {
                 "expected above radius / (rings - 1)^2, {least:.4}, and up to radius / (rings - 1), {share:.4}, found {given}"
             )
         };
-        Err(fault(behaviour, "inner_spacing", why))
+        Err(fault("inner_spacing", why))
     }
 
     /// The polar grid it describes.
     ///
     /// # Errors
-    /// [`BuildError::Config`] that names behaviour and key.
-    pub fn make_polar(&self, behaviour: &str) -> Result<TargetGrid, BuildError> {
+    /// [`BuildError::Key`].
+    pub fn make_polar(&self) -> Result<TargetGrid, BuildError> {
         let keys = [
             ("heights", self.heights.is_some()),
             ("times", self.times.is_some()),
             ("horizon_s", self.horizon_s.is_some()),
             ("bounds", self.bounds != BoundsConfig::default()),
         ];
-        refuse(behaviour, "approach", &keys)?;
-        self.check(behaviour)?;
+        refuse("approach", &keys)?;
+        self.check()?;
         let (rings, radius) = (self.rings.unwrap_or(16), self.radius.unwrap_or(8.0));
-        let inner = self.inner_spacing(behaviour, rings, radius)?;
+        let inner = self.inner_spacing(rings, radius)?;
         let falloff = self.falloff.unwrap_or(2.5) as f32;
-        TargetGrid::polar(rings, self.angles.unwrap_or(32), radius as f32, inner as f32, falloff)
-            .map_err(|e| wrong(behaviour, &e))
+        TargetGrid::polar(rings, self.angles.unwrap_or(32), radius as f32, inner as f32, falloff).map_err(|e| wrong(&e))
     }
 
     /// The cylinder sector it describes, over `bounds` where the config does not say otherwise.
     ///
     /// # Errors
     /// As [`Self::make_polar`].
-    pub fn make_cylinder(&self, behaviour: &str, bounds: Bounds) -> Result<TargetGrid, BuildError> {
+    pub fn make_cylinder(&self, bounds: Bounds) -> Result<TargetGrid, BuildError> {
         let keys = [
             ("times", self.times.is_some()),
             ("horizon_s", self.horizon_s.is_some()),
             ("radius", self.radius.is_some()),
             ("inner_spacing", self.inner_spacing.is_some()),
         ];
-        refuse(behaviour, "throw_punches", &keys)?;
-        self.check(behaviour)?;
+        refuse("throw_punches", &keys)?;
+        self.check()?;
         let [mut low, mut high] = bounds;
         let middle = 0.5 * (low + high);
         (low, high) = (low.min(middle - 0.5 * LEAST_EXTENT), high.max(middle + 0.5 * LEAST_EXTENT));
@@ -192,45 +191,44 @@ impl GridConfig {
         (low.x, high.x, low.y) = (low.x.max(-PI), high.x.min(PI), low.y.max(0.0));
         let counts = [self.angles.unwrap_or(10), self.rings.unwrap_or(10), self.heights.unwrap_or(4)];
         let falloff = self.falloff.unwrap_or(0.3) as f32;
-        TargetGrid::cylinder(counts, low, high, falloff).map_err(|e| wrong(behaviour, &e))
+        TargetGrid::cylinder(counts, low, high, falloff).map_err(|e| wrong(&e))
     }
 
     /// The space-time grid it describes.
     ///
     /// # Errors
     /// As [`Self::make_polar`].
-    pub fn make_space_time(&self, behaviour: &str) -> Result<TargetGrid, BuildError> {
+    pub fn make_space_time(&self) -> Result<TargetGrid, BuildError> {
         let keys = [
             ("heights", self.heights.is_some()),
             ("inner_spacing", self.inner_spacing.is_some()),
             ("bounds", self.bounds != BoundsConfig::default()),
             ("adaptive", self.adaptive.is_some()),
         ];
-        refuse(behaviour, "evade", &keys)?;
-        self.check(behaviour)?;
+        refuse("evade", &keys)?;
+        self.check()?;
         let counts = [self.rings.unwrap_or(8), self.angles.unwrap_or(16), self.times.unwrap_or(9)];
         let (radius, horizon) = (self.radius.unwrap_or(1.2) as f32, self.horizon_s.unwrap_or(0.8) as f32);
-        TargetGrid::space_time(counts, radius, horizon, self.falloff.unwrap_or(0.3) as f32)
-            .map_err(|e| wrong(behaviour, &e))
+        TargetGrid::space_time(counts, radius, horizon, self.falloff.unwrap_or(0.3) as f32).map_err(|e| wrong(&e))
     }
 }
 
 /// Refuses keys that a kind of behaviour does not read.
-fn refuse(behaviour: &str, kind: &str, keys: &[(&str, bool)]) -> Result<(), BuildError> {
+fn refuse(kind: &str, keys: &[(&str, bool)]) -> Result<(), BuildError> {
     match keys.iter().find(|(_, given)| *given) {
-        Some((key, _)) => Err(fault(behaviour, key, format!("the kind `{kind}` has no such key; leave it out"))),
+        Some((key, _)) => Err(fault(key, format!("the kind `{kind}` has no such key; leave it out"))),
         None => Ok(()),
     }
 }
 
 /// An error about one key of the grid.
-fn fault(behaviour: &str, key: &str, why: impl std::fmt::Display) -> BuildError {
-    BuildError::Config { message: format!("behaviour \"{behaviour}\", key `grid.{key}`: {why}") }
+fn fault(key: &str, why: impl std::fmt::Display) -> BuildError {
+    BuildError::key(format!("grid.{key}"), why)
 }
 
 /// What the runtime's own check says of the grid as a whole.
-fn wrong(behaviour: &str, e: &Error) -> BuildError {
-    BuildError::Config { message: format!("behaviour \"{behaviour}\", key `grid`: {e}") }
+fn wrong(e: &Error) -> BuildError {
+    BuildError::key("grid", e)
 }
 
 #[cfg(test)]
@@ -245,29 +243,29 @@ mod tests {
 
     #[test]
     fn faults_name_the_key_what_is_expected_and_what_was_found() {
-        let polar = |text: &str| read(text).make_polar("x").expect_err(text).to_string();
-        let cylinder = |text: &str| read(text).make_cylinder("x", HITS).expect_err(text).to_string();
-        let space_time = |text: &str| read(text).make_space_time("x").expect_err(text).to_string();
+        let polar = |text: &str| read(text).make_polar().expect_err(text).to_string();
+        let cylinder = |text: &str| read(text).make_cylinder(HITS).expect_err(text).to_string();
+        let space_time = |text: &str| read(text).make_space_time().expect_err(text).to_string();
         for (message, expected) in [
-            (polar("rings = 0"), "`grid.rings`: expected 2 to 4096, found 0"),
-            (polar("angles = 1"), "`grid.angles`: expected 2 to 4096, found 1"),
-            (polar("radius = -1.0"), "`grid.radius`: expected 0.01 to 10000, found -1"),
-            (polar("radius = nan"), "`grid.radius`: expected 0.01 to 10000, found NaN"),
-            (polar("falloff = inf"), "`grid.falloff`: expected 0.001 to 10000, found inf"),
+            (polar("rings = 0"), "grid.rings: expected 2 to 4096, found 0"),
+            (polar("angles = 1"), "grid.angles: expected 2 to 4096, found 1"),
+            (polar("radius = -1.0"), "grid.radius: expected 0.01 to 10000, found -1"),
+            (polar("radius = nan"), "grid.radius: expected 0.01 to 10000, found NaN"),
+            (polar("falloff = inf"), "grid.falloff: expected 0.001 to 10000, found inf"),
             (polar("rings = 5\nradius = 8.0\ninner_spacing = 0.25"), "0.5000, and up to radius / (rings - 1), 2.0000"),
-            (polar("inner_spacing = nan"), "`grid.inner_spacing`: expected above"),
-            (polar("rings = 2\ninner_spacing = nan"), "`grid.inner_spacing`: expected above 0 to 10000, found NaN"),
-            (cylinder("heights = 0"), "`grid.heights`: expected 1 to 4096, found 0"),
-            (cylinder("rings = 5000"), "`grid.rings`: expected 2 to 4096, found 5000"),
-            (cylinder("bounds.angle_rad = [-90.0, 90.0]"), "`grid.bounds.angle_rad`: expected [least, greatest]"),
+            (polar("inner_spacing = nan"), "grid.inner_spacing: expected above"),
+            (polar("rings = 2\ninner_spacing = nan"), "grid.inner_spacing: expected above 0 to 10000, found NaN"),
+            (cylinder("heights = 0"), "grid.heights: expected 1 to 4096, found 0"),
+            (cylinder("rings = 5000"), "grid.rings: expected 2 to 4096, found 5000"),
+            (cylinder("bounds.angle_rad = [-90.0, 90.0]"), "grid.bounds.angle_rad: expected [least, greatest]"),
             (cylinder("bounds.angle_rad = [-3.14159, 3.14159]"), "less than a full turn"),
-            (cylinder("bounds.distance_m = [-1.0, 1.0]"), "`grid.bounds.distance_m`"),
-            (cylinder("bounds.height_m = [1.0, nan]"), "`grid.bounds.height_m`"),
-            (cylinder("bounds.height_m = [1.0, 1.0]"), "`grid.bounds.height_m`"),
-            (space_time("times = 1"), "`grid.times`: expected 2 to 4096, found 1"),
-            (space_time("horizon_s = 0.0"), "`grid.horizon_s`: expected 0.01 to 1000, found 0"),
+            (cylinder("bounds.distance_m = [-1.0, 1.0]"), "grid.bounds.distance_m"),
+            (cylinder("bounds.height_m = [1.0, nan]"), "grid.bounds.height_m"),
+            (cylinder("bounds.height_m = [1.0, 1.0]"), "grid.bounds.height_m"),
+            (space_time("times = 1"), "grid.times: expected 2 to 4096, found 1"),
+            (space_time("horizon_s = 0.0"), "grid.horizon_s: expected 0.01 to 1000, found 0"),
         ] {
-            assert!(message.contains("behaviour \"x\", key") && message.contains(expected), "{message}");
+            assert!(message.starts_with("grid") && message.contains(expected), "{message}");
         }
     }
 
@@ -276,12 +274,12 @@ mod tests {
         for rings in [2, 3, 4, 5, 6, 16, 33, 100, 4096] {
             for radius in [0.01, 0.5, 2.0, 8.0, 100.0, 1e4] {
                 let config = GridConfig { rings: Some(rings), radius: Some(radius), ..GridConfig::default() };
-                let grid = config.make_polar("x").unwrap_or_else(|e| panic!("{rings} rings, {radius} m: {e}"));
+                let grid = config.make_polar().unwrap_or_else(|e| panic!("{rings} rings, {radius} m: {e}"));
                 assert!((f64::from(grid.radius()) - radius).abs() < 1e-3 * radius, "{rings} rings, {radius} m");
             }
         }
         let inner = |text: &str| {
-            let r = *read(text).make_polar("x").expect(text).record();
+            let r = *read(text).make_polar().expect(text).record();
             r.ring_spacing + r.ring_growth
         };
         assert!((inner("rings = 5\nangles = 8") - 1.0).abs() < 1e-5);
@@ -293,7 +291,7 @@ mod tests {
         for rings in [3u32, 5, 50, 1000] {
             let (last, radius) = (f64::from(rings - 1), 3.0);
             for inner in [radius / last, 1.002 * radius / (last * last) + 3e-6] {
-                assert!(GridConfig::polar(rings, 8, radius, inner, 1.0).make_polar("x").is_ok(), "{rings}, {inner}");
+                assert!(GridConfig::polar(rings, 8, radius, inner, 1.0).make_polar().is_ok(), "{rings}, {inner}");
             }
         }
     }
@@ -306,9 +304,9 @@ mod tests {
             "rings = 4096\nbounds.distance_m = [0.0, 0.01]",
             "heights = 1\nbounds.height_m = [-1000.0, 1000.0]",
         ] {
-            read(text).make_cylinder("x", HITS).expect(text);
+            read(text).make_cylinder(HITS).expect(text);
         }
         let behind = Vec3::new(PI, 0.5, 1.0);
-        GridConfig::default().make_cylinder("x", [behind, behind]).expect("a blow straight behind");
+        GridConfig::default().make_cylinder([behind, behind]).expect("a blow straight behind");
     }
 }

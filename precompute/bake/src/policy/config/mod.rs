@@ -13,6 +13,8 @@ pub use grid::{BoundsConfig, GridConfig};
 pub use region::RegionConfig;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use throng_core::policy::MAX_RANKED;
+use throng_motion::error::{BuildError, check_ranges};
 
 /// How policies are solved.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,16 +23,33 @@ pub struct PolicyConfig {
     /// Values are within this of the optimal ones, on a scale where standing on the target for ever is worth 1.
     /// (1e-6 to 1)
     pub epsilon: f64,
-    /// Full sweeps after which solving is given up (> 0).
+    /// Full sweeps after which solving is given up (1 to 1e6).
     pub max_sweeps: u32,
     /// Best actions stored per (state, cell) (1 to 4).
     pub choices: u32,
     /// Random (state, target) pairs on which the single-load answer is compared with the look-ahead.
+    /// (0 to 1e7)
     pub compare_samples: u32,
 }
 
 impl Default for PolicyConfig {
     fn default() -> Self {
         Self { epsilon: 1e-4, max_sweeps: 500, choices: 4, compare_samples: 10_000 }
+    }
+}
+
+impl PolicyConfig {
+    /// Checks every number against its range.
+    ///
+    /// # Errors
+    /// [`BuildError::Key`] names the first one out of it.
+    pub(crate) fn check(&self) -> Result<(), BuildError> {
+        let ranges = [
+            ("epsilon", self.epsilon, 1e-6, 1.0),
+            ("max_sweeps", f64::from(self.max_sweeps), 1.0, 1e6),
+            ("choices", f64::from(self.choices), 1.0, MAX_RANKED as f64),
+            ("compare_samples", f64::from(self.compare_samples), 0.0, 1e7),
+        ];
+        check_ranges(ranges).map_err(|e| e.within("policy"))
     }
 }

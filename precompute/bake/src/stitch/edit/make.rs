@@ -1,6 +1,6 @@
 //! Stitching from the first step to the last, all of it or what a change left to do.
 
-use crate::environment::Environment;
+use crate::environment::{Environment, Solid};
 use crate::stitch::config::StitchConfig;
 use crate::stitch::connect::allow::allow;
 use crate::stitch::connect::assemble::{Written, write};
@@ -11,11 +11,12 @@ use crate::stitch::connect::prepare::{Past, Stitcher};
 use crate::stitch::connect::remains::{Judged, remain};
 use crate::stitch::connect::resettle::Before;
 use crate::stitch::connect::settled::{Standing, settle};
-use crate::stitch::library::STAGE;
+use crate::stitch::library::{Library, STAGE};
 use crate::stitch::place::change::Edit;
 use crate::stitch::place::lay::Laid;
 use crate::stitch::place::relay::Relaid;
 use crate::stitch::report::{Reason, StitchReport, peak_bytes};
+use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
 use throng_core::base::Hash128;
@@ -153,12 +154,13 @@ fn report(stitcher: &Stitcher<'_>, laid: &Laid, counts: &Counts) -> StitchReport
 
 fn meta(stitcher: &Stitcher<'_>, environment: &Environment, report: &StitchReport) -> Result<WorldMeta, BuildError> {
     let as_toml = as_toml(environment)?;
-    let source_hash = source_hash(&as_toml, &stitcher.placer.config);
+    let source_hash = source_hash(&as_toml, &stitcher.placer.config, &stitcher.placer.library)?;
     Ok(WorldMeta {
         name: environment.name.clone(),
         generator: concat!("throng ", env!("CARGO_PKG_VERSION")).to_owned(),
         bundle: stitcher.placer.library.bundle.to_owned(),
         bundle_hash: stitcher.placer.library.bundle_hash,
+        source: String::new(),
         source_hash,
         environment: as_toml,
         disabled: report.disabled.iter().map(|(name, count)| (name.clone(), *count)).collect(),
@@ -168,22 +170,35 @@ fn meta(stitcher: &Stitcher<'_>, environment: &Environment, report: &StitchRepor
     })
 }
 
-/// An environment as text.
+/// An environment or its settings as text.
 ///
 /// # Errors
 /// [`BuildError::Stage`] for numbers that TOML cannot hold.
-pub(in crate::stitch) fn as_toml(environment: &Environment) -> Result<String, BuildError> {
-    toml::to_string(environment).map_err(|e| BuildError::Stage {
+pub(in crate::stitch) fn as_toml(value: &impl Serialize) -> Result<String, BuildError> {
+    toml::to_string(value).map_err(|e| BuildError::Stage {
         stage: STAGE,
-        message: format!("environment {} cannot be written as TOML: {e}", environment.name),
+        message: format!("the world cannot be written as TOML: {e}"),
         help: "Give every unit a finite place".into(),
     })
 }
 
-/// Content hash of what a world is stitched from.
-pub(in crate::stitch) fn source_hash(environment: &str, config: &StitchConfig) -> u128 {
+/// Content hash of all that a world is stitched from. The bundle holds the units; their meshes are files beside it.
+///
+/// # Errors
+/// As [`as_toml`].
+pub(in crate::stitch) fn source_hash(
+    environment: &str,
+    config: &StitchConfig,
+    library: &Library<'_>,
+) -> Result<u128, BuildError> {
     let mut hash = Hash128::default();
     hash.bytes(environment.as_bytes());
-    hash.bytes(format!("{config:?}").as_bytes());
-    hash.finish()
+    hash.bytes(as_toml(config)?.as_bytes());
+    hash.bytes(&library.bundle_hash.to_le_bytes());
+    for solid in library.geometries.iter().flat_map(|g| &g.solids) {
+        if let Solid::Mesh(triangles) = solid {
+            hash.bytes(bytemuck::cast_slice(triangles.corners()));
+        }
+    }
+    Ok(hash.finish())
 }

@@ -1,6 +1,6 @@
 //! What makes a motion of a limb an effective hit.
 
-use crate::error::BuildError;
+use crate::error::{BuildError, check_ranges};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -88,33 +88,22 @@ impl HitConfig {
     /// [`BuildError::Config`] with the key, what was expected and what was found.
     pub fn check(&self) -> Result<(), BuildError> {
         let (p, k) = (&self.punches, &self.kicks);
-        let positive = |v: f32| v > 0.0 && v.is_finite();
-        let share = |v: f32| (0.0..=1.0).contains(&v);
-        let length = |v: f32| v >= 0.0 && v.is_finite();
-        let checks = [
-            ("landing_share", self.landing_share, positive(self.landing_share) && share(self.landing_share)),
-            ("punches.thrust_speed", p.thrust_speed, positive(p.thrust_speed)),
-            ("punches.extension", p.extension, share(p.extension)),
-            ("punches.swing_speed", p.swing_speed.unwrap_or_default(), p.swing_speed.is_none_or(positive)),
-            ("punches.swing_drop", p.swing_drop, length(p.swing_drop)),
-            ("punches.min_gap", p.min_gap, length(p.min_gap)),
-            ("kicks.thrust_speed", k.thrust_speed, positive(k.thrust_speed)),
-            ("kicks.swing_speed", k.swing_speed, positive(k.swing_speed)),
-            ("kicks.extension", k.extension, share(k.extension)),
-            ("kicks.height", k.height, length(k.height)),
-            ("kicks.min_gap", k.min_gap, length(k.min_gap)),
-        ];
-        let Some((key, found, _)) = checks.into_iter().find(|(_, _, sound)| !sound) else { return Ok(()) };
-        let expected = match key {
-            "landing_share" => "more than 0, at most 1",
-            "punches.extension" | "kicks.extension" => "0 to 1",
-            k if k.ends_with("_speed") => "more than 0 m/s",
-            k if k.ends_with("_gap") => "0 s or more",
-            _ => "0 m or more",
-        };
-        Err(BuildError::Config {
-            message: format!("annotate.hits.{key}: expected {expected}, found {found}. Correct it in the config."),
-        })
+        check_ranges(
+            [
+                ("landing_share", self.landing_share, 0.01, 1.0),
+                ("punches.thrust_speed", p.thrust_speed, 0.01, 100.0),
+                ("punches.extension", p.extension, 0.0, 1.0),
+                ("punches.swing_speed", p.swing_speed.unwrap_or(1.0), 0.01, 100.0),
+                ("punches.swing_drop", p.swing_drop, 0.0, 10.0),
+                ("punches.min_gap", p.min_gap, 0.0, 60.0),
+                ("kicks.thrust_speed", k.thrust_speed, 0.01, 100.0),
+                ("kicks.swing_speed", k.swing_speed, 0.01, 100.0),
+                ("kicks.extension", k.extension, 0.0, 1.0),
+                ("kicks.height", k.height, 0.0, 10.0),
+                ("kicks.min_gap", k.min_gap, 0.0, 60.0),
+            ]
+            .map(|(key, number, low, high)| (key, f64::from(number), low, high)),
+        )
     }
 }
 
@@ -127,15 +116,15 @@ mod tests {
         assert!(HitConfig::default().check().is_ok());
         type Change = fn(&mut HitConfig);
         let wrong: [(&str, Change); 5] = [
-            ("annotate.hits.landing_share: expected more than 0, at most 1, found 0", |c| c.landing_share = 0.0),
-            ("annotate.hits.punches.thrust_speed: expected more than 0 m/s, found -1", |c| {
+            ("landing_share: expected 0.01 to 1, found 0", |c| c.landing_share = 0.0),
+            ("punches.thrust_speed: expected 0.01 to 100, found -1", |c| {
                 c.punches.thrust_speed = -1.0;
             }),
-            ("annotate.hits.punches.swing_speed: expected more than 0 m/s, found NaN", |c| {
+            ("punches.swing_speed: expected 0.01 to 100, found NaN", |c| {
                 c.punches.swing_speed = Some(f32::NAN);
             }),
-            ("annotate.hits.kicks.extension: expected 0 to 1, found 2", |c| c.kicks.extension = 2.0),
-            ("annotate.hits.kicks.min_gap: expected 0 s or more, found inf", |c| c.kicks.min_gap = f32::INFINITY),
+            ("kicks.extension: expected 0 to 1, found 2", |c| c.kicks.extension = 2.0),
+            ("kicks.min_gap: expected 0 to 60, found inf", |c| c.kicks.min_gap = f32::INFINITY),
         ];
         for (message, change) in wrong {
             let mut config = HitConfig::default();

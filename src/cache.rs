@@ -1,0 +1,96 @@
+//! `throng cache`: what earlier builds left to be used again.
+
+use crate::args::Outcome;
+use crate::{keys, output};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+use throng_precompute::cache::Cache;
+
+/// List what the cache keeps, or clear it. Builds keep the outputs of their stages there, up to `--cache-limit`.
+#[derive(clap::Args)]
+#[command(after_long_help = keys::of::<Report<'static>>())]
+pub struct Args {
+    #[command(subcommand)]
+    what: Option<What>,
+    /// Folder that keeps the outputs of stages between builds.
+    #[arg(long, value_name = "DIR", default_value = ".throng-cache", global = true)]
+    cache: PathBuf,
+    /// Print one JSON object.
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(clap::Subcommand)]
+enum What {
+    /// Remove every entry; files that are none stay.
+    Clear,
+}
+
+/// What is printed.
+#[derive(Serialize, JsonSchema)]
+struct Report<'a> {
+    /// The folder.
+    folder: &'a Path,
+    /// Number of entries; with `clear`, of those that were removed.
+    entries: usize,
+    /// Length of all of them.
+    bytes: u64,
+    /// The same of each stage.
+    stages: BTreeMap<String, OfStage>,
+    /// True where they were removed.
+    cleared: bool,
+}
+
+/// The entries of a stage.
+#[derive(Default, Serialize, JsonSchema)]
+struct OfStage {
+    /// Their number.
+    entries: usize,
+    /// Their length.
+    bytes: u64,
+    /// Time since one of them was last used, 0 where the clock was set back (s).
+    last_use_s: u64,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let (cache, now) = (Cache::in_folder(&args.cache), SystemTime::now());
+    let listed = cache.entries()?;
+    let mut stages = BTreeMap::<String, OfStage>::new();
+    // The one that was used last comes last.
+    for entry in &listed {
+        let of = stages.entry(entry.stage.clone()).or_default();
+        of.entries += 1;
+        of.bytes += entry.bytes;
+        of.last_use_s = now.duration_since(entry.used).map_or(0, |d| d.as_secs());
+    }
+    let (mut entries, mut bytes) = (listed.len(), listed.iter().map(|e| e.bytes).sum());
+    let cleared = matches!(args.what, Some(What::Clear));
+    if cleared {
+        (entries, bytes) = cache.clear()?;
+    }
+    let report = Report { folder: &args.cache, entries, bytes, stages, cleared };
+    if args.json { output::json(&report) } else { print(&report) }
+}
+
+fn print(r: &Report<'_>) -> Outcome {
+    let sum = format!("{} entries, {}", r.entries, output::bytes(r.bytes));
+    let what = if r.cleared { "removed" } else { "kept" };
+    output::table(&[("cache", r.folder.display().to_string()), (what, sum)])?;
+    if r.cleared || r.stages.is_empty() {
+        return Ok(());
+    }
+    let row = |(stage, of): (&String, &OfStage)| {
+        let last = match of.last_use_s {
+            s @ 0..120 => format!("used {s} s ago"),
+            s @ 120..7200 => format!("used {} min ago", s / 60),
+            s @ 7200..172_800 => format!("used {} h ago", s / 3600),
+            s => format!("used {} days ago", s / 86400),
+        };
+        [format!("{} {stage}", of.entries), output::bytes(of.bytes), last]
+    };
+    let rows: Vec<[String; 3]> = r.stages.iter().map(row).collect();
+    output::columns(["entries", "bytes", "last use"], rows.iter().map(|r| [&*r[0], &*r[1], &*r[2]]))
+}
