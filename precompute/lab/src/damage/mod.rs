@@ -117,3 +117,27 @@ pub(crate) fn said(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic".into())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NONE: fn() -> Vec<Vec<u8>> = || vec![b"1 2 3".to_vec()];
+
+    #[test]
+    fn a_reader_that_panics_is_found_out_and_its_mutant_is_made_again() {
+        let careless = Reader {
+            name: "careless",
+            form: Form::Text,
+            seeds: NONE,
+            read: |b| b.is_ascii() && b.len() < 7 || panic!("too long"),
+        };
+        let tried = careless.try_mutants(200, 3);
+        assert!(tried.bad_seeds == 0 && tried.accepted > 0, "{tried:?}");
+        let (number, what) = tried.faults.first().expect("some mutants are long");
+        assert_eq!(what, "too long");
+        assert!(careless.mutant(*number, 3).len() > 6);
+        let strict = Reader { name: "strict", read: |_| false, ..careless };
+        assert_eq!((strict.try_mutants(5, 3).bad_seeds, strict.try_mutants(5, 3).accepted), (1, 0));
+    }
+}

@@ -191,6 +191,16 @@ mod tests {
     }
 
     #[test]
+    fn an_engine_that_lets_agents_overlap_is_found_out() {
+        let mut scene = own_scene("circle").unwrap().unwrap().resized(60);
+        scene.agents.engine = throng_runtime::simulation::scene::engine::named("fixed").unwrap();
+        let config = SoakConfig { seconds: 0.0, run_s: 20.0, ..SoakConfig::default() };
+        let report = soak(&[scene], &config).unwrap();
+        assert!(report.failed > 0 && report.worst.agent_overlap_m > 1e-3, "{report:?}");
+        assert!(report.faults[0].contains("overlap"), "{:?}", report.faults);
+    }
+
+    #[test]
     fn memory_that_grows_is_a_fault() {
         let Some(now) = resident_bytes() else { return };
         let mut report = SoakReport { warm_bytes: Some(now), ..SoakReport::default() };
