@@ -1,13 +1,10 @@
 //! What does a world with 1000 characters on tiles cost, motion, control and poses, and what a path across a floor?
 //! `cargo bench --bench inhabitants`.
 
-#[path = "../tests/patch/made_up_world.rs"]
-mod made_up;
-
 use std::time::Instant;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
 use throng_runtime::world::plan::{Planner, Target};
-use throng_runtime::world::{Step, World, WorldGraph};
+use throng_runtime::world::{Step, World, WorldGraph, made_up_floor as made_up};
 use throng_runtime::{Cast, Inline};
 
 const DT: f32 = 1.0 / 60.0;

@@ -15,6 +15,8 @@ mod query;
 mod renamed;
 mod run;
 mod schema;
+mod selftest;
+mod soak;
 mod stitch;
 mod synth;
 mod verify;
@@ -44,6 +46,8 @@ enum Command {
     Bench(bench::Args),
     Export(export::Args),
     View(view::Args),
+    Selftest(selftest::Args),
+    Soak(soak::Args),
     Schema(schema::Args),
     Cache(cache::Args),
     Completions(completions::Args),
@@ -67,6 +71,8 @@ fn main() -> ExitCode {
             Ok(code) => return code,
             Err(e) => Err(e),
         },
+        Command::Selftest(a) => selftest::run(&a),
+        Command::Soak(a) => soak::run(&a),
         Command::Schema(a) => schema::run(&a),
         Command::Cache(a) => cache::run(&a),
         Command::Completions(a) => completions::run(&a),
@@ -78,5 +84,52 @@ fn main() -> ExitCode {
             eprintln!("error: {e}");
             ExitCode::FAILURE
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    /// Words that are hard to take.
+    const WORDS: [&str; 14] = [
+        "",
+        "-",
+        "--",
+        "-1",
+        "0",
+        "nan",
+        "inf",
+        "1e999",
+        "18446744073709551616",
+        "a,b",
+        ",",
+        "=",
+        "\u{0}",
+        "\u{1f980}",
+    ];
+
+    /// Command lines of every command with every flag of it, each with every hard word: they are parsed or refused.
+    #[test]
+    fn no_command_line_panics() {
+        fn lines(command: &clap::Command, before: &[String], out: &mut Vec<Vec<String>>) {
+            let before = [before, &[command.get_name().to_owned()]].concat();
+            for arg in command.get_arguments() {
+                for word in WORDS {
+                    let flag = arg.get_long().map(|long| format!("--{long}"));
+                    let joined = flag.iter().map(|f| format!("{f}={word}"));
+                    let apart = flag.clone().into_iter().chain([word.to_owned()]);
+                    out.push([&before[..], &joined.collect::<Vec<_>>()].concat());
+                    out.push([&before[..], &apart.collect::<Vec<_>>(), &["file".into()]].concat());
+                }
+            }
+            command.get_subcommands().for_each(|c| lines(c, &before, out));
+        }
+        let mut all = Vec::new();
+        lines(&Cli::command(), &[], &mut all);
+        assert!(all.len() > 2000, "{} command lines", all.len());
+        let parsed = all.iter().filter(|line| Cli::try_parse_from(line.iter()).is_ok()).count();
+        assert!(parsed > 50 && parsed < all.len() / 2, "{parsed} of {} are accepted", all.len());
     }
 }

@@ -1,11 +1,9 @@
 //! Promise: the examples do what they say.
 
 mod common;
-#[path = "patch/made_up_world.rs"]
-mod made_up_world;
 
 use std::path::PathBuf;
-use throng_runtime::world::{PathCosts, WorldGraph};
+use throng_runtime::world::{PathCosts, WorldGraph, made_up_floor as made_up_world};
 
 #[allow(dead_code, reason = "started by the tests, not by its own `main`")]
 #[path = "../examples/agents_with_bodies.rs"]

@@ -2,8 +2,6 @@
 #![allow(unsafe_code, reason = "an allocator that counts is an unsafe trait")]
 
 mod common;
-#[path = "patch/made_up_world.rs"]
-mod made_up;
 #[allow(dead_code, reason = "a part of it is enough here")]
 #[path = "blend/runtime/made_up.rs"]
 mod made_up_blend;
@@ -21,6 +19,7 @@ use throng_runtime::sparring::{PracticeConfig, TargetPractice};
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::world::World;
 use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, scatter};
+use throng_runtime::world::made_up_floor as made_up;
 use throng_runtime::{Cast, Id, Inline, Mat3x4, NUM_JOINTS, Planar};
 
 thread_local! {

@@ -94,6 +94,9 @@ fn help_lists_exactly_the_keys_that_are_printed() {
     let quick = ["--characters", "8", "--threads", "1", "--seconds", "0.001", "--quality", "--pairs", "5"];
     check(&["bench", "bundle"], "JSON keys", &[&[bundle.as_str()], &quick[..]].concat());
     check(&["bench", "crowd"], "JSON keys", &["--scene", "lanes", "--agents", "20", "--seconds", "0.5"]);
+    let circle = concat!(env!("CARGO_MANIFEST_DIR"), "/data/scenes/circle.toml");
+    check(&["soak"], "JSON keys", &[circle, "--seconds", "0", "--run-seconds", "0.5"]);
+    check(&["selftest"], "JSON keys", &["--mutants", "1", "--no-cache"]);
     check(&["run"], "JSON keys (of a bundle)", &[&bundle, "--characters", "4", "--seconds", "1"]);
     let (png, kept) = (at(&folder, "demo.png"), at(&folder, "demo.throng"));
     let demo = ["--characters", "4", "--seconds", "1", "--out", &png, "--bundle", &kept];

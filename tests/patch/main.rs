@@ -7,7 +7,6 @@ mod glides;
 mod groups;
 mod inhabitants;
 mod made_up;
-mod made_up_world;
 #[path = "../format/patch.rs"]
 mod parts;
 mod plan;
@@ -15,3 +14,5 @@ mod saved_inhabitants;
 mod stitch;
 mod tiles;
 mod world_file;
+
+use throng_runtime::world::made_up_floor as made_up_world;

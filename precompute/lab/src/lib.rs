@@ -1,9 +1,12 @@
 //! Measures, compares and pictures what Throng bakes and runs.
 
+pub mod damage;
 pub mod inspect;
 pub mod matching;
 pub mod measure;
 pub mod picture;
 pub mod run;
+pub mod selftest;
 pub mod slip;
+pub mod soak;
 pub mod trial;

@@ -7,6 +7,8 @@ mod graph;
 pub mod inhabitants;
 #[cfg(test)]
 mod made_up;
+#[cfg(any(test, feature = "made-up"))]
+pub mod made_up_floor;
 mod path_hierarchy;
 pub mod plan;
 mod pod;

@@ -9,7 +9,7 @@ mod record;
 mod report;
 mod row;
 mod styles;
-mod watch;
+pub(crate) mod watch;
 
 pub use clock::running_s;
 pub use ensure::{Cached, ensure, ensure_bundle, ensure_world};

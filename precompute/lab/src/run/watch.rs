@@ -27,7 +27,7 @@ const KNEES: [[Joint; 3]; 2] =
     [[Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot], [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]];
 
 /// All that is measured of some groups.
-pub(super) struct Watch {
+pub(crate) struct Watch {
     /// Their numbers in the simulation.
     groups: Vec<usize>,
     feet: SlipMeter,

@@ -6,7 +6,7 @@ use crate::format::{AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FrameRow, 
 use crate::graph::{MotionSegment, StateRecord};
 use crate::hits::HitRecord;
 use crate::planar::Planar;
-use crate::policy::{PolicyRecord, RewardRecord, SegmentRecord, TargetGrid};
+use crate::policy::{PolicyRecord, RewardRecord, SegmentRecord, StateGridRecord, TargetGrid};
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use bytemuck::Zeroable;
 use glam::Quat;
@@ -22,12 +22,19 @@ pub fn tables() -> Bundle {
 
 /// The same with effective hits.
 pub fn tables_with(hits: &[HitRecord]) -> Bundle {
+    Bundle::from_bytes(AlignedBytes::from_slice(&bytes(hits, false))).unwrap()
+}
+
+/// The file of the bundle.
+///
+/// - `adaptive`: a second policy, with a grid for each state.
+pub fn bytes(hits: &[HitRecord], adaptive: bool) -> Vec<u8> {
     let mut out = BundleWriter::new();
     let clip = |name: &str| ClipMeta { name: name.into(), ..ClipMeta::default() };
     let meta = Meta {
         rate_hz: 30.0,
         clips: vec![clip("a"), clip("b")],
-        behaviours: vec!["approach".into()],
+        behaviours: ["approach", "adaptive"].iter().take(1 + usize::from(adaptive)).map(|&b| b.into()).collect(),
         ..Meta::default()
     };
     out.section(tags::META, &meta.encode().unwrap());
@@ -66,7 +73,8 @@ pub fn tables_with(hits: &[HitRecord]) -> Bundle {
         epsilon: 1e-3,
         ..PolicyRecord::default()
     };
-    out.section(tags::POLICIES, &[policy]);
+    let policies = [policy, PolicyRecord { adaptive: 1, ..policy }];
+    out.section(tags::POLICIES, &policies[..1 + usize::from(adaptive)]);
     let known = segments.map(|s| SegmentRecord {
         displacement: [s.displacement[2].cos(), s.displacement[2].sin(), s.displacement[0], s.displacement[1]],
         weights: [0.0, 0.0, 0.0, 1.0],
@@ -74,11 +82,15 @@ pub fn tables_with(hits: &[HitRecord]) -> Bundle {
         end: s.end,
         ..SegmentRecord::zeroed()
     });
-    out.section(tags::POLICY_SEGMENTS, &known);
+    out.section(tags::POLICY_SEGMENTS, &if adaptive { [known, known].concat() } else { known.to_vec() });
     out.section::<crate::policy::PathRecord>(tags::POLICY_PATHS, &[]);
-    out.section::<crate::policy::StateGridRecord>(tags::POLICY_STATE_GRIDS, &[]);
-    out.section(tags::POLICY_VALUES, &[0.0f32; 4 * 32]);
-    let best: Vec<u8> = (0..4 * 32).map(|i| (i / 3 % 2) as u8).collect();
+    // A grid of 32 cells for each of four states; four grids of their own for the same states.
+    let state_grids = [([4, 8, 1], 0), ([2, 8, 1], 32), ([4, 2, 1], 48), ([3, 5, 1], 56)];
+    let state_grids = state_grids.map(|(n, at)| StateGridRecord::new(n, at));
+    out.section(tags::POLICY_STATE_GRIDS, &state_grids[..if adaptive { 4 } else { 0 }]);
+    let cells = 4 * 32 + if adaptive { 71 } else { 0 };
+    out.section(tags::POLICY_VALUES, &vec![0.0f32; cells]);
+    let best: Vec<u8> = (0..cells).map(|i| (i / 3 % 2) as u8).collect();
     out.section(tags::POLICY_BEST, &best);
     out.section::<crate::patch::PatchRecord>(tags::PATCHES, &[]);
     out.section::<crate::patch::EdgeRecord>(tags::PATCH_EDGES, &[]);
@@ -92,7 +104,7 @@ pub fn tables_with(hits: &[HitRecord]) -> Bundle {
     out.section::<crate::blend::ChannelRow>(tags::BLEND_CHANNELS, &[]);
     let mut bytes = Vec::new();
     out.write(&mut bytes).unwrap();
-    Bundle::from_bytes(AlignedBytes::from_slice(&bytes)).unwrap()
+    bytes
 }
 
 fn row(frame: u32, clip: u32) -> FrameRow {

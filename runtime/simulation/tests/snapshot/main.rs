@@ -1,12 +1,7 @@
 //! Promise: whatever moves, a snapshot brings all of it back, on any number of threads, and bytes of anybody do no harm.
 
 mod damage;
-#[path = "../../../../tests/patch/made_up_world.rs"]
-mod made_up_world;
 mod scenes;
-
-// Made-up worlds name what they need as applications do.
-extern crate self as throng_runtime;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use throng_core::*;

@@ -1,12 +1,11 @@
 //! Small scenes of every kind of motion, on bundles that take no time to make.
 
-use super::made_up_world;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use throng_core::characters::made_up::tables_with;
 use throng_core::{Bundle, HitRecord, Joint};
 use throng_simulation::{CompiledScene, Scene};
-use throng_world::{PathCosts, WorldGraph};
+use throng_world::{PathCosts, WorldGraph, made_up_floor as made_up_world};
 
 /// Boxers who strike in the first half of every segment, ever further ahead of them; `further` tells bundles apart (m).
 pub fn boxing(further: f32) -> Bundle {

@@ -66,7 +66,8 @@ impl Floors {
         [self.of.len(), self.regions.len(), self.places.len()] == [n; 3]
             && self.patches.iter().all(|&p| planes.get(p as usize).is_some_and(Option::is_some))
             && (0u32..).zip(&self.regions).all(region)
-            && self.places.iter().flatten().all(|p| p.abs() <= MAX_PLACE)
+            // The least number has no positive counterpart.
+            && self.places.iter().flatten().all(|p| (-MAX_PLACE..=MAX_PLACE).contains(p))
     }
 
     /// Number of regions.
@@ -113,6 +114,27 @@ impl Floors {
                 self.regions[tile as usize] = self.patches.len() as u32;
                 self.patches.push(patch);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made_up::{Tile, places};
+
+    #[test]
+    fn places_that_are_too_far_are_refused_to_the_last_number() {
+        let tile = Tile::crossed_in(20, 16);
+        let world = tile.floor(&places([3, 4, 2]));
+        let graph = WorldGraph::new(&tile.patches(), &world.view()).unwrap();
+        let n = graph.num_instances();
+        let far = [MAX_PLACE + 1, -MAX_PLACE - 1, i32::MAX, i32::MIN];
+        for (place, is_near) in [0, MAX_PLACE, -MAX_PLACE].map(|p| (p, true)).into_iter().chain(far.map(|p| (p, false)))
+        {
+            let floors =
+                Floors { of: vec![0; n], regions: vec![NONE; n], places: vec![[0, place]; n], patches: Vec::new() };
+            assert_eq!(floors.is_sound(&graph, &[]), is_near, "{place}");
         }
     }
 }

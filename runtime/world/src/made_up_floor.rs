@@ -1,28 +1,27 @@
 //! Small worlds made up in code: a floor of tiles that are crossed straight on or with a turn and stood on, and benches
 //! that are sat on.
-#![allow(dead_code, reason = "each test binary uses its own part of this module")]
 
+use crate::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord, WorldData, WorldMeta};
 use glam::Quat;
-use throng_runtime::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow};
-use throng_runtime::format::{
+use throng_core::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow};
+use throng_core::format::{
     AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FrameRow, Meta, PatchMeta, SkeletonRecord,
 };
-use throng_runtime::graph::{MotionSegment, StateRecord};
-use throng_runtime::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord, Placement};
-use throng_runtime::planar::wrap_angle;
-use throng_runtime::policy::{PathRecord, PolicyRecord, SegmentRecord, StateGridRecord};
-use throng_runtime::world::{
-    AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord, WorldData, WorldMeta,
-};
-use throng_runtime::{Bundle, Contacts, HitRecord, Joint, NUM_JOINTS, Planar, Skeleton, bundle::tags};
+use throng_core::graph::{MotionSegment, StateRecord};
+use throng_core::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord, Placement};
+use throng_core::planar::wrap_angle;
+use throng_core::policy::{PathRecord, PolicyRecord, SegmentRecord, StateGridRecord};
+use throng_core::{Bundle, Contacts, HitRecord, Joint, NUM_JOINTS, Planar, Skeleton, bundle::tags};
 
 /// Length of a tile's side (m).
 pub const SIDE: f32 = 2.0;
-/// Patches of the bundle.
+/// Number of the patch of a tile.
 pub const FLOOR: u32 = 0;
+/// Number of the patch of a bench.
 pub const BENCH: u32 = 1;
-/// Tags of links.
+/// Tag of links on which people talk.
 pub const CHAT: u16 = 1;
+/// Tag of links on which people sit.
 pub const SIT: u16 = 2;
 
 /// Edges: +x, -x, +z, -z.

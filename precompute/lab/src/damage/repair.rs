@@ -1,0 +1,96 @@
+//! Puts the checksums of damaged files right, so that what lies behind them is reached.
+
+use throng_runtime::format::{Header, MAGIC, Section, VERSION, crc32};
+use throng_runtime::world::{WORLD_MAGIC, WORLD_VERSION};
+
+/// First bytes of each frame of a snapshot, and where its length, checksum and content lie after them.
+const SNAPSHOT_MAGIC: &[u8] = b"THRGSNAP";
+const LENGTH: usize = 32;
+const SUM: usize = 40;
+const BODY: usize = 44;
+
+/// A bundle: magic, version, length and all checksums.
+pub fn bundle(data: &[u8]) -> Vec<u8> {
+    file(data, MAGIC, VERSION)
+}
+
+/// A world: the same.
+pub fn world(data: &[u8]) -> Vec<u8> {
+    file(data, WORLD_MAGIC, WORLD_VERSION)
+}
+
+fn file(data: &[u8], magic: [u8; 8], version: u32) -> Vec<u8> {
+    const HEAD: usize = size_of::<Header>();
+    const ROW: usize = size_of::<Section>();
+    let mut data = data.to_vec();
+    if data.len() < HEAD {
+        return data;
+    }
+    let mut header: Header = bytemuck::pod_read_unaligned(&data[..HEAD]);
+    let table_end = HEAD.saturating_add((header.num_sections as usize).saturating_mul(ROW));
+    if table_end <= data.len() {
+        for at in (HEAD..table_end).step_by(ROW) {
+            let mut row: Section = bytemuck::pod_read_unaligned(&data[at..at + ROW]);
+            if let Some(content) = row.range(data.len() as u64).ok().and_then(|range| data.get(range)) {
+                row.crc32 = crc32(content);
+                data[at..at + ROW].copy_from_slice(bytemuck::bytes_of(&row));
+            }
+        }
+        header.table_crc32 = crc32(&data[HEAD..table_end]);
+    }
+    header.magic = magic;
+    header.version = version;
+    header.file_len = data.len() as u64;
+    header.reserved = [0; 32];
+    header.header_crc32 = header.checksum();
+    data[..HEAD].copy_from_slice(bytemuck::bytes_of(&header));
+    data
+}
+
+/// A snapshot: the checksums of all frames, the inner ones first, and the kind and setup of the outer one.
+///
+/// - `good`: a snapshot of the same simulation.
+pub fn snapshot(data: &[u8], good: &[u8]) -> Vec<u8> {
+    let mut data = data.to_vec();
+    if data.len() < BODY || good.len() < BODY {
+        return data;
+    }
+    data[..LENGTH].copy_from_slice(&good[..LENGTH]);
+    let length = (data.len() - BODY) as u64;
+    data[LENGTH..LENGTH + 8].copy_from_slice(&length.to_le_bytes());
+    let starts = data.windows(SNAPSHOT_MAGIC.len()).enumerate().filter(|(_, w)| *w == SNAPSHOT_MAGIC).map(|(at, _)| at);
+    for at in starts.collect::<Vec<_>>().into_iter().rev() {
+        let Some(length) = data.get(at + LENGTH..at + LENGTH + 8) else { continue };
+        let length = u64::from_le_bytes(std::array::from_fn(|i| length[i]));
+        let end = usize::try_from(length).ok().and_then(|n| n.checked_add(at + BODY));
+        let Some(body) = end.and_then(|end| data.get(at + BODY..end)) else { continue };
+        let sum = crc32(body).to_le_bytes();
+        data[at + SUM..at + BODY].copy_from_slice(&sum);
+    }
+    data
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::seeds;
+    use super::*;
+    use throng_runtime::Bundle;
+    use throng_runtime::format::AlignedBytes;
+
+    #[test]
+    fn what_is_whole_stays_as_it_is_and_a_flipped_bit_passes_the_checksums() {
+        for good in seeds::bundle() {
+            assert!(bundle(&good) == good);
+            let mut flipped = good.clone();
+            // The last bit of the last section: no more than a weight or a best action.
+            *flipped.last_mut().unwrap() ^= 1;
+            let open = |bytes: &[u8]| Bundle::from_bytes(AlignedBytes::from_slice(bytes));
+            let e = open(&flipped).unwrap_err().to_string();
+            assert!(e.contains("checksum"), "{e}");
+            let e = open(&bundle(&flipped)).err().map(|e| e.to_string()).unwrap_or_default();
+            assert!(!e.contains("checksum"), "{e}");
+        }
+        assert!(seeds::world().iter().all(|good| world(good) == *good));
+        assert!(seeds::of_policy().iter().all(|good| snapshot(good, good) == *good));
+    }
+}

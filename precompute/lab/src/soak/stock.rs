@@ -1,0 +1,135 @@
+//! Small scenes that need no file: their bundles are made from synthetic motion, and their world is stitched.
+
+use crate::run::{Cached, OWN_SCENES, ensure, own_scene};
+use std::path::Path;
+use throng_motion::error::BuildError;
+use throng_motion::files::write_atomically;
+use throng_runtime::simulation::Scene;
+
+/// Names and texts of files.
+const FILES: [(&str, &str); 7] = [
+    (
+        "boxing.toml",
+        r#"
+name = "boxing"
+synth = { set = "boxing", minutes = 0.6 }
+[policy]
+compare_samples = 100
+[annotate.hits.punches]
+swing_speed = 4.0
+[[behaviours]]
+name = "approach"
+kind = "approach"
+centre = "hits"
+grid = { rings = 5, angles = 8, radius = 2.0, inner_spacing = 0.5 }
+[[behaviours]]
+name = "throw-punches"
+kind = "throw_punches"
+scale = 0.25
+grid = { rings = 6, angles = 6, heights = 3 }
+[[behaviours]]
+name = "evade"
+kind = "evade"
+grid = { rings = 4, angles = 8, times = 4 }
+"#,
+    ),
+    ("units.toml", include_str!("../../../../data/units/playground.toml")),
+    (
+        "tiles.toml",
+        r#"
+name = "tiles"
+behaviours = []
+synth = { set = "walk", minutes = 3.0 }
+[resample]
+mirror = true
+[graph]
+enabled = false
+[patches]
+units = "units.toml"
+[[patches.tiles]]
+unit = "ground"
+"#,
+    ),
+    (
+        "floor.toml",
+        r#"
+bundle = "tiles.throng"
+config = "tiles.toml"
+[[place]]
+unit = "ground"
+at = [0, 0, 0]
+repeat = [7, 1, 7]
+step = [[2.8, 0, 0], [0, 0, 0], [0, 0, 2.8]]
+"#,
+    ),
+    (
+        "policy.toml",
+        r#"
+name = "policy"
+bundle = "boxing.throng"
+config = "boxing.toml"
+[[groups]]
+motion = "policy"
+count = 24
+place = { grid = { spacing_m = 6.0, distance_m = 1.5 } }
+temperature = 0.05
+behaviours = [{ name = "approach" }, { name = "throw-punches", weight = 2.0 }]
+target = { height_m = 1.4, drag = [{ time_s = 0.7, x_m = 0.4 }, { time_s = 1.9, z_m = 0.3 }] }
+"#,
+    ),
+    (
+        "sparring.toml",
+        r#"
+name = "sparring"
+bundle = "boxing.throng"
+config = "boxing.toml"
+[[groups]]
+motion = "sparring"
+count = 24
+place = { grid = { spacing_m = 6.0, distance_m = 2.0 } }
+temperature = 0.02
+behaviours = [{ name = "approach" }, { name = "throw-punches", weight = 2.0 }, { name = "evade", weight = 3.0 }]
+"#,
+    ),
+    (
+        "inhabited.toml",
+        r#"
+name = "inhabited"
+bundle = "tiles.throng"
+config = "tiles.toml"
+environment = { world = "floor.world", world_config = "floor.toml" }
+[[groups]]
+motion = "patches"
+count = 12
+wishes = [{ share = 1.0, wish = { roam = { seconds = [4.0, 9.0] } } }, { share = 1.0, wish = { visit = {} } }]
+"#,
+    ),
+];
+
+/// Agents of each crowd.
+const AGENTS: usize = 200;
+
+/// The scenes: policy characters, every crowd of the project, an inhabited world, sparring.
+///
+/// - `folder`: takes the bundles and the world, which are made where they are missing.
+///
+/// # Errors
+/// What building and stitching say, and [`BuildError::Io`] where the folder cannot be written.
+pub fn scenes(folder: &Path, with: &Cached<'_>) -> Result<Vec<Scene>, BuildError> {
+    std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
+    for (name, text) in FILES {
+        write_atomically(&folder.join(name), |out| out.write_all(text.as_bytes()))?;
+    }
+    let mut out = Vec::new();
+    for name in ["policy", "inhabited", "sparring"] {
+        let scene = Scene::load(folder.join(format!("{name}.toml"))).map_err(super::fault)?;
+        ensure(&scene, with)?;
+        out.push(scene);
+    }
+    for (k, name) in OWN_SCENES.into_iter().enumerate() {
+        let scene = own_scene(name).map_err(super::fault)?.map(|s| s.resized(AGENTS));
+        // In turns with the others.
+        out.splice((2 * k + 1).min(out.len())..(2 * k + 1).min(out.len()), scene);
+    }
+    Ok(out)
+}

@@ -1,0 +1,162 @@
+#!/usr/bin/env bash
+# What is left when things go wrong? Kills builds, stitches and runs at random moments, lets writing fail at a file size,
+# damages the cache, and runs two builds at once. After each, the output must be absent or whole, and a further build
+# must give the same bytes as an undisturbed one.
+#
+# `scripts/faults.sh [N] [THRONG]`: N times each (500), with a program (target/release/throng, or target/debug/throng).
+# Prints a table, and exits 1 where anything was wrong.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+times=${1:-500}
+throng=${2:-}
+for built in target/release/throng target/debug/throng; do
+    [ -n "$throng" ] || { [ ! -x "$built" ] || throng=$PWD/$built; }
+done
+[ -n "$throng" ] || { echo "build it first: cargo build --release" >&2; exit 1; }
+units=$PWD/data/units/playground.toml
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+RANDOM=1
+status=0
+
+cat > small.toml << 'TOML'
+name = "small"
+synth = { set = "walk", minutes = 1.0 }
+[resample]
+mirror = true
+[policy]
+compare_samples = 100
+[[behaviours]]
+name = "approach"
+grid = { rings = 6, angles = 8, radius = 6.0, inner_spacing = 0.5 }
+TOML
+cat > tiles.toml << TOML
+name = "tiles"
+behaviours = []
+synth = { set = "walk", minutes = 3.0 }
+[resample]
+mirror = true
+[graph]
+enabled = false
+[patches]
+units = "$units"
+[[patches.tiles]]
+unit = "ground"
+TOML
+cat > floor.toml << 'TOML'
+bundle = "tiles.throng"
+config = "tiles.toml"
+[[place]]
+unit = "ground"
+at = [0, 0, 0]
+repeat = [7, 1, 7]
+step = [[2.8, 0, 0], [0, 0, 0], [0, 0, 2.8]]
+TOML
+
+build() { "$throng" build small.toml --out "$1" --cache "$2"; }
+stitch() { "$throng" stitch floor.toml --out "$1" --cache cache; }
+build whole.throng cache > /dev/null 2>&1
+stitch whole.world > /dev/null 2>&1
+
+row() { # WHAT TRIED INTERRUPTED WRONG
+    printf '%-34s %6d tried %6d disturbed %4d wrong\n' "$1" "$2" "$3" "$4"
+    [ "$4" -eq 0 ] || status=1
+}
+
+# Milliseconds that a command takes.
+duration() {
+    local begin
+    begin=$(date +%s%N)
+    "$@" > /dev/null 2>&1
+    echo $((($(date +%s%N) - begin) / 1000000 + 1))
+}
+
+# Kills a command at random moments: its output is then absent or the whole one.
+kills() { # WHAT WHOLE OUT COMMAND...
+    local what=$1 whole=$2 out=$3 wrong=0 killed=0 most pid
+    shift 3
+    most=$(duration "$@")
+    for ((i = 0; i < times; i++)); do
+        rm -rf "$out" killed-cache
+        "$@" > /dev/null 2>&1 &
+        pid=$!
+        sleep "$(awk -v m="$most" -v r=$RANDOM 'BEGIN { printf "%.4f", m * r / 32768000 }')"
+        kill -9 $pid 2> /dev/null && killed=$((killed + 1))
+        wait $pid 2> /dev/null || true
+        [ ! -e "$out" ] || cmp -s "$out" "$whole" || wrong=$((wrong + 1))
+    done
+    "$@" > /dev/null 2>&1 && cmp -s "$out" "$whole" || wrong=$((wrong + 1))
+    row "$what" "$times" "$killed" "$wrong"
+}
+kills "builds killed" whole.throng out.throng \
+    "$throng" build small.toml --out out.throng --cache killed-cache
+kills "stitches killed" whole.world out.world "$throng" stitch floor.toml --out out.world --cache cache
+# A picture is whole or absent, too.
+picture=("$throng" run whole.throng --characters 20 --seconds 2 --png out.png)
+"${picture[@]}" > /dev/null 2>&1 && mv out.png whole.png
+kills "recordings killed" whole.png out.png "${picture[@]}"
+
+# Builds killed with one cache, which keeps what the killed ones left.
+wrong=0 killed=0 most=$(duration build out.throng shared-cache)
+for ((i = 0; i < times; i++)); do
+    [ $((i % 10)) -ne 0 ] || rm -rf shared-cache
+    rm -f out.throng
+    "$throng" build small.toml --out out.throng --cache shared-cache > /dev/null 2>&1 &
+    pid=$!
+    sleep "$(awk -v m="$most" -v r=$RANDOM 'BEGIN { printf "%.4f", m * r / 32768000 }')"
+    kill -9 $pid 2> /dev/null && killed=$((killed + 1))
+    wait $pid 2> /dev/null || true
+    build out.throng shared-cache > /dev/null 2>&1 && cmp -s out.throng whole.throng || wrong=$((wrong + 1))
+done
+row "builds after a killed one" "$times" "$killed" "$wrong"
+
+# No file may grow beyond some size: as on a full disk, writing fails in the middle.
+wrong=0 failed=0 kb=$(($(stat -c %s whole.throng) / 1024))
+few=$((times < 40 ? times : 40))
+for ((i = 0; i < few; i++)); do
+    rm -rf out.throng full-cache
+    # The words come through a pipe, which has no size.
+    if message=$( (trap '' XFSZ; ulimit -f $((kb * i / few)); build out.throng full-cache) 2>&1); then
+        cmp -s out.throng whole.throng || wrong=$((wrong + 1))
+    else
+        failed=$((failed + 1))
+        [ ! -e out.throng ] && grep -q "^error: " <<< "$message" || wrong=$((wrong + 1))
+    fi
+done
+row "writing fails" "$few" "$failed" "$wrong"
+
+# A damaged entry of the cache counts as absent.
+wrong=0 damaged=0
+for ((i = 0; i < times; i++)); do
+    entries=(cache/*)
+    entry=${entries[$((RANDOM % ${#entries[@]}))]}
+    size=$(stat -c %s "$entry")
+    if [ $((i % 3)) -eq 0 ]; then
+        truncate -s $((size * (RANDOM % 1000) / 1000)) "$entry"
+    else
+        printf "\\x$(printf %x $((RANDOM % 256)))" |
+            dd of="$entry" bs=1 seek=$(((RANDOM * 32768 + RANDOM) % size)) conv=notrunc status=none
+    fi
+    damaged=$((damaged + 1))
+    rm -f out.throng
+    build out.throng cache > /dev/null 2>&1 && cmp -s out.throng whole.throng || wrong=$((wrong + 1))
+done
+row "cache entries damaged" "$times" "$damaged" "$wrong"
+
+# Two builds at once, with one cache and one output.
+wrong=0
+few=$((times < 50 ? times : 50))
+for ((i = 0; i < few; i++)); do
+    rm -rf out.throng both-cache
+    build out.throng both-cache > /dev/null 2>&1 &
+    first=$!
+    build out.throng both-cache > /dev/null 2>&1 || wrong=$((wrong + 1))
+    wait $first || wrong=$((wrong + 1))
+    cmp -s out.throng whole.throng || wrong=$((wrong + 1))
+done
+row "two builds at once" "$few" "$few" "$wrong"
+
+left=$(find . -name '.throng-??????*' -type f | wc -l)
+echo "temporary files left by killed programs: $left"
+exit $status

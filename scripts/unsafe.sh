@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Is unsafe code sound? Runs tests of the runtime under Miri and under AddressSanitizer.
+#
+# `scripts/unsafe.sh [miri] [asan]`; both by default. Says what is skipped, and exits 1 where anything was found.
+#
+# Miri runs what neither maps files nor uses AVX2: the file format, base, policies and blending on arrays. `MIRI_TESTS`
+# names other tests.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+parts=("$@")
+[ ${#parts[@]} -gt 0 ] || parts=(miri asan)
+status=0
+for part in "${parts[@]}"; do
+    case $part in
+    miri)
+        if ! cargo +nightly miri --version > /dev/null 2>&1; then
+            echo "miri: skipped: there is no nightly toolchain with Miri (rustup +nightly component add miri)"
+            continue
+        fi
+        export MIRIFLAGS="-Zmiri-disable-isolation -Zmiri-permissive-provenance" PROPTEST_CASES=2
+        for tests in ${MIRI_TESTS:-throng-base:snapshot throng-base:checksum throng-base:simd throng-core:format throng-core:policy throng-core:blend}; do
+            crate=${tests%%:*} filter=${tests##*:}
+            log=$(timeout "${MIRI_SECONDS:-600}" cargo +nightly miri test -q -p "$crate" --lib -- "$filter" 2>&1)
+            code=$?
+            case $code in
+            0) echo "miri: $crate $filter: $(grep -o '[0-9]* passed' <<< "$log" | head -1)" ;;
+            124) echo "miri: $crate $filter: skipped: it takes more than ${MIRI_SECONDS:-600} s" ;;
+            *) echo "miri: $crate $filter: FOUND"; grep -E "^error|Undefined Behavior|panicked|test result" <<< "$log" | head -10; status=1 ;;
+            esac
+        done ;;
+    asan)
+        host=$(rustc -vV | sed -n 's/^host: //p')
+        for crate in ${ASAN_CRATES:-throng-core throng-crowd}; do
+            log=$(RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address CARGO_PROFILE_DEV_DEBUG=0 ASAN_OPTIONS=detect_leaks=0 \
+                cargo test -q -p "$crate" --lib --target "$host" --target-dir target/asan 2>&1)
+            if [ $? -eq 0 ]; then
+                echo "asan: $crate: $(grep -o '[0-9]* passed' <<< "$log" | head -1)"
+            else
+                echo "asan: $crate: FOUND"
+                grep -E "^error|AddressSanitizer|panicked|test result" <<< "$log" | head -10
+                status=1
+            fi
+        done ;;
+    *) echo "expected miri or asan, found $part" >&2; exit 2 ;;
+    esac
+done
+exit $status

@@ -1,0 +1,42 @@
+//! `throng selftest`: a short proof on the machine at hand.
+
+use crate::args::{CacheArgs, Outcome, fail};
+use crate::{keys, output};
+use throng_precompute::selftest::{self, SelftestConfig, SelftestReport};
+
+/// Check this build on this machine in about a minute: equal bytes and states at any number of threads, damaged input,
+/// a short soak.
+#[derive(clap::Args)]
+#[command(after_long_help = keys::of::<SelftestReport>())]
+pub struct Args {
+    /// Mutants of good files for every reader.
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    mutants: u64,
+    /// Seed of all that is random.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    cache: CacheArgs,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let config = SelftestConfig { mutants: args.mutants, seed: args.seed, ..SelftestConfig::default() };
+    let folder = tempfile::tempdir()?;
+    let report = crate::run::with(&args.cache, |with| selftest::selftest(&config, folder.path(), with));
+    if args.json {
+        output::json(&report)?;
+    } else {
+        for check in &report.checks {
+            let mark = if check.ok { "ok" } else { "FAILED" };
+            output::text(format!("{mark:6}  {}: {} ({:.1} s)\n", check.name, check.found, check.seconds))?;
+        }
+        output::text(format!("{} checked, {} failed, {:.1} s\n", report.checked, report.failed, report.seconds))?;
+    }
+    match report.failed {
+        0 => Ok(()),
+        n => fail(format!("{n} of {} checks failed", report.checked)),
+    }
+}
