@@ -32,6 +32,7 @@ pub use roles::RoleMap;
 pub use source::SourceClip;
 use source::content_error;
 use std::path::{Path, PathBuf};
+use throng_base::file::{MAX_MOTION_BYTES, read_file};
 
 /// A clip as read, with everything that was found out about it.
 #[derive(Clone, Debug, PartialEq)]
@@ -151,7 +152,10 @@ pub fn read_source(path: &Path, asf: Option<&Path>) -> Result<SourceClip, Import
 }
 
 fn load(path: &Path) -> Result<Vec<u8>, ImportError> {
-    std::fs::read(path).map_err(|source| ImportError::Io { path: path.to_owned(), source })
+    read_file(path, "motion", MAX_MOTION_BYTES).map_err(|e| match e {
+        throng_base::Error::Io { path, source } => ImportError::Io { path, source },
+        e => ImportError::Settings(e),
+    })
 }
 
 /// Legs shorter than this are none (m).
