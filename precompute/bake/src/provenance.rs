@@ -7,6 +7,7 @@ use crate::graph::GraphReport;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use throng_base::file::{MAX_MOTION_BYTES, read_file};
 use throng_core::format::{Meta, SourceMeta};
 use throng_motion::error::BuildError;
 use throng_motion::import;
@@ -62,7 +63,10 @@ fn made(synth: &SynthInput, rate_hz: f64) -> SourceMeta {
 }
 
 fn hash(path: &Path) -> Result<SourceMeta, BuildError> {
-    let bytes = std::fs::read(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+    let bytes = read_file(path, "motion", MAX_MOTION_BYTES).map_err(|e| match e {
+        throng_base::Error::Io { path, source } => BuildError::Io { path, source },
+        e => BuildError::Config { message: e.to_string() },
+    })?;
     Ok(SourceMeta { path: path.display().to_string(), bytes: bytes.len() as u64, hash: content_hash(&bytes) })
 }
 
