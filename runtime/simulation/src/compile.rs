@@ -152,7 +152,7 @@ impl CompiledScene {
     pub(crate) fn space(&self, group: usize, number: usize) -> Result<BlendSpace> {
         let name = &self.scene.groups[group].spaces[number];
         let space = self.bundle(group)?.blend(name);
-        space.map_err(|e| self.scene.fault(&format!("groups[{group}].spaces"), e))
+        space.map_err(|e| self.scene.fault(&format!("groups[{group}].spaces[{number}]"), e))
     }
 
     fn open_world(&mut self, g: usize, path: &Path) -> Result<usize> {
