@@ -1,9 +1,11 @@
 //! Arguments that several subcommands share.
 
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use throng_precompute::cache::Cache;
 use throng_precompute::trial::TrialConfig;
 use throng_runtime::Bundle;
+use throng_runtime::base::limits::{self, Limit};
 use throng_runtime::characters::Choice;
 use throng_runtime::simulation::Scene;
 
@@ -62,6 +64,40 @@ impl CacheArgs {
     }
 }
 
+/// A number of the command line.
+pub trait Number: FromStr + Clone + Send + Sync + 'static {
+    /// The number, for its limit.
+    fn value(&self) -> f64;
+}
+
+macro_rules! numbers {
+    ($($t:ty),*) => {
+        $(impl Number for $t {
+            fn value(&self) -> f64 {
+                *self as f64
+            }
+        })*
+    };
+}
+
+numbers!(usize, u32, u64, f32, f64);
+
+/// Reads a number within its limit; what else is given is refused with the range.
+pub fn number<T: Number>(limit: &'static Limit) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let number = text.trim().parse::<T>().ok().filter(|n| limit.holds(n.value()));
+        number.ok_or_else(|| format!("expected {} ({})", limit.range, limit.quantity))
+    }
+}
+
+/// Reads a point of the ground plane, X,Z (m).
+pub fn parse_point(text: &str) -> Result<[f32; 2], String> {
+    let limit = &limits::COORDINATE;
+    let number = |t: &str| t.trim().parse().ok().filter(|v: &f32| limit.holds(f64::from(*v)));
+    let both = text.split_once(',').and_then(|(x, z)| Some([number(x)?, number(z)?]));
+    both.ok_or_else(|| format!("expected X,Z in metres, such as 1.5,4; each is {}", limit.range))
+}
+
 /// Simulated time where nothing else is said (s).
 const SECONDS: f32 = 15.0;
 
@@ -69,29 +105,47 @@ const SECONDS: f32 = 15.0;
 #[derive(clap::Args)]
 pub struct CrowdArgs {
     /// Number of characters; 1000, or what the scene says, where absent.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::<usize>(&limits::CHARACTERS))]
     characters: Option<usize>,
     /// Simulated time; 15, or what the scene says, where absent.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number::<f32>(&limits::SECONDS))]
     seconds: Option<f32>,
     /// Steps a simulated second.
-    #[arg(long, default_value_t = 60.0, value_name = "HZ")]
+    #[arg(
+        long,
+        default_value_t = 60.0,
+        value_name = "HZ",
+        allow_negative_numbers = true,
+        value_parser = number::<f32>(&limits::STEP_HZ)
+    )]
     step_hz: f32,
     /// Seed of places, targets and choices; 1, or what the scene says, where absent.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true, value_parser = number::<u64>(&limits::SEED))]
     seed: Option<u64>,
     /// Choose by the stored best action instead of looking ahead; not for scenes.
     #[arg(long)]
     single_load: bool,
     /// Choose at random among the best few actions, 0 for always the best; 0, or what the scene says, where absent.
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = number::<f32>(&limits::TEMPERATURE))]
     temperature: Option<f32>,
     /// How far a walked action may be bent towards the target, in radians a metre; 0 plays motion as captured. Not
     /// for scenes.
-    #[arg(long, default_value_t = 0.0, value_name = "RAD_PER_M")]
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "RAD_PER_M",
+        allow_negative_numbers = true,
+        value_parser = number::<f32>(&limits::BEND)
+    )]
     bend: f32,
     /// Character shown as a strip of poses; not for scenes.
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(
+        long,
+        default_value_t = 0,
+        value_name = "N",
+        allow_negative_numbers = true,
+        value_parser = number::<usize>(&limits::FOLLOWED)
+    )]
     follow: usize,
 }
 

@@ -33,12 +33,3 @@ pub fn run(args: &Args) -> Outcome {
         }
     }
 }
-
-/// Two numbers with a comma between them.
-fn parse_point(text: &str) -> Result<[f32; 2], String> {
-    let number = |t: &str| t.trim().parse::<f32>().ok().filter(|v| v.is_finite());
-    match text.split_once(',').map(|(x, z)| (number(x), number(z))) {
-        Some((Some(x), Some(z))) => Ok([x, z]),
-        _ => Err(format!("expected two numbers such as 1.5,3, found `{text}`")),
-    }
-}

@@ -1,11 +1,12 @@
 //! `throng synth`: synthetic motion as ordinary files.
 
-use crate::args::Outcome;
+use crate::args::{Outcome, number};
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
+use throng_runtime::base::limits;
 
 /// Write synthetic motion as BVH files, with what happens in it as tags in sidecars.
 #[derive(clap::Args)]
@@ -21,13 +22,13 @@ pub struct Args {
     out: PathBuf,
     /// Length of the set in minutes; the default depends on the set. The locomotion set is a list of clips of 4 s: below
     /// 15 minutes it is cut short, above it holds further takes.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true, value_parser = number::<f64>(&limits::SYNTH_MINUTES))]
     minutes: Option<f64>,
     /// Same seed, same motion.
-    #[arg(long, default_value_t = SynthConfig::default().seed)]
+    #[arg(long, default_value_t = SynthConfig::default().seed, allow_negative_numbers = true, value_parser = number::<u64>(&limits::SEED))]
     seed: u64,
     /// Frames a second.
-    #[arg(long, default_value_t = SynthConfig::default().rate_hz, value_name = "HZ")]
+    #[arg(long, default_value_t = SynthConfig::default().rate_hz, value_name = "HZ", allow_negative_numbers = true, value_parser = number::<f64>(&limits::RATE_HZ))]
     rate_hz: f64,
     /// Print one JSON object.
     #[arg(long)]

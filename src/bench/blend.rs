@@ -1,6 +1,6 @@
 //! `throng bench blend`: what blending costs, and how it moves beside cross-fading.
 
-use crate::args::{CacheArgs, Outcome, fail};
+use crate::args::{CacheArgs, Outcome, fail, number};
 use crate::{keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -9,6 +9,7 @@ use throng_precompute::config::BuildConfig;
 use throng_precompute::measure::{self, BlendFigures};
 use throng_precompute::pipeline;
 use throng_runtime::Bundle;
+use throng_runtime::base::limits;
 
 /// Synthetic locomotion; this config names no file.
 const LOCOMOTION: &str = include_str!("../../data/locomotion.toml");
@@ -23,7 +24,7 @@ pub struct Args {
     #[arg(value_name = "BUNDLE")]
     file: Option<PathBuf>,
     /// Time given to each figure.
-    #[arg(long, default_value_t = 0.5, value_name = "S")]
+    #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = number::<f64>(&limits::MEASURING_S))]
     seconds: f64,
     #[command(flatten)]
     cache: CacheArgs,

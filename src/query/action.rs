@@ -1,12 +1,12 @@
 //! The action that a policy chooses.
 
-use super::parse_point;
-use crate::args::{Outcome, fail};
+use crate::args::{Outcome, fail, number, parse_point};
 use crate::{keys, output};
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
+use throng_runtime::base::limits;
 use throng_runtime::policy::{BestActionJob, MAX_ACTIONS};
 
 /// Ask a policy of a bundle for the action of a state and a target.
@@ -20,7 +20,7 @@ pub struct Args {
     #[arg(long, default_value = "approach", value_name = "NAME")]
     behaviour: String,
     /// State of the motion graph.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true, value_parser = number::<u32>(&limits::STATE))]
     state: u32,
     /// Target in the frame of the character, in metres: X to its left, Z ahead.
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_point)]

@@ -1,7 +1,6 @@
 //! A path through a world.
 
-use super::parse_point;
-use crate::args::{CacheArgs, Outcome, fail};
+use crate::args::{CacheArgs, Outcome, fail, parse_point};
 use crate::{keys, output, stitch};
 use schemars::JsonSchema;
 use serde::Serialize;

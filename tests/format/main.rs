@@ -4,5 +4,6 @@
 mod common;
 mod damage;
 mod frame;
+mod overwritten;
 mod patch;
 mod records;

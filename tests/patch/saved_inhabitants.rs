@@ -107,7 +107,8 @@ fn what_is_cut_damaged_or_foreign_is_refused_and_changes_nothing() {
     refuse(&saved(&busy(&world, 3)), "of another seed");
 }
 
-/// Damaged bytes with a corrected checksum do not panic.
+/// Damaged bytes with a corrected checksum do not panic, and nobody shares a reservation: a state in which two hold the
+/// same unit would not be loaded again.
 #[test]
 fn nothing_that_can_be_loaded_panics() {
     let world = rooms();
@@ -126,9 +127,22 @@ fn nothing_that_can_be_loaded_panics() {
                 for _ in 0..30 {
                     people.step(1.0, &Inline).expect("a step");
                 }
+                let later = saved(&people);
+                people.load(&later).expect("nobody shares a unit");
+                assert!(people.bodies().roots.iter().all(|r| r.translation().is_finite()), "byte {i}");
             }
             Err(e) => assert!(matches!(e, Error::Snapshot { .. }), "{e}"),
         }
     }
     assert!(num_loaded > 0);
+}
+
+#[test]
+fn a_capacity_out_of_its_range_is_an_error() {
+    let world = rooms();
+    for (capacity, max_path) in [(usize::MAX, 16), (1_000_001, 16), (1_000_000, 65_536)] {
+        let config = InhabitantsConfig { max_path, ..InhabitantsConfig::default() };
+        let e = Inhabitants::new(&world, capacity, config).map(|_| ()).unwrap_err().to_string();
+        assert!(e.contains("capacity") && e.contains("0 to "), "{e}");
+    }
 }

@@ -66,6 +66,22 @@ fn a_world_of_another_file_is_not_replaced() {
 }
 
 #[test]
+#[allow(unsafe_code)]
+fn a_world_that_is_open_does_not_see_what_happens_to_its_file() {
+    let tables = made_up_world::tables();
+    let world = world(&tables);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("made-up.world");
+    std::fs::write(&path, bytes(&world)).unwrap();
+    // SAFETY: the file is replaced only after the map is gone.
+    let mapped = unsafe { World::map(&path, &tables) }.unwrap().hash();
+    let file = World::open(&path, &tables).unwrap();
+    std::fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(64).unwrap();
+    assert_eq!(file.view(), &world.view());
+    assert_eq!(file.hash(), mapped);
+}
+
+#[test]
 fn another_bundle_is_refused_by_name() {
     let (tables, other) = (made_up_world::tables(), made_up_world::named("other"));
     assert_ne!(tables.hash(), other.hash());

@@ -8,8 +8,8 @@ use throng_precompute::pipeline;
 use throng_precompute::progress::Progress;
 use throng_runtime::blend::BlendSpace;
 use throng_runtime::characters::MotionSet;
-use throng_runtime::format::{AlignedBytes, BlendMeta, ClipMeta, ClipRecord};
-use throng_runtime::{Bundle, Error, Planar};
+use throng_runtime::format::{BlendMeta, ClipMeta, ClipRecord};
+use throng_runtime::{Bundle, Error, FormatError, Planar};
 
 /// Outputs of the stages of a build are kept here, as `throng` does.
 pub const CACHE_FOLDER: &str = ".throng-cache";
@@ -37,8 +37,10 @@ impl OpenBundle {
     /// A message that names the file, what is wrong with it and the way out.
     pub fn open(path: &Path) -> Result<Self, String> {
         let fail = |e: &dyn fmt::Display| format!("{}: {e}", path.display());
-        let bytes = std::fs::read(path).map_err(|e| fail(&format!("{e}. Check the path and its permissions")))?;
-        let tables = Bundle::from_bytes(AlignedBytes::from_slice(&bytes)).map_err(|e| fail(&e))?;
+        let tables = Bundle::open(path).map_err(|e| match e {
+            FormatError::Io { .. } => e.to_string(),
+            e => fail(&e),
+        })?;
         let blends = (0..tables.blends().spaces.len()).map(|space| BlendSpace::new(tables.blends(), space));
         let blends = blends.collect::<Result<_, _>>().map_err(|e| fail(&e))?;
         Ok(Self { path: path.to_path_buf(), motion_set: MotionSet::new(&tables), blends, tables })

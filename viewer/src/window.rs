@@ -9,6 +9,7 @@ use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use throng_runtime::base::file::{MAX_BUNDLE_BYTES, open_file};
 
 /// Under this name the settings are kept between runs.
 const APP_ID: &str = "throng-viewer";
@@ -26,7 +27,7 @@ pub fn run(args: &Args) -> Result<(), String> {
         return Err(format!("there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {WAY_OUT}"));
     }
     if let Some(file) = &args.file {
-        std::fs::File::open(file).map_err(|e| format!("{}: {e}", file.display()))?;
+        open_file(file, "a file to show", MAX_BUNDLE_BYTES).map_err(|e| e.to_string())?;
     }
     let is_open = Arc::new(AtomicBool::new(false));
     let (args, opened) = (args.clone(), Arc::clone(&is_open));

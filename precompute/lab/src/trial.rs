@@ -8,6 +8,7 @@ use serde::Serialize;
 use std::f32::consts::TAU;
 use std::time::Instant;
 use throng_motion::error::BuildError;
+use throng_runtime::base::limits::{CHARACTERS, SECONDS, STEP_HZ};
 use throng_runtime::characters::{Characters, CharactersConfig, Goal, MotionSet, Start};
 use throng_runtime::{Bundle, Contacts, Error, NUM_JOINTS, Planar};
 
@@ -122,16 +123,13 @@ pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialR
         let help = "Build it from a config with `behaviours`".into();
         return Err(BuildError::Stage { stage: "trial", message, help });
     }
-    if let Some(recorded) = config.recorded.filter(|&c| c >= config.characters.max(1)) {
+    CHARACTERS.check_count("characters", config.characters).map_err(fail)?;
+    SECONDS.check("seconds", None, config.seconds).map_err(fail)?;
+    STEP_HZ.check("step_hz", None, config.step_hz).map_err(fail)?;
+    if let Some(recorded) = config.recorded.filter(|&c| c >= config.characters) {
         return Err(stage_error(format!(
             "expected one of the {} characters to follow, counted from 0, found {}",
             config.characters, recorded
-        )));
-    }
-    if config.characters == 0 || !(config.step_hz >= 1.0 && config.seconds > 0.0 && config.seconds < 1e5) {
-        return Err(stage_error(format!(
-            "expected characters, a time and at least 1 step a second, found {} characters, {} s, {} Hz",
-            config.characters, config.seconds, config.step_hz
         )));
     }
     let motion_set = MotionSet::new(tables);

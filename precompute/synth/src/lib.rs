@@ -31,6 +31,7 @@ pub use set::{SynthSet, make, write};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use throng_base::limits::{RATE_HZ, SYNTH_MINUTES};
 use throng_motion::error::{BuildError, check_ranges};
 
 /// How much motion to make, and how varied.
@@ -74,9 +75,9 @@ impl SynthConfig {
 
     fn check(&self) -> Result<(), BuildError> {
         let ranges = [
-            ("minutes", self.minutes, 0.05, 240.0),
+            ("minutes", self.minutes, SYNTH_MINUTES.least, SYNTH_MINUTES.most),
             ("clip_seconds", self.clip_seconds, 3.0, 600.0),
-            ("rate_hz", self.rate_hz, 20.0, 240.0),
+            ("rate_hz", self.rate_hz, RATE_HZ.least, RATE_HZ.most),
             ("variation", self.variation, 0.0, 2.0),
         ];
         check_ranges(ranges).map_err(|e| e.within("synth"))

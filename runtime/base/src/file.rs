@@ -8,6 +8,13 @@ use std::path::Path;
 /// Most bytes of a text that people write: scenes, settings, sidecars (16 MiB).
 pub const MAX_TEXT_BYTES: u64 = 16 << 20;
 
+/// Most bytes of a file of motion or of a skeleton (2 GiB).
+pub const MAX_MOTION_BYTES: u64 = 2 << 30;
+/// Most bytes of a bundle or a world (64 GiB).
+pub const MAX_BUNDLE_BYTES: u64 = 64 << 30;
+/// Most bytes of a snapshot and of a file that keeps one (4 GiB).
+pub const MAX_SNAPSHOT_BYTES: u64 = 4 << 30;
+
 /// Opens a regular file, at most `max_bytes` long. Devices, pipes and folders are refused without waiting for them.
 ///
 /// - `what`: what the file holds, with its article, for messages ("a scene").

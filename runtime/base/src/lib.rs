@@ -1,10 +1,11 @@
-//! What every crate of the runtime shares: ids, errors, files, snapshots, hashes, threads, vectors of eight floats.
+//! What every crate of the runtime shares: ids, errors, limits, files, snapshots, hashes, threads, vectors of eight floats.
 
 mod checksum;
 pub mod error;
 pub mod file;
 mod hash;
 mod id;
+pub mod limits;
 mod prefetch;
 mod run;
 pub mod simd;

@@ -6,6 +6,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
 use throng_base::error::check;
+use throng_base::limits::CAPACITY;
 
 /// How the crowd finds out when an agent has to act.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,7 +57,7 @@ pub struct CrowdConfig {
     /// velocity toward each other; overlaps that remain are counted (0 to 16).
     #[cfg(feature = "baselines")]
     pub halvings: u32,
-    /// Most agents at a time; memory for them is taken at once. 0 stands for those at the start.
+    /// Most agents at a time; memory for them is taken at once. 0 stands for those at the start (0 to 1000000).
     pub capacity: usize,
     /// Largest radius of agents to come; 0 stands for those at the start (m).
     pub largest_radius_m: f32,
@@ -95,6 +96,7 @@ impl CrowdConfig {
         within("config.step_s", self.step_s, 0.001, 1.0, "between 0.001 and 1")?;
         #[cfg(feature = "baselines")]
         within("config.halvings", self.halvings as f32, 0.0, 16.0, "at most 16")?;
+        CAPACITY.check_count("config.capacity", self.capacity)?;
         within("config.largest_radius_m", self.largest_radius_m, 0.0, 999.0, "between 0 and 999")?;
         within("config.largest_speed_mps", self.largest_speed_mps, 0.0, 999.0, "between 0 and 999")?;
         self.steering.check()

@@ -33,7 +33,7 @@ impl Scene {
     /// Opens every bundle and world that the scene names, and finds all names in them.
     ///
     /// # Errors
-    /// Files that cannot be opened, and [`throng_base::Error::Text`] for names that a bundle does not have, with those that
+    /// As [`Scene::check`], and [`throng_base::Error::Text`] for files that cannot be opened and for names that a bundle does not have, with those that
     /// it has.
     pub fn open(&self) -> Result<CompiledScene> {
         self.compile_with(None)
@@ -48,6 +48,8 @@ impl Scene {
     }
 
     fn compile_with(&self, own: Option<&Bundle>) -> Result<CompiledScene> {
+        // Whoever has changed it since it was read may have given numbers that were never checked.
+        self.check()?;
         let mut opened: Vec<(PathBuf, Bundle)> = Vec::new();
         let mut out = CompiledScene {
             scene: Arc::new(self.clone()),
@@ -150,7 +152,7 @@ impl CompiledScene {
     pub(crate) fn space(&self, group: usize, number: usize) -> Result<BlendSpace> {
         let name = &self.scene.groups[group].spaces[number];
         let space = self.bundle(group)?.blend(name);
-        space.map_err(|e| self.scene.fault(&format!("groups[{group}].spaces"), e))
+        space.map_err(|e| self.scene.fault(&format!("groups[{group}].spaces[{number}]"), e))
     }
 
     fn open_world(&mut self, g: usize, path: &Path) -> Result<usize> {

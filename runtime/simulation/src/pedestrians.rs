@@ -7,9 +7,10 @@ use crate::kind::refused;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::error::check;
+use throng_base::limits::STEP_S;
 use throng_base::{Bytes, Error, Hash128, Result, Run, SnapshotKind};
 use throng_core::blend::BlendSpace;
-use throng_core::walkers::{MAX_STEP_S, Walkers, WalkersConfig};
+use throng_core::walkers::{Walkers, WalkersConfig};
 use throng_core::{Adopted, Bodies, Bundle, Cast, Planar, Skeleton, Status};
 use throng_crowd::{Agent, Crowd, CrowdError, Go, Id};
 
@@ -171,7 +172,7 @@ impl Cast for Pedestrians {
     /// [`Error::Value`] for a time out of range (0 to 1 s); nothing has changed then. The same error names an agent that
     /// acts too often for time to pass ([`CrowdError::Stalled`]).
     fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
-        check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        STEP_S.check("dt_s", None, dt_s)?;
         self.events.clear();
         let events = &mut self.events;
         let until_s = self.crowd.now() + f64::from(dt_s);

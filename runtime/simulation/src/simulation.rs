@@ -12,12 +12,10 @@ use crate::wander::Wanderers;
 use glam::Vec3;
 use std::ops::Range;
 use std::time::Instant;
-use throng_base::error::check;
+use throng_base::limits::STEP_S;
 use throng_base::{Bytes, Inline, Result, Run, SnapshotKind, StateHash};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
-/// Longest step (s).
-const MAX_STEP_S: f64 = 1.0;
 /// Events of one character in one step for which there is memory from the start.
 const EVENTS_EACH: usize = 4;
 
@@ -174,7 +172,7 @@ impl Simulation {
     /// As [`Simulation::step`]. But for a time out of range some have moved then: go on from a snapshot.
     pub fn step_to(&mut self, until_s: f64, run: &dyn Run) -> Result<()> {
         let dt_s = until_s - self.time_s;
-        check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        STEP_S.check("dt_s", None, dt_s)?;
         self.events.clear();
         for (c, cast) in self.casts.iter_mut().enumerate() {
             let tick = Tick { dt_s: dt_s as f32, until_s, first: self.firsts[c], run };

@@ -217,3 +217,37 @@ fn bodies_go_on_with_another_bundle() {
     step(&mut people, 60);
     assert!(farthest_hips(&people) < 0.3);
 }
+
+/// No cast takes memory for a number that nobody can have meant.
+#[test]
+fn a_capacity_or_step_out_of_its_range_is_an_error() {
+    use throng_core::characters::{Characters, MotionSet, PolicyCharacters};
+    use throng_core::walkers::Walkers;
+    use throng_crowd::CrowdConfig;
+    use throng_simulation::sparring::{Sparring, TargetPractice};
+    let (golden, boxing) = (golden(), throng_core::characters::made_up::tables_with(&[]));
+    for capacity in [usize::MAX, usize::MAX / 2 + 2, 1 << 40, 1_000_001] {
+        let config = CrowdConfig { capacity, largest_radius_m: 0.3, largest_speed_mps: 2.0, ..CrowdConfig::default() };
+        let setup = || Setup { config, ..Setup::default() };
+        let refused: [String; 7] = [
+            Characters::with_capacity(&MotionSet::new(&boxing), Default::default(), capacity).map(|_| ()).unwrap_err(),
+            PolicyCharacters::with_capacity(&boxing, capacity, Default::default()).map(|_| ()).unwrap_err(),
+            Walkers::with_capacity(golden.blend("walks").unwrap(), &[], WalkersConfig::default(), capacity)
+                .map(|_| ())
+                .unwrap_err(),
+            Sparring::with_capacity(&boxing, capacity, Default::default()).map(|_| ()).unwrap_err(),
+            TargetPractice::with_capacity(&boxing, capacity, Default::default()).map(|_| ()).unwrap_err(),
+            Crowd::on_ground(setup()).map(|_| ()).map_err(Error::from).unwrap_err(),
+            Crowd::in_air(setup()).map(|_| ()).map_err(Error::from).unwrap_err(),
+        ]
+        .map(|e: Error| e.to_string());
+        for e in refused {
+            assert!(e.contains("capacity") && e.contains("0 to 1000000"), "{capacity}: {e}");
+        }
+    }
+    let mut people = empty(2);
+    for dt_s in [-1.0, 1.1, f32::NAN, f32::INFINITY] {
+        let e = people.step(dt_s, &Inline).unwrap_err().to_string();
+        assert!(e.contains("dt_s") && e.contains("0 to 1 s"), "{e}");
+    }
+}

@@ -23,6 +23,9 @@ pub const WORLD_MAGIC: [u8; 8] = *b"\x89THWRLD\n";
 /// The version of world files that this code writes and reads.
 pub const WORLD_VERSION: u32 = 3;
 
+/// What the files hold, for messages.
+const WHAT: &str = "a world";
+
 const KIND: Kind = Kind { what: "world", magic: WORLD_MAGIC, version: WORLD_VERSION };
 
 /// A world with the bundle it was stitched with, ready to plan in and to live in. Clones are cheap and share all of it.
@@ -43,13 +46,30 @@ struct Opened {
 }
 
 impl World {
-    /// Maps and checks a file against the bundle it was stitched with.
+    /// Reads and checks a file against the bundle it was stitched with. It may be replaced, overwritten or cut short
+    /// afterwards.
     ///
     /// # Errors
     /// [`Error::Io`], [`Error::Format`] with what is wrong with the file and what to do, or [`Error::OtherBundle`].
     pub fn open(path: impl AsRef<Path>, bundle: &Bundle) -> Result<Self> {
-        let path = path.as_ref();
-        let open = || Self::new(Storage::map(path)?, bundle);
+        Self::of_file(Storage::read(path.as_ref(), WHAT), path.as_ref(), bundle)
+    }
+
+    /// As [`World::open`], but mapped: several processes share its pages.
+    ///
+    /// # Errors
+    /// As [`World::open`].
+    ///
+    /// # Safety
+    /// As [`Bundle::map`].
+    #[allow(unsafe_code)]
+    pub unsafe fn map(path: impl AsRef<Path>, bundle: &Bundle) -> Result<Self> {
+        // SAFETY: the caller promises what is asked for.
+        Self::of_file(unsafe { Storage::map(path.as_ref(), WHAT) }, path.as_ref(), bundle)
+    }
+
+    fn of_file(storage: Result<Storage, FormatError>, path: &Path, bundle: &Bundle) -> Result<Self> {
+        let open = || Self::new(storage?, bundle);
         open().map_err(|e| match e {
             WorldError::Format(FormatError::Io { path, source }) => Error::Io { path, source },
             WorldError::OtherBundle { expected, got, .. } => Error::OtherBundle { expected, got },
@@ -70,7 +90,7 @@ impl World {
     /// # Errors
     /// [`WorldError`] for a file that is no world of this version.
     pub fn read_meta(path: &Path) -> Result<WorldMeta, WorldError> {
-        let storage = Storage::map(path)?;
+        let storage = Storage::read(path, WHAT)?;
         let layout = Layout::read_kind(storage.bytes(), true, KIND)?;
         Ok(decode("WMET", &storage.bytes()[layout.section::<u8>(tags::META)?])?)
     }

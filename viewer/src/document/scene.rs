@@ -16,6 +16,7 @@ use throng_precompute::files::write_atomically;
 use throng_precompute::progress::Progress;
 use throng_precompute::run::{Cached, SeenObstacle, ensure, seen_obstacle};
 use throng_precompute::stitch::Kit;
+use throng_runtime::base::file::{MAX_SNAPSHOT_BYTES, read_file};
 use throng_runtime::blend::HeightField;
 use throng_runtime::crowd::Scheme;
 use throng_runtime::patch::Placement;
@@ -303,7 +304,7 @@ impl SceneDocument {
     /// A message that names the file and what is wrong with it.
     pub fn restore(&mut self, path: &Path, wake: impl FnOnce() + Send + 'static) -> Result<(), String> {
         let name = path.display();
-        let bytes = std::fs::read(path).map_err(|e| format!("{name}: {e}"))?;
+        let bytes = read_file(path, "a saved state", MAX_SNAPSHOT_BYTES).map_err(|e| e.to_string())?;
         let mut parts = bytes.splitn(3, |&b| b == b'\n');
         let (magic, choice, state) = (parts.next(), parts.next(), parts.next());
         let wrong = || format!("{name}: this is not a saved state of a scene; the panel Control saves them");

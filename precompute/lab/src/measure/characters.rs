@@ -11,9 +11,10 @@ use std::f32::consts::TAU;
 use std::hint::black_box;
 use throng_bake::policy::made_up::MadeUp;
 use throng_motion::error::BuildError;
+use throng_runtime::base::limits::{CHARACTERS, MEASURING_S, THREADS};
 use throng_runtime::characters::{Characters, CharactersConfig, Goal, MotionSet, SampleJob, Start};
 use throng_runtime::policy::PolicyTable;
-use throng_runtime::{Bundle, Mat3x4, NUM_JOINTS, Planar};
+use throng_runtime::{Bundle, Error, Mat3x4, NUM_JOINTS, Planar};
 
 /// Medians over many rounds; nanoseconds of wall time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -50,12 +51,10 @@ pub fn characters(tables: &Bundle, config: &MeasureConfig) -> Result<Vec<Charact
     if tables.policies().is_empty() {
         return Err(fail("the bundle has no behaviour"));
     }
-    if config.characters.contains(&0) || config.threads.contains(&0) {
-        return Err(fail("numbers of characters and threads must be at least 1"));
-    }
-    if !(config.seconds > 0.0 && config.seconds <= 3600.0) {
-        return Err(fail(format!("--seconds: expected above 0 and at most 3600, found {}", config.seconds)));
-    }
+    let wrong = |e: Error| fail(e.to_string());
+    config.characters.iter().try_for_each(|&n| CHARACTERS.check_count("characters", n)).map_err(wrong)?;
+    config.threads.iter().try_for_each(|&n| THREADS.check_count("threads", n)).map_err(wrong)?;
+    MEASURING_S.check("seconds", None, config.seconds).map_err(wrong)?;
     let motion_set = MotionSet::new(tables);
     let made_up = MadeUp::default();
     let model = made_up.model();

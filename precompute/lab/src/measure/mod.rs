@@ -16,6 +16,7 @@ use throng_bake::policy::made_up::{self, MadeUp};
 use throng_bake::policy::{self, Quality, QualityConfig};
 use throng_motion::error::BuildError;
 use throng_runtime::Bundle;
+use throng_runtime::base::limits::PAIRS;
 use timing::{fail, in_pool};
 
 /// Precision of the made-up problem's values.
@@ -59,9 +60,7 @@ pub fn quality(tables: &Bundle, config: &QualityConfig) -> Result<Vec<Quality>, 
     if tables.policies().is_empty() {
         return Err(fail("the bundle has no behaviour"));
     }
-    if config.pairs == 0 {
-        return Err(fail("--pairs: expected at least 1, found 0"));
-    }
+    PAIRS.check_count("pairs", config.pairs).map_err(|e| fail(e.to_string()))?;
     let names = &tables.meta().behaviours;
     Ok(names.iter().enumerate().map(|(i, name)| policy::quality(&tables.policies()[i], name, config)).collect())
 }

@@ -9,6 +9,7 @@ use std::time::Instant;
 use throng_bake::environment::{Environment, PlacedGeometry, PlacedUnit};
 use throng_bake::stitch::Kit;
 use throng_motion::error::BuildError;
+use throng_runtime::base::limits::{SECONDS, STEP_HZ, THREADS};
 use throng_runtime::crowd::Space;
 use throng_runtime::simulation::agents::Agents;
 use throng_runtime::simulation::{CompiledScene, GroupCast, Kind, Simulation};
@@ -22,9 +23,9 @@ const TOLD_S: f64 = 0.05;
 /// How a scene is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunConfig {
-    /// Simulated time; that of the scene where `None` (s, above 0, at most 100000).
+    /// Simulated time; that of the scene where `None` (s, 0.001 to 100000).
     pub seconds: Option<f64>,
-    /// Steps a simulated second (Hz, at least 1).
+    /// Steps a simulated second (Hz, 1 to 10000).
     pub step_hz: f64,
     /// Keeps what a picture shows.
     pub recorded: bool,
@@ -77,9 +78,8 @@ fn wrong(message: String) -> BuildError {
 /// As [`Simulation::new`] and [`Simulation::step`], or [`BuildError::Stage`] for a config out of range.
 pub fn run(scene: &CompiledScene, config: &RunConfig) -> Result<(SceneReport, Record, Simulation), BuildError> {
     let (seconds, hz) = (config.seconds.unwrap_or(scene.scene().seconds), config.step_hz);
-    if !((1.0..1e5).contains(&hz) && seconds > 0.0 && seconds <= 1e5) {
-        return Err(wrong(format!("expected a time and at least 1 step a second, found {seconds} s, {hz} Hz")));
-    }
+    SECONDS.check("seconds", None, seconds).map_err(fault)?;
+    STEP_HZ.check("step_hz", None, hz).map_err(fault)?;
     let mut sim = Simulation::new(scene).map_err(fault)?;
     sim.set_timed();
     let all: Vec<usize> = (0..sim.groups().len()).collect();
@@ -127,9 +127,8 @@ pub fn run(scene: &CompiledScene, config: &RunConfig) -> Result<(SceneReport, Re
 /// As [`run`], and [`BuildError::Stage`] for a scene of other characters, or two runs that differ.
 pub fn run_agents(scene: &CompiledScene, seconds: Option<f64>, threads: usize) -> Result<Figures, BuildError> {
     let seconds = seconds.unwrap_or(scene.scene().seconds);
-    if !(seconds > 0.0 && seconds <= 1e5) {
-        return Err(wrong(format!("expected a time above 0 and up to 100000 s, found {seconds} s")));
-    }
+    SECONDS.check("seconds", None, seconds).map_err(fault)?;
+    THREADS.check_count("threads", threads).map_err(fault)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| wrong(e.to_string()))?;
     let mut sim = Simulation::new(scene).map_err(fault)?;

@@ -32,6 +32,7 @@ pub use roles::RoleMap;
 pub use source::SourceClip;
 use source::content_error;
 use std::path::{Path, PathBuf};
+pub use throng_base::file::MAX_MOTION_BYTES;
 use throng_base::file::read_file;
 
 /// A clip as read, with everything that was found out about it.
@@ -150,9 +151,6 @@ pub fn read_source(path: &Path, asf: Option<&Path>) -> Result<SourceClip, Import
         _ => Err(content_error(path, "its extension is not .bvh or .amc", "Convert it, or correct its name")),
     }
 }
-
-/// Most bytes of a file of motion or of a skeleton (2 GiB).
-pub const MAX_MOTION_BYTES: u64 = 2 << 30;
 
 fn load(path: &Path) -> Result<Vec<u8>, ImportError> {
     read_file(path, "motion", MAX_MOTION_BYTES).map_err(|e| match e {

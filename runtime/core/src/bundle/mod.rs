@@ -1,4 +1,4 @@
-//! Opening a bundle: map, check everything that could go wrong later, hand out views.
+//! Opening a bundle: read or map, check everything that could go wrong later, hand out views.
 
 mod check;
 mod policies;
@@ -19,11 +19,14 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use throng_base::{Error, Hash128, Result};
 
+/// What the files hold, for messages.
+const WHAT: &str = "a bundle";
+
 /// An open bundle. A clone is cheap, and all clones share one file; nothing is copied but META and the skeleton.
 ///
-/// A bundle is mapped, not read: pages come in as they are touched, and several processes share them. Everything that
-/// is read later is checked once, here: magic, version, lengths, alignment, padding, checksums, every stored
-/// index against its table, every number for being finite.
+/// [`Bundle::open`] reads the file: nothing that happens to it later is seen. [`Bundle::map`] maps it: pages come in as
+/// they are touched, and several processes share them. Everything that is looked up later is checked once, here: magic,
+/// version, lengths, alignment, padding, checksums, every stored index against its table, every number for being finite.
 #[derive(Clone, Debug)]
 pub struct Bundle {
     shared: Arc<Shared>,
@@ -46,12 +49,41 @@ struct Shared {
 }
 
 impl Bundle {
-    /// Maps and checks a file.
+    /// Reads and checks a file. It may be replaced, overwritten or cut short afterwards.
     ///
     /// # Errors
     /// [`FormatError`] says what is wrong with the file and what to do.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, FormatError> {
-        Self::new(Storage::map(path.as_ref())?, true)
+        Self::new(Storage::read(path.as_ref(), WHAT)?, true)
+    }
+
+    /// As [`Bundle::open`], but mapped: of use where several processes share one bundle of many megabytes. To check it, all
+    /// of it is read here once, and may be dropped from memory again.
+    ///
+    /// # Errors
+    /// As [`Bundle::open`].
+    ///
+    /// # Safety
+    /// For as long as the bundle, a clone or anything made with it lives, nobody writes into the file or cuts it short, in
+    /// this process or another: numbers that were checked would change, or reading them end the process. A new file may be
+    /// renamed over it, as all writers of this workspace do.
+    #[allow(unsafe_code)]
+    pub unsafe fn map(path: impl AsRef<Path>) -> Result<Self, FormatError> {
+        // SAFETY: the caller promises what is asked for.
+        Self::new(unsafe { Storage::map(path.as_ref(), WHAT) }?, true)
+    }
+
+    /// As [`Bundle::map`], without comparing the sections' checksums, as [`Bundle::open_unverified`].
+    ///
+    /// # Errors
+    /// As [`Bundle::open`].
+    ///
+    /// # Safety
+    /// As [`Bundle::map`].
+    #[allow(unsafe_code)]
+    pub unsafe fn map_unverified(path: impl AsRef<Path>) -> Result<Self, FormatError> {
+        // SAFETY: the caller promises what is asked for.
+        Self::new(unsafe { Storage::map(path.as_ref(), WHAT) }?, false)
     }
 
     /// As [`Bundle::open`], without comparing the sections' checksums. Everything that a view relies on for its
@@ -60,7 +92,7 @@ impl Bundle {
     /// # Errors
     /// As [`Bundle::open`].
     pub fn open_unverified(path: impl AsRef<Path>) -> Result<Self, FormatError> {
-        Self::new(Storage::map(path.as_ref())?, false)
+        Self::new(Storage::read(path.as_ref(), WHAT)?, false)
     }
 
     /// As [`Bundle::open`], of bytes in memory.

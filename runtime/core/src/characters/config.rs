@@ -3,6 +3,7 @@
 use super::{FootLockConfig, ReactionConfig};
 use throng_base::Result;
 use throng_base::error::check;
+use throng_base::limits::{BEND, TEMPERATURE};
 
 /// How a character chooses among the actions of its state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,10 +82,9 @@ impl CharactersConfig {
         let most = self.foot_lock.max_correction_m;
         check("foot_lock.max_correction_m", None, most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
         self.reaction.check()?;
-        let bend = self.bend_rad_per_m;
-        check("bend_rad_per_m", None, bend, (0.0..10.0).contains(&bend), "between 0 and 10")?;
+        BEND.check("bend_rad_per_m", None, self.bend_rad_per_m)?;
         if let Choice::LookAhead { temperature } = self.choice {
-            check("temperature", None, temperature, (0.0..1e6).contains(&temperature), "between 0 and 1e6")?;
+            TEMPERATURE.check("temperature", None, temperature)?;
         }
         Ok(())
     }

@@ -46,13 +46,12 @@ pub use scheduled_clip::ScheduledClip;
 pub use snapshot::CharactersSnapshot;
 use step::{RANGE_BLOCKS, Range, Tick};
 use throng_base::error::{check, check_index, check_length};
+use throng_base::limits::{CAPACITY, STEP_S};
 use throng_base::simd::LANES;
 use throng_base::{Error, Id, Inline, Result, Run, run_each};
 use times::Clock;
 pub use times::StepTimes;
 
-/// Longest tick (s).
-pub const MAX_STEP_S: f32 = 1.0;
 /// Most behaviours weighed against each other in one step.
 pub const MAX_GOALS: usize = control::MAX_GOALS;
 
@@ -170,9 +169,10 @@ impl Characters {
     /// Room for characters that enter later: see [`Characters::enter_laid`].
     ///
     /// # Errors
-    /// [`Error::Value`] for a setting out of its range.
+    /// [`Error::Value`] for a setting or capacity out of its range.
     pub fn with_capacity(motion_set: &MotionSet, config: CharactersConfig, capacity: usize) -> Result<Self> {
         config.check()?;
+        CAPACITY.check_count("capacity", capacity)?;
         let blocks = vec![Block::ZERO; capacity.div_ceil(LANES)];
         let mut out = Self::with_blocks(motion_set, config, blocks, capacity, 0);
         out.num_characters = 0;
@@ -363,7 +363,7 @@ impl Characters {
 
     fn validate(&self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<()> {
         self.check_bundle(motion_set)?;
-        check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        STEP_S.check("dt_s", None, dt_s)?;
         // Characters on scheduled clips choose nothing.
         let (n, fewest) = (goals.len(), usize::from(self.num_choosers > 0));
         check("the number of goals", None, n as f64, (fewest..=MAX_GOALS).contains(&n), "1 to 4")?;

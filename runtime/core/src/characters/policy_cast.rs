@@ -13,6 +13,7 @@ use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Vec2, Vec3};
 use throng_base::error::{check, check_index};
+use throng_base::limits::STEP_S;
 use throng_base::simd::LANES;
 use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind};
 
@@ -58,7 +59,7 @@ impl PolicyCharacters {
     /// Room for so many characters.
     ///
     /// # Errors
-    /// [`Error::Value`] for a setting out of its range, [`Error::Unknown`] for a bundle without a motion graph.
+    /// [`Error::Value`] for a setting or capacity out of its range, [`Error::Unknown`] for a bundle without a motion graph.
     pub fn with_capacity(bundle: &Bundle, capacity: usize, config: CharactersConfig) -> Result<Self> {
         let motion_set = MotionSet::new(bundle);
         if motion_set.graph().states.is_empty() {
@@ -273,8 +274,7 @@ impl Cast for PolicyCharacters {
     }
 
     fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
-        let good = (0.0..=super::MAX_STEP_S).contains(&dt_s);
-        check("dt_s", None, dt_s, good, "between 0 and 1 (s)")?;
+        STEP_S.check("dt_s", None, dt_s)?;
         self.characters.run(&self.motion_set, dt_s, Asked::Each(&self.orders), run);
         self.update_roots();
         self.events.clear();

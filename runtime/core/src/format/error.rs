@@ -10,13 +10,19 @@ const AGAIN: &str = "Make it again with `throng build` (a bundle) or `throng sti
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
-    /// The file could not be opened or mapped.
+    /// The file could not be opened, read or mapped.
     #[error("{}: cannot be opened: {source}. Check the path, or make the file with `throng build` (a bundle) or `throng stitch` (a world).", path.display())]
     Io {
         /// The file.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// Not a regular file, or one that is far too long.
+    #[error("the file {why}")]
+    File {
+        /// What it is, and what was expected.
+        why: String,
     },
     /// The file is shorter than the header or not the length the header gives.
     #[error("the file is {got} bytes long, expected {expected}: it is cut short or has been added to. {AGAIN}")]

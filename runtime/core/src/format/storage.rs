@@ -1,9 +1,12 @@
-//! The bytes under a bundle: a mapped file, or memory of the same alignment. The only `unsafe` outside of
+//! The bytes under a bundle: a file that was read or mapped, or memory of the same alignment. The only `unsafe` outside of
 //! hot kernels lives here.
 #![allow(unsafe_code)]
 
 use super::FormatError;
+use std::io::{ErrorKind, Read};
 use std::{fs::File, path::Path};
+use throng_base::Error;
+use throng_base::file::{MAX_BUNDLE_BYTES, open_file};
 
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
@@ -30,31 +33,56 @@ impl AlignedBytes {
     }
 }
 
-/// The bytes of a file, mapped or in memory.
+/// The bytes of a file: a map, or memory.
 #[derive(Debug)]
 pub enum Storage {
-    /// A map of the file.
+    /// A map of the file, or read-only pages that it was read into.
     Mapped(memmap2::Mmap),
-    /// Bytes that were read or made.
+    /// Bytes that were made.
     Memory(AlignedBytes),
 }
 
 impl Storage {
-    /// Maps a file.
+    /// Reads a file into read-only pages of this process. Whatever happens to the file afterwards does not reach them.
+    ///
+    /// - `what`: what the file holds, with its article, for messages ("a bundle").
     ///
     /// # Errors
-    /// [`FormatError::Io`] where it cannot be read, [`FormatError::Length`] for an empty one.
-    pub fn map(path: &Path) -> Result<Self, FormatError> {
+    /// [`FormatError::Io`] where it cannot be read, [`FormatError::File`] for what is no regular file,
+    /// [`FormatError::Length`] for an empty one and for one that is cut short meanwhile.
+    pub fn read(path: &Path, what: &str) -> Result<Self, FormatError> {
         let io = |source| FormatError::Io { path: path.to_path_buf(), source };
-        let file = File::open(path).map_err(io)?;
-        let len = file.metadata().map_err(io)?.len();
-        if len == 0 {
-            return Err(FormatError::Length { expected: 64, got: 0 });
+        let (mut file, length) = open(path, what)?;
+        // Pages come zeroed from the system: nothing is cleared here, and giving them back is one call.
+        let mut pages = memmap2::MmapMut::map_anon(length).map_err(io)?;
+        // Fewer, larger pages are filled faster; a system that has none leaves them small.
+        #[cfg(target_os = "linux")]
+        let _ = pages.advise(memmap2::Advice::HugePage);
+        let mut got = 0;
+        while got < length {
+            match file.read(&mut pages[got..]) {
+                Ok(0) => return Err(FormatError::Length { expected: length as u64, got: got as u64 }),
+                Ok(n) => got += n,
+                Err(e) if e.kind() == ErrorKind::Interrupted => (),
+                Err(e) => return Err(io(e)),
+            }
         }
-        // SAFETY: the map is read-only and private to this process. A file that another process cuts short while
-        // it is mapped makes reads fault; bundles are replaced by renaming, which leaves the mapped one whole.
-        let map = unsafe { memmap2::Mmap::map(&file) }.map_err(io)?;
-        Ok(Self::Mapped(map))
+        Ok(Self::Mapped(pages.make_read_only().map_err(io)?))
+    }
+
+    /// Maps a file: pages come in as they are touched, and all processes that map it share them.
+    ///
+    /// # Errors
+    /// As [`Storage::read`].
+    ///
+    /// # Safety
+    /// For as long as the storage or a [`super::Table`] of it lives, nobody writes into the file or cuts it short, in this
+    /// process or another. A file that is replaced by renaming another one over it stays whole for those that map it.
+    pub unsafe fn map(path: &Path, what: &str) -> Result<Self, FormatError> {
+        let (file, _) = open(path, what)?;
+        // SAFETY: the caller promises that the bytes do not change.
+        let map = unsafe { memmap2::Mmap::map(&file) };
+        map.map(Self::Mapped).map_err(|source| FormatError::Io { path: path.to_path_buf(), source })
     }
 
     /// All bytes.
@@ -63,5 +91,19 @@ impl Storage {
             Self::Mapped(m) => m,
             Self::Memory(m) => m.as_slice(),
         }
+    }
+}
+
+/// Opens a regular file that is not empty. Its length is in bytes.
+fn open(path: &Path, what: &str) -> Result<(File, usize), FormatError> {
+    let (file, length) = open_file(path, what, MAX_BUNDLE_BYTES).map_err(|e| match e {
+        Error::Io { path, source } => FormatError::Io { path, source },
+        Error::Format { why, .. } => FormatError::File { why },
+        e => FormatError::layout(e.to_string()),
+    })?;
+    match usize::try_from(length) {
+        Ok(0) => Err(FormatError::Length { expected: 64, got: 0 }),
+        Ok(length) => Ok((file, length)),
+        Err(_) => Err(FormatError::File { why: format!("has {length} bytes, more than this machine can address") }),
     }
 }

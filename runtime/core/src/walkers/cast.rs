@@ -1,6 +1,6 @@
 //! Walkers as a cast: they enter, leave, take orders, are saved and loaded.
 
-use super::{Control, MAX_STEP_S, State, WalkerStart, Walkers, config};
+use super::{Control, State, WalkerStart, Walkers, config};
 use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};
 use crate::contacts::Contacts;
@@ -8,8 +8,9 @@ use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
 use crate::walkers::block::Block;
 use serde::{Deserialize, Serialize};
+use throng_base::limits::STEP_S;
 use throng_base::simd::LANES;
-use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind, error};
+use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind};
 
 /// An event of a walker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -91,7 +92,7 @@ impl Cast for Walkers {
     }
 
     fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
-        error::check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1")?;
+        STEP_S.check("dt_s", None, dt_s)?;
         self.stood.clear();
         for row in 0..self.len() {
             let is_new = self.state.blocks[row / LANES].placed[row % LANES] == 0.0;

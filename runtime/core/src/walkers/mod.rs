@@ -25,11 +25,10 @@ pub use config::{Control, WalkerStart, WalkersConfig};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use step::{RANGE_BLOCKS, Range, Tick};
+use throng_base::limits::CAPACITY;
 use throng_base::simd::LANES;
 use throng_base::{Hash128, Id, Result, Run, run_each};
 
-/// Longest time step (s).
-pub const MAX_STEP_S: f32 = 1.0;
 /// Walkers of a range, which one thread handles.
 const RANGE: usize = RANGE_BLOCKS * LANES;
 
@@ -86,7 +85,7 @@ impl Walkers {
     ///   on the ground; none stands for the skeleton of the examples.
     ///
     /// # Errors
-    /// [`Error::Value`](throng_base::Error::Value) for a body or setting out of range.
+    /// [`Error::Value`](throng_base::Error::Value) for a body, setting or capacity out of range.
     pub fn with_capacity(
         space: BlendSpace,
         bodies: &[Skeleton],
@@ -94,6 +93,7 @@ impl Walkers {
         capacity: usize,
     ) -> Result<Self> {
         config.check()?;
+        CAPACITY.check_count("capacity", capacity)?;
         let is_database_body = bodies.is_empty();
         let skeletons = if is_database_body { vec![space.skeleton().clone()] } else { bodies.to_vec() };
         skeletons.iter().chain([space.skeleton()]).try_for_each(config::check_body)?;

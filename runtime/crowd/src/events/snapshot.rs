@@ -6,12 +6,14 @@ use crate::events::baselines::Baseline;
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
 use crate::routes::spline::Spline;
+use crate::safety::kept;
 use crate::scenery::Scenery;
 use crate::space::cells::Cells;
 use crate::space::plan::Plan;
 use crate::steering::density_grid::DensityGrid;
 use crate::{Counts, NONE, Route, Setup, Space};
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 use throng_base::{Error, Hash128, SnapshotKind, StateHash};
 
 /// Grows by one with every change of what is kept.
@@ -160,6 +162,43 @@ impl<V: Space> Engine<V> {
         }
         #[cfg(feature = "baselines")]
         self.check_saved_baseline(saved)?;
+        self.check_safety(saved)
+    }
+
+    /// The safety rule, which a newcomer is checked for too, of all that are kept: who would overlap somebody or an
+    /// obstacle was never there.
+    fn check_safety(&self, saved: &Saved<V>) -> Result<(), String> {
+        #[cfg(feature = "baselines")]
+        if self.baseline.as_ref().is_some_and(Baseline::lets_overlap) {
+            return Ok(());
+        }
+        let half = V::from_coordinates([self.cells.side(); 3]);
+        let mut of_cell: HashMap<u32, Vec<&Plan<V>>> = HashMap::new();
+        for plan in &saved.plans {
+            let (at, cell) = (self.cells.coordinates(plan.position), saved.states[plan.index as usize].cell);
+            let centre = self.cells.centre(at);
+            if cell != self.cells.number(at)
+                || !kept::is_motion(plan)
+                || !kept::is_within(plan, centre - half, centre + half)
+            {
+                return Err(format!("agent {} is in another cell than it says, or leaves it", plan.index));
+            }
+            let is_clear = |&s: &u32| kept::is_clear_of(plan, &self.scenery.solids[s as usize], saved.now);
+            if let Some(&s) = self.scenery.near(cell).iter().find(|s| !is_clear(s)) {
+                return Err(format!("agent {} is in obstacle {}", plan.index, self.scenery.owners[s as usize]));
+            }
+            of_cell.entry(cell).or_default().push(plan);
+        }
+        for plan in &saved.plans {
+            let mut in_the_way = None;
+            self.cells.around(self.cells.coordinates(plan.position), |cell| {
+                let others = of_cell.get(&cell).into_iter().flatten().filter(|o| o.index < plan.index);
+                in_the_way = others.copied().find(|o| !kept::are_apart(plan, o, saved.now)).or(in_the_way);
+            });
+            if let Some(other) = in_the_way {
+                return Err(format!("agents {} and {} overlap", other.index, plan.index));
+            }
+        }
         Ok(())
     }
 
@@ -193,6 +232,7 @@ impl<V: Space> Engine<V> {
             && plan.radius > 0.0
             && plan.radius <= self.scenery.radius
             && plan.moving >= 0.0
+            && fastest * fastest <= 2.0 * plan.limit * self.scenery.stopping * 1.001
             && (0.0..=now).contains(&plan.start)
             && (now..=1e10).contains(&plan.end)
     }
@@ -209,6 +249,8 @@ impl<V: Space> Engine<V> {
         cause
             && speed
             && is_there
+            && state.filter.velocity.is_finite()
+            && state.filter.variance.is_finite()
             && state.intent.is_finite()
             && state.intent.length() <= UNIT
             && (state.route as usize) < num_routes
@@ -240,15 +282,17 @@ mod tests {
 
     /// What becomes of a snapshot of a crowd that was changed by hand.
     fn restored(change: impl FnOnce(&mut Engine<Vec2>)) -> Result<(), CrowdError> {
-        let mut crowd = Engine::new(crossing::<Vec2>(20, 1.0)).unwrap();
+        let mut crowd = Engine::new(crossing::<Vec2>(20, 8.0)).unwrap();
         crowd.advance(1.0, &mut |_| {}).unwrap();
         change(&mut crowd);
-        Engine::new(crossing::<Vec2>(20, 1.0)).unwrap().load(&crowd.bytes())
+        Engine::new(crossing::<Vec2>(20, 8.0)).unwrap().load(&crowd.bytes())
     }
 
     fn with_plan(change: impl FnOnce(&mut Plan<Vec2>)) -> Result<(), CrowdError> {
         restored(|crowd| {
             let (cell, mut plan) = (crowd.states[3].cell, crowd.cells.plan(3));
+            // So short that it stays where it may be.
+            (plan.start, plan.end, plan.moving) = (crowd.now, crowd.now + 0.01, f32::INFINITY);
             change(&mut plan);
             crowd.cells.set(cell, cell, &plan);
         })
@@ -256,7 +300,7 @@ mod tests {
 
     #[test]
     fn too_fast_agents_are_refused() {
-        let fastest = Engine::new(crossing::<Vec2>(20, 1.0)).unwrap().scenery.fastest;
+        let fastest = Engine::new(crossing::<Vec2>(20, 8.0)).unwrap().scenery.fastest;
         let is_good = |speed: f32| with_plan(|p| p.velocity = Vec2::from_angle(0.7) * speed).is_ok();
         assert!(is_good(fastest) && is_good(fastest * (1.0 + 5e-6)), "rounding is let be");
         assert!(!is_good(fastest * 1.0001) && !is_good(fastest * 1.005) && !is_good(f32::NAN));

@@ -1,6 +1,7 @@
 //! Why no two agents ever overlap: the rule, the bounds on when two can meet, and the pairs that are compared.
 
 pub(crate) mod bound;
+pub(crate) mod kept;
 pub(crate) mod others;
 pub(crate) mod reach;
 pub(crate) mod rule;

@@ -1,6 +1,7 @@
 //! Tests of whole crowds.
 
 pub(crate) mod drive;
+mod forged;
 mod interface;
 mod jams;
 #[cfg(feature = "baselines")]

@@ -5,13 +5,12 @@ use super::place::PlaceConfig;
 use super::{Scene, SpaceConfig};
 use std::fmt::Display;
 use throng_base::Result as Checked;
+use throng_base::limits::{self, Limit};
 use toml::de::DeValue;
 
 /// A key, and what is wrong with its value.
 pub(super) type Fault = (String, String);
 
-/// Farthest that a coordinate of a scene may be from the origin (m).
-const FARTHEST_M: f32 = 1e5;
 /// Most behaviours that are weighed against each other.
 const MAX_BEHAVIOURS: usize = throng_core::characters::MAX_GOALS;
 
@@ -63,7 +62,7 @@ pub(super) fn foreign_keys(scene: &Scene) -> Checked<()> {
 
 /// Checks all that a scene says.
 pub(super) fn scene(scene: &Scene) -> Result<(), Fault> {
-    check_numbers(&[("seconds", scene.seconds, 0.1, 1e5)])?;
+    check_limit("seconds", scene.seconds, &limits::SECONDS)?;
     check_numbers(&[("environment.hills_m", scene.environment.hills_m, 0.0, 10.0)])?;
     let dimensions = scene.environment.space.dimensions();
     if scene.groups.is_empty() {
@@ -183,8 +182,8 @@ fn chosen(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault
         Some(place @ PlaceConfig::Grid { .. }) => place.find_fault(&at("place"), 2)?,
         Some(_) => return fault(&at("place"), "expected a `grid`, found another place"),
     }
+    check_limit(&at("temperature"), group.temperature, &limits::TEMPERATURE)?;
     check_numbers(&[
-        (&at("temperature"), group.temperature, 0.0, 1e3),
         (&at("target.height_m"), group.target.height_m, -10.0, 10.0),
         (&at("target.radius_m"), group.target.radius_m, 0.01, 1.0),
     ])?;
@@ -239,7 +238,15 @@ pub(super) fn fault<T>(key: &str, why: impl Into<String>) -> Result<T, Fault> {
 }
 
 fn check_count(key: &str, count: usize) -> Result<(), Fault> {
-    check_numbers(&[(key, count, 1, 1_000_000)])
+    check_limit(key, count as f64, &limits::CHARACTERS)
+}
+
+/// A number within its limit.
+fn check_limit(key: &str, value: f64, limit: &Limit) -> Result<(), Fault> {
+    match limit.holds(value) {
+        true => Ok(()),
+        false => fault(key, format!("expected {}, found {value}", limit.range)),
+    }
 }
 
 /// Numbers between bounds, as (key, value, lowest, highest); NaN is never between them.
@@ -266,10 +273,7 @@ pub(super) fn check_point(key: &str, point: &[f32], dimensions: usize) -> Result
         let what = if dimensions == 2 { "2 numbers (x, z) on the ground" } else { "3 numbers (x, y, z) in the air" };
         return fault(key, format!("expected {what}, found {}", point.len()));
     }
-    match point.iter().find(|v| v.is_nan() || v.abs() > FARTHEST_M) {
-        Some(v) => fault(key, format!("expected -{FARTHEST_M} to {FARTHEST_M}, found {v}")),
-        None => Ok(()),
-    }
+    point.iter().try_for_each(|v| check_limit(key, f64::from(*v), &limits::COORDINATE))
 }
 
 /// Two opposite corners, the lowest first.

@@ -38,7 +38,7 @@ pub struct Scene {
     /// Seed of places, paths and choices.
     #[serde(default = "one")]
     pub seed: u64,
-    /// How long it runs unless told otherwise (s, 0.1 to 100000).
+    /// How long it runs unless told otherwise (s, 0.001 to 100000).
     #[serde(default = "seconds")]
     pub seconds: f64,
     /// Bundle of the groups that name none of their own, relative to this file's folder.

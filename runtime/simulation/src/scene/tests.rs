@@ -160,3 +160,50 @@ fn every_scene_of_the_project_is_read() {
     let scenes: Vec<_> = files.map(|f| Scene::load(&f).unwrap_or_else(|e| panic!("{e}"))).collect();
     assert!(scenes.len() >= 16);
 }
+
+/// What only shows when bundles and worlds are opened is told with its place in the file too.
+#[test]
+fn names_and_files_that_are_not_there_are_told_with_line_and_column() {
+    let golden = format!("../../data/golden/tables_v{}.throng", throng_core::format::VERSION);
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join(golden);
+    let golden = golden.to_str().expect("a readable path");
+    let there = |text: String| text.replace("b.throng", golden);
+    let (unknown_behaviour, two_spaces) = (
+        there(boxers("policy", 1, ""))
+            .replace("[{ name = \"approach\" }]", "[{ name = \"golden\" },\n  { name = \"dance\" }]"),
+        there(walkers(GOAL)).replace("[\"a\"]", "[\"walks\",\n  \"runs\"]") + BLOCK,
+    );
+    for (text, place, parts) in [
+        (boxers("policy", 1, ""), ":1:1: key `bundle`", ["b.throng", "throng build"]),
+        (
+            boxers("policy", 1, "bundle = \"own.throng\"\n"),
+            ":6:1: key `groups[0].bundle`",
+            ["own.throng", "throng build"],
+        ),
+        (unknown_behaviour, ":6:12: key `groups[0].behaviours[1].name`", ["no behaviour \"dance\"", "there is"]),
+        (two_spaces, ":6:3: key `groups[0].spaces[1]`", ["no blend space \"runs\"", "walks"]),
+        (there(children("")), ":2:13: key `environment.world`", ["w.world", "throng stitch"]),
+        (there(children("world = \"own.world\"\n")), ":6:1: key `groups[0].world`", ["own.world", "throng stitch"]),
+    ] {
+        let scene = load(&text).unwrap_or_else(|e| panic!("{e}: {text}"));
+        let message = scene.open().unwrap_err().to_string();
+        assert!(message.starts_with(&format!("folder/square.toml{place}")), "{place}: {message}");
+        assert!(parts.iter().all(|p| message.contains(p)), "{parts:?}: {message}");
+    }
+}
+
+/// Whoever changes a scene after it was read cannot bring numbers past their ranges.
+#[test]
+fn numbers_that_are_changed_later_are_checked_too() {
+    for count in [0, 1_000_001, usize::MAX] {
+        let mut scene = load(&agents("")).unwrap();
+        scene.groups[0].count = count;
+        let message = scene.open().unwrap_err().to_string();
+        assert!(message.contains("groups[0].count") && message.contains("1 to 1000000"), "{message}");
+    }
+    let message = load(&agents("")).unwrap().resized(usize::MAX).open().unwrap_err().to_string();
+    assert!(message.contains("1 to 1000000"), "{message}");
+    let mut scene = load(&agents("")).unwrap();
+    scene.seconds = f64::INFINITY;
+    assert!(scene.open().unwrap_err().to_string().contains("0.001 to 100000 s"));
+}

@@ -60,7 +60,7 @@ impl Sparring {
     /// [`Error::Value`] for a setting out of its range, and as [`PolicyCharacters::with_capacity`].
     pub fn with_capacity(bundle: &Bundle, num_pairs: usize, config: SparringConfig) -> Result<Self> {
         config.check()?;
-        let n = 2 * num_pairs;
+        let n = num_pairs.saturating_mul(2);
         let boxers = PolicyCharacters::with_capacity(bundle, n, config.characters)?;
         let state = State {
             heads: Vec::with_capacity(n),

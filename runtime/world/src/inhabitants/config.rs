@@ -5,7 +5,8 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
 use throng_base::error::check;
-use throng_core::characters::{CharactersConfig, MAX_STEP_S};
+use throng_base::limits::{CAPACITY, PATH_STEPS, STEP_S};
+use throng_core::characters::CharactersConfig;
 
 /// How inhabitants behave.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +28,9 @@ impl Default for InhabitantsConfig {
 }
 
 impl InhabitantsConfig {
-    pub(super) fn check(&self) -> Result<()> {
+    pub(super) fn check(&self, capacity: usize) -> Result<()> {
+        CAPACITY.check_count("capacity", capacity)?;
+        PATH_STEPS.check_count("capacity times max_path", capacity.saturating_mul(self.max_path))?;
         let patience = self.patience_s;
         check("patience_s", None, patience, patience > 0.0 && patience < 1e6, "more than 0 and below 1e6")?;
         check("plans_per_step", None, self.plans_per_step as f64, self.plans_per_step > 0, "at least 1")?;
@@ -116,5 +119,5 @@ pub struct InhabitantState {
 }
 
 pub(super) fn check_time(dt_s: f32) -> Result<()> {
-    check("dt_s", None, dt_s, (0.0..=MAX_STEP_S).contains(&dt_s), "between 0 and 1 (s)")
+    STEP_S.check("dt_s", None, dt_s)
 }

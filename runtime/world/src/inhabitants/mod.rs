@@ -120,9 +120,9 @@ impl Inhabitants {
     /// Room for so many characters in a world.
     ///
     /// # Errors
-    /// [`throng_base::Error::Value`] for a setting out of its range.
+    /// [`throng_base::Error::Value`] for a setting or capacity out of its range.
     pub fn new(world: &World, capacity: usize, config: InhabitantsConfig) -> Result<Self> {
-        config.check()?;
+        config.check(capacity)?;
         let (motion_set, graph) = (world.motion_set(), world.graph());
         Ok(Self {
             world: world.clone(),

@@ -15,6 +15,7 @@ use throng_bake::config::BuildConfig;
 use throng_bake::examples::BlendConfig;
 use throng_bake::examples::cardinal::CardinalBasis;
 use throng_motion::error::BuildError;
+use throng_runtime::base::limits::MEASURING_S;
 use throng_runtime::blend::{BlendSpace, MAX_AXES, Posture, axis};
 use throng_runtime::simulation::scene::BodiesConfig;
 use throng_runtime::simulation::wander::skeletons;
@@ -81,6 +82,7 @@ pub fn blend(tables: &Bundle, seconds: f64) -> Result<Vec<BlendFigures>, BuildEr
     if blends.spaces.is_empty() {
         return Err(fail("the bundle has no blend space"));
     }
+    MEASURING_S.check("seconds", None, seconds).map_err(|e| fail(e.to_string()))?;
     (0..blends.spaces.len()).map(|number| measure(tables, number, seconds)).collect()
 }
 

@@ -49,6 +49,11 @@ impl<V: Space> Baseline<V> {
         }
     }
 
+    /// True for the scheme under which agents may overlap.
+    pub fn lets_overlap(&self) -> bool {
+        matches!(self, Self::Fixed(_))
+    }
+
     /// Makes what is not read, and takes memory.
     pub fn reserve(&mut self, cells: &Cells<V>, capacity: usize) {
         match self {

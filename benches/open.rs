@@ -1,0 +1,111 @@
+//! What does it cost to open a bundle by reading it, and by mapping it? Tables of 11 MB, 100 MB and 1 GB, each opened in a
+//! process of its own. `cargo bench --bench open`
+#![allow(unsafe_code)]
+
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+use throng_runtime::Bundle;
+use throng_runtime::format::{ALIGN, Header, Section, Tag, crc32};
+
+/// Ways to open a file.
+const WAYS: [&str; 4] = ["open", "map", "open_unverified", "map_unverified"];
+/// Each is done so often; the fastest counts, as one that nothing else slowed down.
+const TIMES: usize = 5;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let args: Vec<String> = std::env::args().collect();
+    if let [_, one, way, file] = &args[..]
+        && one == "--one"
+    {
+        return open(way, Path::new(file));
+    }
+    // `cargo test` runs benches too: small files are enough there.
+    let whole = args.iter().any(|a| a == "--bench");
+    let sizes: &[usize] = if whole { &[11_000_000, 100_000_000, 1_000_000_000] } else { &[1_000_000] };
+    let folder = tempfile::tempdir()?;
+    println!("MB    way              open_ms  over_map  own_MB  shared_MB");
+    for &size in sizes {
+        let file = folder.path().join("padded.throng");
+        std::fs::write(&file, padded(size)?)?;
+        let mut rows = Vec::new();
+        for way in WAYS {
+            let mut best = [f64::INFINITY; 3];
+            for _ in 0..TIMES {
+                let out = Command::new(std::env::current_exe()?).args(["--one", way]).arg(&file).output()?;
+                let text = String::from_utf8(out.stdout)?;
+                let found: Vec<f64> = text.split_whitespace().map_while(|w| w.parse().ok()).collect();
+                let found: [f64; 3] =
+                    found.try_into().map_err(|_| String::from_utf8_lossy(&out.stderr).into_owned())?;
+                if found[0] < best[0] {
+                    best = found;
+                }
+            }
+            rows.push((way, best));
+        }
+        let map = rows[1].1[0];
+        for (way, [ms, own, shared]) in rows {
+            println!("{:<5} {way:<16} {ms:>7.2}  {:>8.2}  {own:>6.1}  {shared:>9.1}", size / 1_000_000, ms / map);
+        }
+    }
+    Ok(())
+}
+
+/// Opens a file; prints how long that took (ms), memory of this process alone and memory that others share (MB).
+fn open(way: &str, file: &Path) -> Result<(), Box<dyn std::error::Error>> {
+    let before = memory();
+    let begin = Instant::now();
+    // SAFETY: the file is the parent's, which leaves it as it is.
+    let tables = match way {
+        "open" => Bundle::open(file),
+        "map" => unsafe { Bundle::map(file) },
+        "open_unverified" => Bundle::open_unverified(file),
+        _ => unsafe { Bundle::map_unverified(file) },
+    }?;
+    let ms = 1e3 * begin.elapsed().as_secs_f64();
+    let after = memory();
+    println!("{ms} {} {}", after[0] - before[0], after[1] - before[1]);
+    drop(tables);
+    Ok(())
+}
+
+/// Memory of this process alone, and of files, where the system tells (MB).
+fn memory() -> [f64; 2] {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let value = |key: &str| {
+        let line = status.lines().find_map(|l| l.strip_prefix(key)).unwrap_or("0");
+        line.split_whitespace().next().and_then(|kb| kb.parse::<f64>().ok()).unwrap_or(0.0) * 1024.0 / 1e6
+    };
+    [value("RssAnon:") + value("RssShmem:"), value("RssFile:")]
+}
+
+/// The golden tables, with a section that nobody reads: a file of about `size` bytes.
+fn padded(size: usize) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join(format!("data/golden/tables_v{}.throng", throng_runtime::format::VERSION));
+    let golden = std::fs::read(path)?;
+    let head = size_of::<Header>();
+    let mut header: Header = bytemuck::pod_read_unaligned(&golden[..head]);
+    let table = &golden[head..head + header.num_sections as usize * size_of::<Section>()];
+    let old: Vec<Section> = table.chunks_exact(size_of::<Section>()).map(bytemuck::pod_read_unaligned).collect();
+    let padding = Section { tag: Tag(*b"XPAD"), elem_size: 1, count: size as u64, ..old[0] };
+    let mut out = vec![0; head + (old.len() + 1) * size_of::<Section>()];
+    let mut rows = Vec::new();
+    for s in old.iter().chain([&padding]) {
+        out.resize(out.len().next_multiple_of(ALIGN as usize), 0);
+        let offset = out.len();
+        if s.tag == padding.tag {
+            out.extend((0..size).map(|i| (i % 251) as u8));
+        } else {
+            out.extend(&golden[s.range(golden.len() as u64)?]);
+        }
+        rows.push(Section { offset: offset as u64, crc32: crc32(&out[offset..]), ..*s });
+    }
+    let rows: &[u8] = bytemuck::cast_slice(&rows);
+    (header.num_sections, header.table_crc32) = (header.num_sections + 1, crc32(rows));
+    header.file_len = out.len() as u64;
+    header.header_crc32 = header.checksum();
+    out[..head].copy_from_slice(bytemuck::bytes_of(&header));
+    out[head..head + rows.len()].copy_from_slice(rows);
+    Ok(out)
+}

@@ -1,0 +1,100 @@
+//! The range of every number that applications and command lines give, each in one place.
+
+use crate::error::check;
+use crate::{Id, Result};
+
+/// Range of a quantity, its ends included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// What is counted or measured, in words.
+    pub quantity: &'static str,
+    /// Least value.
+    pub least: f64,
+    /// Greatest value.
+    pub most: f64,
+    /// Both in words, with their unit.
+    pub range: &'static str,
+}
+
+impl Limit {
+    /// True for a value in the range; false for NaN.
+    pub fn holds(&self, value: f64) -> bool {
+        (self.least..=self.most).contains(&value)
+    }
+
+    /// [`crate::Error::Value`] unless the value is in the range.
+    ///
+    /// - `what`: name of the parameter, for the message.
+    ///
+    /// # Errors
+    /// As said.
+    pub fn check(&self, what: &'static str, who: Option<Id>, value: impl Into<f64>) -> Result<()> {
+        let value = value.into();
+        check(what, who, value, self.holds(value), self.range)
+    }
+
+    /// As [`Limit::check`], of a number of things.
+    ///
+    /// # Errors
+    /// As said.
+    pub fn check_count(&self, what: &'static str, count: usize) -> Result<()> {
+        self.check(what, None, count as f64)
+    }
+}
+
+macro_rules! limits {
+    ($($name:ident = $quantity:literal: $least:literal to $most:literal $unit:literal;)*) => {
+        $(
+            #[doc = concat!($quantity, ": ", $least, " to ", $most, $unit, ".")]
+            pub static $name: Limit = Limit {
+                quantity: $quantity,
+                least: $least as f64,
+                most: $most as f64,
+                range: concat!($least, " to ", $most, $unit),
+            };
+        )*
+        /// All ranges.
+        pub static ALL: &[&Limit] = &[$(&$name),*];
+    };
+}
+
+limits! {
+    BEND = "how far a walked action may be bent": 0 to 10 " rad/m";
+    CAPACITY = "places for characters or agents": 0 to 1_000_000 "";
+    CHARACTERS = "number of characters or agents": 1 to 1_000_000 "";
+    COORDINATE = "coordinate": -100_000 to 100_000 " m";
+    FOLLOWED = "number of a character": 0 to 999_999 "";
+    MEASURING_S = "time given to a figure": 0.000_1 to 3600 " s";
+    PAIRS = "number of pairs": 1 to 10_000_000 "";
+    PATH_STEPS = "steps of all paths that are kept": 0 to 300_000_000 "";
+    RATE_HZ = "frames a second": 20 to 240 " Hz";
+    REPEATS = "number of runs": 1 to 100 "";
+    SECONDS = "simulated time": 0.001 to 100_000 " s";
+    SEED = "seed": 0 to 18_446_744_073_709_551_615u64 "";
+    STATE = "state of a motion graph": 0 to 4_294_967_295u32 "";
+    STEP_HZ = "steps a second": 1 to 10_000 " Hz";
+    STEP_S = "time step": 0 to 1 " s";
+    SYNTH_MINUTES = "length of synthetic motion": 0.05 to 240 " min";
+    TEMPERATURE = "temperature of choices": 0 to 1000 "";
+    THREADS = "number of threads": 1 to 1024 "";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_in_a_range_is_refused_with_the_range() {
+        for limit in ALL {
+            assert!(limit.holds(limit.least) && limit.holds(limit.most), "{limit:?}");
+            for out in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, limit.least - 1.0] {
+                assert!(!limit.holds(out), "{limit:?}: {out}");
+                let e = limit.check("x", None, out).unwrap_err().to_string();
+                assert!(e.contains(limit.range), "{e}");
+            }
+        }
+        assert!(CAPACITY.check_count("capacity", usize::MAX).is_err());
+        assert_eq!((STEP_HZ.range, SECONDS.range), ("1 to 10000 Hz", "0.001 to 100000 s"));
+        assert_eq!(SEED.range, format!("0 to {}", u64::MAX));
+    }
+}

@@ -1,0 +1,110 @@
+//! Whether plans of unknown origin keep the safety rule, as those of a snapshot must.
+//!
+//! A new plan is compared by a rule that is quick and sometimes says no where there is room (`others.rs`). Kept plans
+//! were taken at different times, so that the quick rule may say no to a pair that it once let be. Such pairs are looked at
+//! step by step, with steps so short that no stop region comes farther than the room there is.
+
+use crate::Space;
+use crate::safety::others::violation;
+use crate::safety::rule::{Candidate, MARGIN, clearance, violation_of_solid};
+use crate::space::plan::Plan;
+use crate::space::solid::Solid;
+
+/// Shortest step, as a way of the stop regions (m).
+const STEP_M: f32 = 2e-4;
+/// What rounding may differ by, as a share of a number.
+const ROUNDING: f32 = 1e-3;
+
+/// Room that rounding may have cost (m).
+fn rounding<V: Space>(plan: &Plan<V>) -> f32 {
+    MARGIN + 8.0 * f32::EPSILON * plan.position.length()
+}
+
+/// The same agent at a time, at most at its next event, as if it stood still in its motion.
+fn still<V: Space>(plan: &Plan<V>, time: f64) -> Plan<V> {
+    let (position, velocity) = plan.at(time.min(plan.end));
+    Plan { position, velocity, ..*plan }
+}
+
+/// The plan from a time on.
+fn from<V: Space>(plan: &Plan<V>, time: f64) -> Plan<V> {
+    let moving = (plan.moving - (time - plan.start) as f32).max(0.0);
+    Plan { start: time, moving, ..still(plan, time) }
+}
+
+/// How fast the ends of its stop region move at most, from a time on (m/s).
+fn pace<V: Space>(plan: &Plan<V>, time: f64) -> f32 {
+    // The speed of a parabola is largest at an end; the far end moves at |v| (1 + |a| / A) at most.
+    let speed = still(plan, time).velocity.length().max(still(plan, plan.end).velocity.length());
+    speed * (1.0 + plan.acceleration.length() / plan.limit)
+}
+
+/// False where `moving` says that an agent brakes, and it does not.
+pub(crate) fn is_motion<V: Space>(plan: &Plan<V>) -> bool {
+    if plan.moving == f32::INFINITY {
+        return true;
+    }
+    let mut braking = *plan;
+    braking.brake();
+    (braking.moving - plan.moving).abs() <= ROUNDING * (1.0 + braking.moving)
+        && (braking.acceleration - plan.acceleration).length() <= ROUNDING * plan.limit
+}
+
+/// True where the stop region stays within a box along the axes until the plan's end.
+pub(crate) fn is_within<V: Space>(plan: &Plan<V>, min: V, max: V) -> bool {
+    let room = V::from_coordinates([rounding(plan); 3]);
+    let (min, max) = (min - room, max + room);
+    if plan.moving < f32::INFINITY {
+        // All that it sweeps lies between these two.
+        let (from, to) = plan.stop_region(0.0);
+        let free = (from.min(to) - min).min(max - from.max(to)).coordinates();
+        return free.iter().take(V::DIMENSIONS).all(|&f| f >= plan.radius);
+    }
+    Candidate::new(*plan).stays_within(min, max)
+}
+
+/// True where two never overlap, from a time on and until both have acted again and come to rest.
+pub(crate) fn are_apart<V: Space>(a: &Plan<V>, b: &Plan<V>, now: f64) -> bool {
+    if violation(&Candidate::new(from(a, now)), b).is_none() {
+        return true;
+    }
+    let (least, pace) = (-rounding(a).max(rounding(b)), pace(a, now) + pace(b, now));
+    each_step(now, a.end.max(b.end), pace, |time| clearance(&still(a, time), &still(b, time)), least)
+}
+
+/// True where an agent never is in a solid, from a time on and until it has acted again and come to rest.
+pub(crate) fn is_clear_of<V: Space>(plan: &Plan<V>, solid: &Solid<V>, now: f64) -> bool {
+    if violation_of_solid(&Candidate::new(from(plan, now)), solid).is_none() {
+        return true;
+    }
+    let least = -rounding(plan);
+    let room = |time: f64| {
+        let (from, to) = still(plan, time).stop_region(0.0);
+        let (ahead, length) = (to - from).unit_and_length();
+        let (mut at, mut least) = (0.0, f32::INFINITY);
+        loop {
+            let room = solid.away(from + ahead * at).1 - plan.radius;
+            least = least.min(room);
+            if at >= length || room < -1.0 {
+                return least;
+            }
+            at = (at + room.max(STEP_M)).min(length);
+        }
+    };
+    each_step(now, plan.end, pace(plan, now), room, least)
+}
+
+/// True where there is room at every time; the next one is looked at before what moves can have used it up.
+fn each_step(now: f64, end: f64, pace: f32, room: impl Fn(f64) -> f32, least: f32) -> bool {
+    let mut time = now;
+    loop {
+        let left = room(time);
+        if left.is_nan() || left < least {
+            return false;
+        }
+        if time >= end || pace == 0.0 {
+            return true;
+        }
+        time = (time + f64::from(left.max(STEP_M) / pace)).min(end);
+    }
+}

@@ -1,0 +1,131 @@
+//! Every number on the command line has a range; what is outside of it is refused with the option and the range.
+
+use super::{Place, at, done, folder, text, throng_soon};
+use throng_runtime::base::limits::{self, Limit};
+
+/// Commands, and their options that are numbers. `BUNDLE` and `OUT` stand for a file and a folder, and what else is given
+/// keeps runs short.
+const NUMBERS: [(&[&str], &[(&str, &Limit)]); 9] = [
+    (&["run", "BUNDLE", "--characters", "2", "--seconds", "0.1"], TRIAL),
+    (&["demo", "--characters", "2", "--seconds", "0.1", "--out", "OUT/a.png", "--bundle", "OUT/a.throng"], TRIAL),
+    (
+        &["synth", "--minutes", "0.05", "--out", "OUT/clips"],
+        &[("minutes", &limits::SYNTH_MINUTES), ("seed", &limits::SEED), ("rate-hz", &limits::RATE_HZ)],
+    ),
+    (
+        &["bench", "bundle", "BUNDLE", "--characters", "2", "--threads", "1", "--seconds", "0.001"],
+        &[
+            ("characters", &limits::CHARACTERS),
+            ("threads", &limits::THREADS),
+            ("seconds", &limits::MEASURING_S),
+            ("pairs", &limits::PAIRS),
+        ],
+    ),
+    (
+        &["bench", "crowd", "--scene", "ring", "--agents", "2", "--seconds", "0.1"],
+        &[
+            ("agents", &limits::CHARACTERS),
+            ("threads", &limits::THREADS),
+            ("seconds", &limits::SECONDS),
+            ("repeats", &limits::REPEATS),
+        ],
+    ),
+    (&["bench", "blend", "BUNDLE"], &[("seconds", &limits::MEASURING_S)]),
+    (&["bench", "world", "BUNDLE"], &[]),
+    (
+        &["query", "action", "BUNDLE", "--state", "0", "--target", "1,1"],
+        &[("state", &limits::STATE), ("target", &limits::COORDINATE)],
+    ),
+    (
+        &["query", "path", "BUNDLE", "--from", "1,1", "--to", "1,1"],
+        &[("from", &limits::COORDINATE), ("to", &limits::COORDINATE)],
+    ),
+];
+
+const TRIAL: &[(&str, &Limit)] = &[
+    ("characters", &limits::CHARACTERS),
+    ("seconds", &limits::SECONDS),
+    ("step-hz", &limits::STEP_HZ),
+    ("seed", &limits::SEED),
+    ("temperature", &limits::TEMPERATURE),
+    ("bend", &limits::BEND),
+    ("follow", &limits::FOLLOWED),
+];
+
+/// What is given to each.
+const GIVEN: [&str; 7] = ["0", "-1", "NaN", "inf", "1e308", "4294967296", "18446744073709551615"];
+
+#[test]
+fn numbers_out_of_their_range_are_refused_with_option_and_range() {
+    let (place, folder) = (Place::shared(), folder());
+    let mut refused = 0;
+    for (command, options) in NUMBERS {
+        for (option, limit) in options {
+            for value in GIVEN {
+                let is_point = limit.range == limits::COORDINATE.range;
+                let given = if is_point { format!("1,{value}") } else { value.to_owned() };
+                let mut args: Vec<String> = Vec::new();
+                let mut words = command.iter().peekable();
+                while let Some(word) = words.next() {
+                    if *word == format!("--{option}") {
+                        words.next();
+                    } else {
+                        args.push(word.replace("BUNDLE", &place.bundle()).replace("OUT", &at(&folder, "")));
+                    }
+                }
+                // What is in range may take long; the ends of ranges are tried below.
+                if limit.holds(value.parse().expect("a number")) {
+                    continue;
+                }
+                args.extend([format!("--{option}"), given]);
+                let args: Vec<&str> = args.iter().map(String::as_str).collect();
+                let out = throng_soon(&args);
+                let message = text(&out.stderr);
+                assert_eq!(out.status.code(), Some(2), "{args:?}: {message}");
+                let says = message.contains(&format!("--{option} <")) && message.contains(limit.range);
+                assert!(says, "{args:?}: {message}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(refused > 150, "{refused}");
+}
+
+#[test]
+fn numbers_at_the_ends_of_their_ranges_are_taken() {
+    let (place, folder) = (Place::shared(), folder());
+    let bundle = place.bundle();
+    let run = ["run", &bundle, "--characters", "1", "--seconds", "0.001"];
+    for more in [
+        ["--seed", "18446744073709551615"],
+        ["--seed", "0"],
+        ["--step-hz", "1"],
+        ["--step-hz", "10000"],
+        ["--temperature", "0"],
+        ["--temperature", "1000"],
+        ["--bend", "10"],
+        ["--follow", "0"],
+    ] {
+        done(&[&run[..], &more].concat());
+    }
+    done(&["synth", "--minutes", "0.05", "--rate-hz", "240", "--seed", "0", "--out", &at(&folder, "clips")]);
+    done(&["query", "action", &bundle, "--state", "0", "--target", "-100000,100000"]);
+}
+
+/// Options whose values are named as numbers are in [`NUMBERS`].
+#[test]
+fn no_option_with_a_number_is_left_out() {
+    for (command, options) in NUMBERS {
+        let name: Vec<&str> =
+            command.iter().copied().take_while(|w| w.chars().all(|c| c.is_ascii_lowercase())).collect();
+        let help = done(&[&name[..], &["--help"]].concat());
+        for line in help.lines().map(str::trim).filter(|l| l.starts_with("--")) {
+            let (option, value) = line[2..].split_once(' ').unwrap_or((&line[2..], ""));
+            let numbers =
+                ["<N>", "<N,...>", "<S>", "<HZ>", "<T>", "<RAD_PER_M>", "<X,Z>", "<SEED>", "<MINUTES>", "<STATE>"];
+            if numbers.contains(&value) {
+                assert!(options.iter().any(|(o, _)| *o == option), "{name:?} --{option} {value}");
+            }
+        }
+    }
+}
