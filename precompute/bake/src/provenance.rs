@@ -129,7 +129,7 @@ mod tests {
     fn a_file_is_hashed_as_its_content_and_a_device_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.bvh");
-        let bytes: Vec<u8> = (0..100_000u64).map(|i| (i * i >> 3) as u8).collect();
+        let bytes: Vec<u8> = (0..100_000u64).map(|i| ((i * i) >> 3) as u8).collect();
         std::fs::write(&path, &bytes).unwrap();
         let of = hash(&path).unwrap();
         assert_eq!((of.bytes, of.hash), (100_000, content_hash(&bytes)));

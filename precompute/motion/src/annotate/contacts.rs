@@ -67,7 +67,7 @@ impl ContactConfig {
             ("speed_share", self.speed_share, 0.0, 10.0),
         ];
         let times = [("min_duration", self.min_duration, 0.0, 60.0), ("max_gap", self.max_gap, 0.0, 60.0)];
-        let single = |(key, number, low, high)| (key, f64::from(number), f64::from(low), f64::from(high));
+        let single = |(key, number, low, high)| (key, f64::from(number), low, f64::from(high));
         check_ranges(lengths.into_iter().chain(speeds).chain(times).map(single))
     }
 }
