@@ -53,7 +53,7 @@ pub const READERS: [Reader; 18] = {
         Reader { name: "world_file", form: Text, seeds: seeds::world_file, read: readers::world_file },
         Reader { name: "units", form: Text, seeds: seeds::units, read: readers::units },
         Reader { name: "environment", form: Text, seeds: seeds::environment, read: readers::environment },
-        Reader { name: "gltf", form: Binary, seeds: seeds::gltf, read: readers::gltf },
+        Reader { name: "gltf", form: Text, seeds: seeds::gltf, read: readers::gltf },
         Reader { name: "sidecar", form: Text, seeds: seeds::sidecar, read: readers::sidecar },
         Reader { name: "profile", form: Text, seeds: seeds::profile, read: readers::profile },
         Reader { name: "snapshot_policy", form: Binary, seeds: seeds::of_policy, read: readers::snapshot_policy },
