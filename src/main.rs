@@ -25,7 +25,7 @@ mod view;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Bakes motion capture into memory-mapped tables, and drives thousands of characters by looking things up.
+/// Bakes motion capture into tables, and drives thousands of characters by looking things up.
 #[derive(Parser)]
 #[command(name = "throng", version, after_help = args::AFTER_HELP)]
 struct Cli {

@@ -1,4 +1,4 @@
-//! The bundle: one little-endian file of checked, memory-mapped sections (`*.throng`).
+//! The bundle: one little-endian file of checked sections (`*.throng`).
 //!
 //! A 64-byte [`Header`] is followed by a table of [`Section`] rows and by the sections themselves, each starting
 //! on 64 bytes with zero padding between, in the order of the table, and nothing after the last. Sections hold

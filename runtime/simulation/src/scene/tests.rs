@@ -170,7 +170,7 @@ fn names_and_files_that_are_not_there_are_told_with_line_and_column() {
     let there = |text: String| text.replace("b.throng", golden);
     let (unknown_behaviour, two_spaces) = (
         there(boxers("policy", 1, ""))
-            .replace("[{ name = \"approach\" }]", "[{ name = \"golden\" },\n  { name = \"dance\" }]"),
+            .replace("[{ name = \"approach\" }]", "[{ name = \"approach\" },\n  { name = \"dance\" }]"),
         there(walkers(GOAL)).replace("[\"a\"]", "[\"walks\",\n  \"runs\"]") + BLOCK,
     );
     for (text, place, parts) in [
@@ -180,7 +180,7 @@ fn names_and_files_that_are_not_there_are_told_with_line_and_column() {
             ":6:1: key `groups[0].bundle`",
             ["own.throng", "throng build"],
         ),
-        (unknown_behaviour, ":6:12: key `groups[0].behaviours[1].name`", ["no behaviour \"dance\"", "there is"]),
+        (unknown_behaviour, ":6:5: key `groups[0].behaviours[1].name`", ["no behaviour \"dance\"", "there is"]),
         (two_spaces, ":6:3: key `groups[0].spaces[1]`", ["no blend space \"runs\"", "walks"]),
         (there(children("")), ":2:13: key `environment.world`", ["w.world", "throng stitch"]),
         (there(children("world = \"own.world\"\n")), ":6:1: key `groups[0].world`", ["own.world", "throng stitch"]),
