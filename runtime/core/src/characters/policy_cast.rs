@@ -149,7 +149,7 @@ impl PolicyCharacters {
     /// [`Error::Gone`], or [`Error::Value`] for a distance that is not finite.
     pub fn shift(&mut self, id: Id, by: Vec2) -> Result<()> {
         let at = self.roster.row(id)?;
-        Ok(self.characters.shift(at, by)?)
+        self.characters.shift(at, by)
     }
 
     /// Displaces a part of a character's body, which then comes back; see [`Characters::push`].
