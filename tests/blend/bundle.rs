@@ -101,7 +101,7 @@ fn spaces_come_back_as_they_were_written() {
 fn scenes_name_the_space_that_is_missing_before_anybody_walks() {
     let tables = Bundle::from_bytes(AlignedBytes::from_slice(bundle())).expect("the bundle opens");
     for (spaces, shown, key, name) in
-        [("plane", "lime", "picture.shown[0].space", "lime"), ("plan", "line", "groups[0].spaces", "plan")]
+        [("plane", "lime", "picture.shown[0].space", "lime"), ("plan", "line", "groups[0].spaces[0]", "plan")]
     {
         let text = format!(
             "bundle = 'a.throng'\n[[groups]]\nmotion = 'blend'\ncount = 1\nspaces = ['{spaces}']\npaths = {{}}\n\

@@ -104,7 +104,7 @@ mod tests {
     fn refuses_a_value_outside_its_limits() {
         for set in SynthSet::ALL {
             let error = make(set, &SynthConfig { rate_hz: 0.0, ..SynthConfig::default() }).unwrap_err().to_string();
-            assert!(error.contains("synth rate_hz") && error.contains("20 to 240"), "{error}");
+            assert!(error.contains("synth.rate_hz") && error.contains("20 to 240"), "{error}");
             assert!(make(set, &SynthConfig { minutes: f64::NAN, ..SynthConfig::default() }).is_err());
         }
     }

@@ -15,8 +15,10 @@ use throng_motion::error::BuildError;
 /// leaves it above the tolerance, values become the scores and the pass is repeated.
 ///
 /// # Errors
-/// [`BuildError::Stage`] with the residual where `cfg.max_sweeps` are not enough.
+/// [`BuildError::Key`] for a setting out of its range; [`BuildError::Stage`] with the residual where `cfg.max_sweeps` are
+/// not enough.
 pub fn bake(model: &ActionModel, solution: &mut Solution, cfg: &PolicyConfig) -> Result<Vec<u8>, BuildError> {
+    cfg.check()?;
     let wanted = tolerance(cfg.epsilon, f64::from(solution.record.discount), model.least_frames()) as f32;
     let first_actions = vec![0; solution.values.len()];
     loop {

@@ -96,6 +96,6 @@ fn hits_after_the_end_of_the_clip_are_refused() {
     let mut all = Sidecars::default();
     all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 30.0, "a.toml").unwrap();
     let m = message(all.ranges(&clip("a", 30)));
-    assert!(m.contains("a.toml: hits[0] `punch`") && m.contains("after the end of clip `a`"), "{m}");
+    assert!(m.contains("a.toml: hits[0]: starts at 30") && m.contains("after the end of clip `a`"), "{m}");
     assert_eq!(all.ranges(&clip("a", 31)).unwrap().hits[0].range, 30..31);
 }
