@@ -129,7 +129,7 @@ impl Run {
     /// One step forward: the next recorded one, or a new one at the end of the record.
     ///
     /// # Errors
-    /// [`Error`] where a step cannot be taken.
+    /// [`throng_runtime::Error`] where a step cannot be taken.
     pub fn step(&mut self, bundle: &OpenBundle) -> Result<()> {
         let s = &mut self.simulation;
         self.recording.before(s);

@@ -81,7 +81,7 @@ impl Characters {
     /// the next scheduled clip before the last one ends. Poses are there after the first step.
     ///
     /// # Errors
-    /// [`Error::Index`] or [`Error::Value`] for a scheduled clip that leaves its clip or is not finite, or a setting
+    /// [`throng_base::Error::Index`] or [`throng_base::Error::Value`] for a scheduled clip that leaves its clip or is not finite, or a setting
     /// out of its range.
     pub fn new_laid(
         motion_set: &MotionSet,
@@ -97,7 +97,7 @@ impl Characters {
     /// step. Allocates nothing.
     ///
     /// # Errors
-    /// As [`Characters::lay`], and [`Error::Index`] beyond the capacity; nothing has changed then.
+    /// As [`Characters::lay`], and [`throng_base::Error::Index`] beyond the capacity; nothing has changed then.
     pub fn enter_laid(&mut self, motion_set: &MotionSet, scheduled_clip: &ScheduledClip) -> Result<()> {
         let at = self.num_characters;
         check_index("character", None, at, self.matrices.len() / NUM_JOINTS)?;
@@ -141,8 +141,8 @@ impl Characters {
     /// scheduled clip, a character stays at the end of its last one.
     ///
     /// # Errors
-    /// [`Error::Index`] or [`Error::Value`] for a character that does not exist or a scheduled clip that leaves its
-    /// clip or is not finite, [`Error::OtherBundle`] as [`Characters::step`]; nothing has changed then.
+    /// [`throng_base::Error::Index`] or [`throng_base::Error::Value`] for a character that does not exist or a scheduled clip that leaves its
+    /// clip or is not finite, [`throng_base::Error::OtherBundle`] as [`Characters::step`]; nothing has changed then.
     pub fn lay(&mut self, motion_set: &MotionSet, character: usize, scheduled_clip: &ScheduledClip) -> Result<()> {
         self.check_bundle(motion_set)?;
         check_index("character", None, character, self.num_characters)?;
