@@ -3,9 +3,12 @@
 use super::{Place, at, done, folder, text, throng_soon};
 use throng_runtime::base::limits::{self, Limit};
 
+/// Options that take a number, and their ranges.
+type Options = &'static [(&'static str, &'static Limit)];
+
 /// Commands, and their options that are numbers. `BUNDLE` and `OUT` stand for a file and a folder, and what else is given
 /// keeps runs short.
-const NUMBERS: [(&[&str], &[(&str, &Limit)]); 9] = [
+const NUMBERS: [(&[&str], Options); 9] = [
     (&["run", "BUNDLE", "--characters", "2", "--seconds", "0.1"], TRIAL),
     (&["demo", "--characters", "2", "--seconds", "0.1", "--out", "OUT/a.png", "--bundle", "OUT/a.throng"], TRIAL),
     (
