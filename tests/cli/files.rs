@@ -86,7 +86,7 @@ fn a_folder_in_place_of_a_file_is_refused_by_every_command() {
         std::fs::create_dir(folder.path().join(format!("folder.{extension}"))).expect("a folder");
     }
     let is_left_out = |a: &&str| a.ends_with(".bvh") || a.ends_with(".amc");
-    let reads: Vec<&[&str]> = READS.into_iter().filter(|r| !r.iter().any(|a| is_left_out(a))).collect();
+    let reads: Vec<&[&str]> = READS.into_iter().filter(|r| !r.iter().any(&is_left_out)).collect();
     each_refused(&folder, "folder", &reads, |args, message| {
         assert!(message.contains("folder.") && message.contains("is a folder"), "{args:?}: {message}");
     });
