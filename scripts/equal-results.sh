@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # Are results the same everywhere? Compares the bytes of a bundle and the hashes of states at 1, 2 and 8 threads, of debug
-# and release builds, of builds for this very processor, from two folders, and on an emulated processor without AVX2.
+# and release builds, of builds for this very processor, from two folders, on an emulated processor without AVX2, and of the
+# runtime alone on aarch64 and wasm.
 #
-# `scripts/equal-results.sh [VARIANT ...]` with some of debug, release, native, folder, emulated; all of them by default.
+# `scripts/equal-results.sh [VARIANT ...]` with some of debug, release, native, folder, emulated, aarch64, wasm; all of them
+# by default.
 # Builds go to target/equal-results; prints a table, and exits 1 where anything differs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD out=$PWD/target/equal-results
 variants=("$@")
-[ ${#variants[@]} -gt 0 ] || variants=(debug release native folder emulated)
+[ ${#variants[@]} -gt 0 ] || variants=(debug release native folder emulated aarch64 wasm)
 mkdir -p "$out"
 
 # Names of checks with the hashes that they found, one a line; seconds do not count.
@@ -22,8 +24,33 @@ for c in json.load(sys.stdin)["checks"]:
             sys.exit("threads differ: " + c["name"])'
 }
 
+# Hashes of states that the runtime alone comes to, built for a target, with what runs it.
+runtime() { # TARGET RUNNER...
+    local target=$1
+    shift
+    cargo build -q -p throng-simulation --example state_hashes --target "$target"
+    "$@" "$root/target/$target/debug/examples/state_hashes${SUFFIX:-}"
+}
+# The same here, once.
+runtime_here() {
+    local host
+    host=$(rustc -vV | sed -n 's/^host: //p')
+    [ -s "$out/runtime.txt" ] || runtime "$host" env > "$out/runtime.txt"
+}
+rm -f "$out/runtime.txt"
+has_target() { rustc --print sysroot | xargs -I{} test -d "{}/lib/rustlib/$1/lib"; }
+
 first=
 status=0
+elsewhere() { # NAME FILE
+    if cmp -s "$out/runtime.txt" "$2"; then
+        printf '%-10s equal (%s scenes of the runtime)\n' "$1" "$(wc -l < "$2")"
+    else
+        printf '%-10s DIFFERS\n' "$1"
+        diff "$out/runtime.txt" "$2" | head -20 || true
+        status=1
+    fi
+}
 compare() { # NAME FILE
     if [ -z "$first" ]; then
         first=$2
@@ -64,8 +91,29 @@ for variant in "${variants[@]}"; do
         binary=$root/target/release/throng
         [ -x "$binary" ] || binary=$root/target/debug/throng
         results qemu-x86_64 -cpu Nehalem "$binary" > "$file" ;;
+    aarch64)
+        target=aarch64-unknown-linux-gnu
+        if ! { has_target $target && command -v qemu-aarch64 && command -v aarch64-linux-gnu-gcc; } > /dev/null; then
+            printf '%-10s skipped: it needs rustup target add %s and the packages qemu-user, %s\n' "$variant" $target \
+                "gcc-aarch64-linux-gnu, libc6-dev-arm64-cross"
+            continue
+        fi
+        runtime_here
+        CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc \
+            runtime $target qemu-aarch64 -L /usr/aarch64-linux-gnu > "$file"
+        elsewhere "$variant" "$file"
+        continue ;;
+    wasm)
+        if ! { has_target wasm32-wasip1 && command -v node; } > /dev/null; then
+            printf '%-10s skipped: it needs rustup target add wasm32-wasip1, and node\n' "$variant"
+            continue
+        fi
+        runtime_here
+        SUFFIX=.wasm runtime wasm32-wasip1 node --no-warnings scripts/wasi.mjs > "$file"
+        elsewhere "$variant" "$file"
+        continue ;;
     *)
-        echo "expected debug, release, native, folder or emulated, found $variant" >&2
+        echo "expected debug, release, native, folder, emulated, aarch64 or wasm, found $variant" >&2
         exit 2 ;;
     esac
     compare "$variant" "$file"

@@ -126,6 +126,28 @@ for ((i = 0; i < few; i++)); do
 done
 row "writing fails" "$few" "$failed" "$wrong"
 
+# A disk that is full, for real: a tmpfs of a few pages, where the system lets us mount one.
+wrong=0 failed=0 few=$((times < 20 ? times : 20))
+mkdir -p disk
+if unshare -rm mount -t tmpfs -o size=64k tmpfs disk 2> /dev/null; then
+    for ((i = 0; i < few; i++)); do
+        code=0
+        message=$(unshare -rm bash -c "mount -t tmpfs -o size=$((4 + kb * i / few))k tmpfs disk
+            '$throng' build small.toml --out disk/out.throng --no-cache 2>&1
+            code=\$?
+            [ \$code -eq 0 ] && { cmp -s disk/out.throng whole.throng || exit 99; }
+            [ \$code -ne 0 ] && [ -n \"\$(ls -A disk)\" ] && exit 98
+            exit \$code") || code=$?
+        if [ $code -ne 0 ]; then
+            failed=$((failed + 1))
+            [ $code -eq 1 ] && grep -q "^error: .*disk/" <<< "$message" || wrong=$((wrong + 1))
+        fi
+    done
+    row "the disk is full" "$few" "$failed" "$wrong"
+else
+    echo "the disk is full: skipped: no tmpfs can be mounted here (unshare -rm)"
+fi
+
 # A damaged entry of the cache counts as absent.
 wrong=0 damaged=0
 for ((i = 0; i < times; i++)); do
@@ -136,7 +158,7 @@ for ((i = 0; i < times; i++)); do
         truncate -s $((size * (RANDOM % 1000) / 1000)) "$entry"
     else
         printf "\\x$(printf %x $((RANDOM % 256)))" |
-            dd of="$entry" bs=1 seek=$(((RANDOM * 32768 + RANDOM) % size)) conv=notrunc status=none
+            dd of="$entry" bs=1 seek=$(((RANDOM * 32768 + RANDOM) % (size > 0 ? size : 1))) conv=notrunc status=none
     fi
     damaged=$((damaged + 1))
     rm -f out.throng

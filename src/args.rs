@@ -3,11 +3,23 @@
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use throng_precompute::cache::Cache;
+use throng_precompute::config::BuildConfig;
 use throng_precompute::trial::TrialConfig;
 use throng_runtime::Bundle;
 use throng_runtime::base::limits::{self, Limit};
 use throng_runtime::characters::Choice;
 use throng_runtime::simulation::Scene;
+
+/// Printed where no command is given.
+pub const FIRST_STEPS: &str = "\
+Throng makes characters that walk where they are sent out of motion capture. Three commands matter:
+
+  throng inspect FOLDER          what is in your motion files (.bvh, .amc; .zip of them), and what they lack
+  throng build FOLDER            bakes them into FOLDER.throng
+  throng run FOLDER --png a.png  a thousand characters on them, measured and drawn
+
+No motion at hand? `throng demo` makes some and does all of it. `throng help` lists every command.
+";
 
 /// Below every `--help`.
 pub const AFTER_HELP: &str = "Exit codes: 0 done, 1 failed (the message names file, line or joint and the way out), \
@@ -34,11 +46,50 @@ pub fn open(path: &Path) -> Result<Bundle, Box<dyn std::error::Error>> {
     })
 }
 
+/// Keeps the outputs of stages where nothing else is said.
+pub const CACHE_FOLDER: &str = ".throng-cache";
+
+/// How motion files are read.
+#[derive(clap::Args)]
+pub struct ReadArgs {
+    /// Skeleton of an AMC file; found beside it by default.
+    #[arg(long, value_name = "FILE")]
+    asf: Option<PathBuf>,
+    /// Skeleton profile: a file (`.toml`), which is tried before the built-in ones, or the name of a built-in one.
+    #[arg(long, value_name = "FILE_OR_NAME")]
+    profile: Option<PathBuf>,
+    /// Config that says how files are read, retargeted, resampled and annotated.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+}
+
+impl ReadArgs {
+    /// The settings that the flags describe.
+    pub fn config(&self) -> Result<BuildConfig, Box<dyn std::error::Error>> {
+        let mut config = match &self.config {
+            Some(path) => BuildConfig::load(path)?,
+            None => BuildConfig::of_motion("", Vec::new())?,
+        };
+        config.import.asf = self.asf.clone().or(config.import.asf);
+        match &self.profile {
+            Some(file) if is_toml(file) => config.import.profiles.insert(0, file.clone()),
+            Some(name) => config.import.profile = Some(name.to_string_lossy().into_owned()),
+            None => {}
+        }
+        Ok(config)
+    }
+}
+
+/// True for the name of a config or a scene.
+pub fn is_toml(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+}
+
 /// The cache of stage outputs.
 #[derive(clap::Args)]
 pub struct CacheArgs {
     /// Folder that keeps the outputs of stages between builds.
-    #[arg(long, value_name = "DIR", default_value = ".throng-cache")]
+    #[arg(long, value_name = "DIR", default_value = CACHE_FOLDER)]
     cache: PathBuf,
     /// Most that the folder may keep, in GB; what was not used for longest makes room.
     #[arg(long, value_name = "GB", default_value_t = Cache::LIMIT_BYTES as f64 / 1e9, value_parser = parse_gb)]
@@ -55,6 +106,11 @@ fn parse_gb(text: &str) -> Result<f64, String> {
 }
 
 impl CacheArgs {
+    /// The folder; none where nothing is kept.
+    pub fn folder(&self) -> Option<PathBuf> {
+        (!self.no_cache).then(|| self.cache.clone())
+    }
+
     /// The cache that the flags name.
     pub fn cache(&self) -> Cache {
         match self.no_cache {

@@ -1,25 +1,37 @@
 //! `throng build`: motion files to a bundle.
 
-use crate::args::{CacheArgs, Outcome, fail};
+use crate::args::{CacheArgs, Outcome, fail, is_toml};
 use crate::{keys, output, progress};
-use std::path::PathBuf;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::examples::BlendReport;
 use throng_precompute::files;
+use throng_precompute::parts::Parts;
 use throng_precompute::pipeline;
 use throng_precompute::policy::{AdaptiveReport, Approximation};
 use throng_precompute::report::{self, BuildReport};
+use throng_precompute::run::motion_name;
+use throng_precompute::trial::TrialReport;
+use throng_precompute::verdict::{self, Verdict};
 
 /// Bake motion files into a bundle.
+///
+/// Of motion alone, what it allows is made: policies where there is walking, blows where there are some, a blend space
+/// where there are steady gaits; what cannot be made is told. A config names what is to be made, and all of it must be.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<BuildReport>())]
+#[command(after_long_help = keys::of::<Report>())]
 pub struct Args {
-    /// Config (TOML); `throng schema` prints what it may hold.
-    config: PathBuf,
+    /// Motion: files, folders and `.zip` archives, searched to any depth, and patterns, in which `**` stands for any
+    /// number of folders; or one config (`.toml`), of which `throng schema` prints what it may hold.
+    #[arg(required = true, value_name = "MOTION_OR_CONFIG")]
+    what: Vec<PathBuf>,
     /// Bundle to write; the database's name with `.throng`, in the current folder, where absent.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Motion files, folders or patterns instead of the config's.
+    /// Motion instead of the config's: what it says of clips that are not there is left out, as is what the new ones do
+    /// not allow.
     #[arg(long, value_name = "PATH", num_args = 1..)]
     input: Vec<PathBuf>,
     /// Stop at the first bad file instead of skipping it.
@@ -35,13 +47,52 @@ pub struct Args {
     json: bool,
 }
 
+/// What is printed.
+#[derive(Serialize, JsonSchema)]
+struct Report {
+    #[serde(flatten)]
+    build: BuildReport,
+    /// What the config says that does not hold for the motion in its place.
+    replaced: Vec<String>,
+    /// A short trial of the first behaviour, where it goes to a target.
+    trial: Option<TrialReport>,
+    /// What it shows.
+    verdict: Option<Verdict>,
+}
+
+/// What is to be built.
+struct Plan<'a> {
+    config: BuildConfig,
+    parts: Parts,
+    /// The config's file, where there is one.
+    file: Option<&'a Path>,
+    /// What it says that does not hold.
+    replaced: Vec<String>,
+}
+
+fn plan(args: &Args) -> Result<Plan<'_>, Box<dyn std::error::Error>> {
+    let mut plan = match (args.what.as_slice(), args.input.as_slice()) {
+        ([file], input) if is_toml(file) => {
+            let mut config = BuildConfig::load(file)?;
+            let replaced = if input.is_empty() { Vec::new() } else { config.replace_motion(input.to_vec())? };
+            let parts = if input.is_empty() || args.strict { Parts::All } else { Parts::Possible };
+            Plan { config, parts, file: Some(file), replaced }
+        }
+        (all, _) if all.iter().any(|p| is_toml(p)) => {
+            return fail("expected motion alone or one config alone; `throng build CONFIG --input MOTION...` has both");
+        }
+        (_, [_, ..]) => return fail("--input is for a config: name motion without it"),
+        (motion, []) => {
+            let config = BuildConfig::of_motion(motion_name(motion), motion.to_vec())?;
+            Plan { config, parts: Parts::Possible, file: None, replaced: Vec::new() }
+        }
+    };
+    plan.config.import.strict |= args.strict;
+    Ok(plan)
+}
+
 pub fn run(args: &Args) -> Outcome {
-    let mut config = BuildConfig::load(&args.config)?;
-    config.import.strict |= args.strict;
-    if !args.input.is_empty() {
-        config.inputs.clone_from(&args.input);
-        config.synth = None;
-    }
+    let Plan { config, parts, file, replaced } = plan(args)?;
     let out = match &args.out {
         Some(out) => out.clone(),
         None if config.name.contains(['/', '\\']) => {
@@ -49,14 +100,46 @@ pub fn run(args: &Args) -> Outcome {
         }
         None => PathBuf::from(format!("{}.throng", config.name)),
     };
-    let report = pipeline::build(&config, &out, &args.cache.cache(), &progress::Bar::default());
-    let report = report.map_err(|e| e.in_file(&args.config))?;
+    replaced.iter().for_each(|r| eprintln!("config: {r}"));
+    let bar = progress::Bar::on_interrupt(args.cache.folder());
+    let build = match parts {
+        Parts::All => pipeline::build,
+        Parts::Possible => pipeline::build_possible,
+    };
+    let report = build(&config, &out, &args.cache.cache(), &bar);
+    drop(bar);
+    let report = report.map_err(|e| match file {
+        Some(file) => e.in_file(file),
+        None => e,
+    })?;
     output::warnings(&report.skipped, &report.warnings);
+    let (trial, verdict) = verdict::try_out(&crate::args::open(&out)?)?.unzip();
     if let Some(path) = &args.report {
         let text = report::markdown(&report);
         files::write_atomically(path, |w| w.write_all(text.as_bytes()))?;
     }
-    if args.json { output::json(&report) } else { print(&report, &out.display().to_string()) }
+    if args.json {
+        return output::json(&Report { build: report, replaced, trial, verdict });
+    }
+    print(&report, &out.display().to_string())?;
+    if file.is_some() && report.hits.count > 0 {
+        print_paper(&report)?;
+    }
+    match verdict {
+        Some(verdict) => output::text(format!("\n{}", crate::run::words(&verdict))),
+        None => Ok(()),
+    }
+}
+
+/// What was made of some motion, in a few words.
+fn made(r: &BuildReport) -> String {
+    let policies: Vec<&str> = r.policies.iter().map(|p| &*p.name).collect();
+    let spaces: Vec<&str> = r.blend_spaces.iter().map(|b| &*b.name).collect();
+    let patches: Vec<&str> = r.patches.iter().map(|p| &*p.name).collect();
+    let list = |what: &str, names: Vec<&str>| (!names.is_empty()).then(|| format!("{what} {}", names.join(", ")));
+    let all = [list("policies", policies), list("blend spaces", spaces), list("motion patches", patches)];
+    let all: Vec<String> = all.into_iter().flatten().collect();
+    if all.is_empty() { "clips alone".into() } else { all.join("; ") }
 }
 
 /// What was built, for people.
@@ -64,7 +147,13 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
     let g = &r.graph;
     let stages: Vec<_> = r.stage_s.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
     let cached = if r.cached.is_empty() { String::new() } else { format!(", from cache: {}", r.cached.join(", ")) };
-    let mut rows = vec![
+    let mut rows = vec![("made", made(r))];
+    rows.extend(r.not_made.iter().map(|n| ("not made", format!("{}: {}", n.part, n.why))));
+    rows.extend(vec![
+        (
+            "performers",
+            format!("{}, in {} files", r.performers.len(), r.performers.iter().map(|p| p.clips.len()).sum::<usize>()),
+        ),
         ("clips", format!("{} ({} skipped)", r.clips, r.skipped.len())),
         ("frames", format!("{} usable, {} kept in the component", r.frames_in, r.frames_kept)),
         (
@@ -88,7 +177,7 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
             "transitions",
             format!("error {:.3} on average, {:.3} at worst", g.transition_error.mean, g.transition_error.max),
         ),
-    ];
+    ]);
     if r.pose_groups > 0 {
         let text = format!(
             "{} of {:.1} frames on average, {:.0} at most; largest diameter {:.3}, threshold {}",
@@ -119,17 +208,22 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
                 p.seconds
             ),
         ));
+        if let (Some(kept), Some(p05)) = (p.promise.kept, p.promise.kept_p05) {
+            let text = format!("{:.0} % of what is promised; 5th percentile {:.0} %", 100.0 * kept, 100.0 * p05);
+            rows.push(("  collects", text));
+        }
         rows.extend(p.adaptive.as_ref().map_or(Vec::new(), adaptive));
     }
     rows.push(("time", format!("{:.2} s ({}{cached})", r.seconds_total, stages.join(", "))));
     rows.push(("bundle", format!("{out}, {}", output::bytes(r.bundle_bytes))));
-    output::table(&rows)?;
-    if r.hits.count > 0 {
-        output::text("\n")?;
-        let lines = report::beside_paper(r);
-        output::columns(["", "Lee and Lee 2004", "this build"], lines.iter().map(|l| [&*l.figure, l.paper, &*l.here]))?;
-    }
-    Ok(())
+    output::table(&rows)
+}
+
+/// The figures of Lee and Lee (2004) beside those of a build with hits.
+fn print_paper(r: &BuildReport) -> Outcome {
+    output::text("\n")?;
+    let lines = report::beside_paper(r);
+    output::columns(["", "Lee and Lee 2004", "this build"], lines.iter().map(|l| [&*l.figure, l.paper, &*l.here]))
 }
 
 /// Rows of a blend space.

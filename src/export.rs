@@ -1,10 +1,10 @@
 //! `throng export`: motion, graphs and policies for other programs.
 
-use crate::args::{Outcome, fail};
+use crate::args::{Outcome, ReadArgs, fail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use throng_precompute::annotate::hits::{self, HitPoint};
-use throng_precompute::import::{ImportConfig, read_clip};
+use throng_precompute::import::read_clip;
 use throng_precompute::{Warnings, export, files, graph, pipeline, policy};
 
 /// Write a clip as positions or BVH, a bundle's graph or policy, or the effective hits of either.
@@ -23,9 +23,8 @@ pub struct Args {
     /// Write a clip on the database skeleton, at the database rate, instead of as it was read.
     #[arg(long)]
     retargeted: bool,
-    /// Skeleton of an AMC file; found beside it by default.
-    #[arg(long, value_name = "FILE")]
-    asf: Option<PathBuf>,
+    #[command(flatten)]
+    read: ReadArgs,
     /// Behaviour whose policy is written; the first by default.
     #[arg(long, value_name = "NAME")]
     behaviour: Option<String>,
@@ -47,8 +46,9 @@ pub fn run(args: &Args) -> Outcome {
             let points = if crate::args::is_bundle(&args.file) {
                 HitPoint::of_tables(&crate::args::open(&args.file)?)
             } else {
-                let imported = read_clip(&args.file, &import_config(args))?;
-                HitPoint::of_set(&pipeline::single(&imported, &mut Warnings::default())?)
+                let config = args.read.config()?;
+                let imported = read_clip(&args.file, &config.import)?;
+                HitPoint::of_set(&pipeline::clips_of(&[imported], &config, &mut Warnings::default())?)
             };
             write(args.out.as_deref(), |w| hits::write_csv(&points, w))
         }
@@ -68,10 +68,6 @@ pub fn run(args: &Args) -> Outcome {
     }
 }
 
-fn import_config(args: &Args) -> ImportConfig {
-    ImportConfig { asf: args.asf.clone(), ..ImportConfig::default() }
-}
-
 fn clip(args: &Args) -> Outcome {
     if crate::args::is_bundle(&args.file) {
         return fail(format!(
@@ -79,9 +75,10 @@ fn clip(args: &Args) -> Outcome {
             args.file.display()
         ));
     }
-    let imported = read_clip(&args.file, &import_config(args))?;
+    let config = args.read.config()?;
+    let imported = read_clip(&args.file, &config.import)?;
     let raw = if args.retargeted {
-        let clips = pipeline::single(&imported, &mut Warnings::default())?;
+        let clips = pipeline::clips_of(&[imported], &config, &mut Warnings::default())?;
         export::to_raw(&clips.clips[0], &clips.skeleton)
     } else {
         imported.clip

@@ -2,23 +2,24 @@
 
 mod environment;
 
-use crate::args::{Outcome, fail};
-use crate::{keys, output};
+use crate::args::{Outcome, ReadArgs, fail, is_bundle};
+use crate::{keys, output, progress};
 use std::path::PathBuf;
-use throng_precompute::import::ImportConfig;
-use throng_precompute::inspect::{self, BundleReport, ClipReport, hit_picture};
+use throng_precompute::import;
+use throng_precompute::inspect::{self, BundleReport, ClipReport, FolderReport, hit_picture};
 
-/// Report what is in a motion file (format, units, axes, rest pose, roles, foot contacts, effective hits, and why), or
-/// which motion and hits a bundle holds; or infer from contacts what the clips were captured on.
+/// Report what is in a motion file (format, units, axes, rest pose, roles, foot contacts, effective hits, and why), in
+/// many of them (one line each, and what they lack for which behaviour), or in a bundle; or infer from contacts what the
+/// clips were captured on.
 #[derive(clap::Args)]
 #[command(after_long_help = help())]
 pub struct Args {
-    /// Motion file (.bvh, .amc) or bundle (.throng); several motion files with --environment-out and --environment-png.
-    #[arg(required = true, value_name = "FILE")]
+    /// Motion: files (.bvh, .amc), folders and archives (.zip), searched to any depth, and patterns; or one bundle
+    /// (.throng).
+    #[arg(required = true, value_name = "FILE_OR_FOLDER")]
     files: Vec<PathBuf>,
-    /// Skeleton of an AMC file; found beside it by default.
-    #[arg(long, value_name = "FILE")]
-    asf: Option<PathBuf>,
+    #[command(flatten)]
+    read: ReadArgs,
     /// Draw the effective hitting points from the front, from above and from the side (PNG).
     #[arg(long, value_name = "FILE")]
     hits_png: Option<PathBuf>,
@@ -40,20 +41,19 @@ fn help() -> String {
     let clip = keys::section::<ClipReport>("JSON keys (of a motion file)");
     let bundle = keys::section::<BundleReport>("JSON keys (of a bundle)");
     let with = "JSON keys (with --environment-out or --environment-png)";
-    format!(
-        "{clip}
-{bundle}
-{}",
-        keys::section::<environment::Report<'static>>(with)
-    )
+    let folder = keys::section::<FolderReport>("JSON keys (of several motion files or a folder)");
+    [clip, folder, bundle, keys::section::<environment::Report<'static>>(with)].join("\n")
 }
 
 pub fn run(args: &Args) -> Outcome {
     if args.environment_out.is_some() || args.environment_png.is_some() {
         return environment::run(args);
     }
-    let [file] = args.files.as_slice() else {
-        return fail(format!("expected one file, found {}: several are for --environment-out", args.files.len()));
+    let is_one =
+        |p: &PathBuf| is_bundle(p) || import::expand(std::slice::from_ref(p)).is_ok_and(|all| all == [p.clone()]);
+    let file = match args.files.as_slice() {
+        [file] if !file.exists() || is_one(file) => file,
+        _ => return many(args),
     };
     let stem = file.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let title = format!("{stem}: effective hitting points");
@@ -64,12 +64,22 @@ pub fn run(args: &Args) -> Outcome {
         }
         return print(args, &BundleReport::new(file, &tables));
     }
-    let config = ImportConfig { asf: args.asf.clone(), ..ImportConfig::default() };
-    let inspected = inspect::inspect_clip(file, &config)?;
+    let inspected = inspect::inspect_clip(file, &args.read.config()?)?;
     if let Some(path) = &args.hits_png {
         hit_picture::of_set(&inspected.clips, &title).save_png(path)?;
     }
     print(args, &inspected.report)
+}
+
+/// Several files, or those of a folder.
+fn many(args: &Args) -> Outcome {
+    if args.hits_png.is_some() {
+        return fail("--hits-png is for one clip or bundle");
+    }
+    if let Some(bundle) = args.files.iter().find(|f| is_bundle(f)) {
+        return fail(format!("{}: expected a bundle alone, or motion alone", bundle.display()));
+    }
+    print(args, &inspect::inspect_all(&args.files, &args.read.config()?, &progress::Bar::default())?)
 }
 
 fn print(args: &Args, report: &(impl serde::Serialize + std::fmt::Display)) -> Outcome {

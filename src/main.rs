@@ -30,7 +30,7 @@ use std::process::ExitCode;
 #[command(name = "throng", version, after_help = args::AFTER_HELP)]
 struct Cli {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Subcommand)]
@@ -55,7 +55,10 @@ enum Command {
 
 fn main() -> ExitCode {
     let cli = Cli::try_parse().unwrap_or_else(|e| renamed::explain(e).exit());
-    let done = match cli.command {
+    let Some(command) = cli.command else {
+        return ended(output::text(args::FIRST_STEPS));
+    };
+    let done = match command {
         Command::Demo(a) => demo::run(&a),
         Command::Synth(a) => synth::run(&a),
         Command::Build(a) => build::run(&a),
@@ -77,6 +80,11 @@ fn main() -> ExitCode {
         Command::Cache(a) => cache::run(&a),
         Command::Completions(a) => completions::run(&a),
     };
+    ended(done)
+}
+
+/// Prints an error, and gives the exit code.
+fn ended(done: args::Outcome) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) if output::is_broken_pipe(e.as_ref()) => ExitCode::SUCCESS,

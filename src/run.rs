@@ -1,11 +1,15 @@
 //! `throng run`: a scene, or characters on a bundle.
 
-use crate::args::{CacheArgs, CrowdArgs, Outcome, fail};
+use crate::args::{CacheArgs, CrowdArgs, Outcome, fail, is_bundle, is_toml};
 use crate::{keys, output, progress};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use throng_precompute::picture;
 use throng_precompute::run::{self, Cached, Figures, RunConfig, SceneReport};
 use throng_precompute::trial::{self, TrialConfig, TrialRecord, TrialReport};
+use throng_precompute::verdict::Verdict;
 use throng_runtime::Bundle;
 use throng_runtime::simulation::scene::engine;
 use throng_runtime::simulation::{Motion, Scene};
@@ -14,9 +18,10 @@ use throng_runtime::simulation::{Motion, Scene};
 #[derive(clap::Args)]
 #[command(after_long_help = help())]
 pub struct Args {
-    /// Scene (`.toml`) or bundle. A scene's bundles are built and its worlds stitched where they are missing.
-    #[arg(value_name = "SCENE_OR_BUNDLE")]
-    file: PathBuf,
+    /// Scene (`.toml`), bundle, or motion as `throng build` takes it, which is built first, into the cache. A scene's
+    /// bundles are built and its worlds stitched where they are missing.
+    #[arg(required = true, value_name = "SCENE_BUNDLE_OR_MOTION")]
+    what: Vec<PathBuf>,
     /// Picture to write: of a bundle, the crowd from above and a strip of one character's poses; of a scene, a sheet for
     /// each kind of motion.
     #[arg(long, value_name = "FILE")]
@@ -43,32 +48,66 @@ pub struct Args {
 fn help() -> String {
     let scene =
         "JSON keys (of a scene; those that do not apply are left out, and `groups[]` has the same of each group)";
-    [keys::section::<TrialReport>("JSON keys (of a bundle)"), keys::section::<SceneReport>(scene)].join("\n")
+    [keys::section::<Report>("JSON keys (of a bundle)"), keys::section::<SceneReport>(scene)].join("\n")
 }
 
-/// True for the name of a scene file.
-pub fn is_scene(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+/// What is printed of a bundle.
+#[derive(Serialize, JsonSchema)]
+struct Report {
+    #[serde(flatten)]
+    trial: TrialReport,
+    /// What it shows.
+    verdict: Verdict,
 }
 
 pub fn run(args: &Args) -> Outcome {
-    if is_scene(&args.file) {
-        return run_scene(args);
+    let is_single = |p: &PathBuf| is_toml(p) || is_bundle(p);
+    match args.what.as_slice() {
+        [scene] if is_toml(scene) => return run_scene(scene, args),
+        [_] => {}
+        several if several.iter().any(is_single) => return fail("expected one scene, one bundle, or motion alone"),
+        _ => {}
     }
     if args.bundle.is_some() || args.engine.is_some() || !args.without.is_empty() {
         return fail("--bundle, --engine and --without are for scenes; name the bundle alone");
     }
-    let tables = crate::args::open(&args.file)?;
+    let tables = match args.what.as_slice() {
+        [bundle] if is_bundle(bundle) => crate::args::open(bundle)?,
+        motion => motion_bundle(motion, &args.cache)?,
+    };
     let config = args.crowd.trial();
     let (report, record) = trial::run(&tables, &config)?;
     if let Some(png) = &args.png {
         draw(&tables, &config, &report, &record, png)?;
     }
-    if args.json { output::json(&report) } else { print(&report) }
+    let verdict = Verdict::new(&tables, &report);
+    if args.json {
+        return output::json(&Report { trial: report, verdict });
+    }
+    print(&report)?;
+    output::text(format!("\n{}", words(&verdict)))
 }
 
-fn run_scene(args: &Args) -> Outcome {
-    let mut scene = Scene::load(&args.file)?;
+/// The bundle of some motion, which is built into the cache where it is not there yet.
+fn motion_bundle(motion: &[PathBuf], cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
+    let folder = tempfile::tempdir()?;
+    let otherwise = folder.path().join("motion.throng");
+    let bundle = with(cache, |with| run::ensure_motion(motion, &otherwise, with))?;
+    // Read, not mapped: without a cache, the file goes with its folder.
+    crate::args::open(&bundle)
+}
+
+/// A verdict, for people.
+pub fn words(verdict: &Verdict) -> String {
+    let mut text = format!("verdict  {}.\n", verdict.sentences.join(";\n         "));
+    for advice in &verdict.advice {
+        _ = writeln!(text, "advice   {advice}.");
+    }
+    text
+}
+
+fn run_scene(file: &Path, args: &Args) -> Outcome {
+    let mut scene = Scene::load(file)?;
     change(&mut scene, args)?;
     scene.check()?;
     ensure(&scene, &args.cache)?;
@@ -134,7 +173,7 @@ pub fn make_bundle(bundle: &Path, config: Option<&Path>, cache: &CacheArgs) -> O
 
 /// Lets something be made with the cache, a progress bar, and messages on standard error.
 pub fn with<T>(cache: &CacheArgs, make: impl FnOnce(&Cached<'_>) -> T) -> T {
-    let (cache, progress) = (cache.cache(), progress::Bar::default());
+    let (cache, progress) = (cache.cache(), progress::Bar::on_interrupt(cache.folder()));
     make(&Cached { cache: &cache, progress: &progress, tell: &|message| eprintln!("{message}") })
 }
 

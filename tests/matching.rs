@@ -107,3 +107,13 @@ fn figures_are_of_the_same_bundle_and_targets() {
     let none = MatchingConfig { characters: 0, ..config };
     assert!(measure::matching(&tables, &none).is_err());
 }
+
+#[test]
+fn the_time_of_a_figure_has_a_range() {
+    let tables = common::tables();
+    for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e9] {
+        let config = MatchingConfig { seconds, ..MatchingConfig::default() };
+        let e = measure::matching(&tables, &config).unwrap_err().to_string();
+        assert!(e.contains("seconds") && e.contains("0.0001 to 3600 s"), "{seconds}: {e}");
+    }
+}

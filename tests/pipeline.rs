@@ -220,26 +220,23 @@ fn an_unchanged_build_only_hashes_and_writes() {
     assert!(first.cached.is_empty());
     assert_eq!(
         stages(&first),
-        ["annotate", "examples", "features", "graph", "hash", "import", "policy", "resample", "retarget", "write"]
+        ["annotate", "features", "graph", "hash", "import", "policy", "resample", "retarget", "write"]
     );
     let made = bytes();
     let second = build(&config, &out, &cache);
-    assert_eq!(
-        (stages(&second), second.cached),
-        (vec!["hash", "write"], vec!["motion", "examples", "graph", "policy"])
-    );
+    assert_eq!((stages(&second), second.cached), (vec!["hash", "write"], vec!["motion", "graph", "policy"]));
     assert!(bytes() == made, "the second build wrote other bytes");
     assert_eq!((second.states, second.policies.len()), (first.states, 1));
 
     config.behaviours[0].scale = Some(2.0);
     let other = build(&config, &out, &cache);
-    assert_eq!((stages(&other), other.cached), (vec!["hash", "policy", "write"], vec!["motion", "examples", "graph"]));
+    assert_eq!((stages(&other), other.cached), (vec!["hash", "policy", "write"], vec!["motion", "graph"]));
     assert!(bytes() != made, "another behaviour left the bundle as it was");
 
     config.graph.branching = 8.0;
     let other = build(&config, &out, &cache);
     let ran = vec!["features", "graph", "hash", "policy", "write"];
-    assert_eq!((stages(&other), other.cached), (ran, vec!["motion", "examples"]));
+    assert_eq!((stages(&other), other.cached), (ran, vec!["motion"]));
 
     let clip = clips.join("walk_00.bvh");
     let text = std::fs::read_to_string(&clip).expect("a clip");

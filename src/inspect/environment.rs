@@ -6,12 +6,11 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use throng_precompute::environment::{InferReport, Inferred, infer};
-use throng_precompute::import::{self, ImportConfig};
+use throng_precompute::import;
 use throng_precompute::picture::{self, BodyColours, Colour, Figure, Picture};
 use throng_precompute::picture::{WorldFigure, WorldLook, WorldView};
-use throng_precompute::resample::ResampleConfig;
 use throng_precompute::stitch::SavedFiles;
-use throng_precompute::{BuildError, Clip, ClipSet, Warnings, annotate, files, resample, retarget};
+use throng_precompute::{BuildError, Clip, ClipSet, Warnings, files, pipeline};
 use throng_runtime::Joint;
 
 /// Smallest distance between bodies in a picture (m).
@@ -71,12 +70,11 @@ pub fn run(args: &super::Args) -> Outcome {
 
 /// The clips as a build with default settings makes them, so that heights agree.
 fn read(args: &super::Args) -> Result<ClipSet, Box<dyn std::error::Error>> {
-    let config = ImportConfig { asf: args.asf.clone(), strict: true, ..ImportConfig::default() };
-    let raw = import::read(&args.files, &config, &progress::Bar::default())?;
+    let mut config = args.read.config()?;
+    config.import.strict = true;
+    let raw = import::read(&args.files, &config.import, &progress::Bar::default())?;
     let mut warnings = Warnings::default();
-    let clips = retarget::onto(&raw.clips, &Default::default(), &mut warnings)?;
-    let clips = resample::resample(&clips, &ResampleConfig { mirror: false, ..ResampleConfig::default() })?;
-    let clips = annotate::annotate(&clips, &Default::default(), &Default::default())?;
+    let clips = pipeline::clips_of(&raw.clips, &config, &mut warnings)?;
     output::warnings(&[], &warnings.messages);
     if clips.clips.is_empty() {
         return fail("expected at least one clip, found none");

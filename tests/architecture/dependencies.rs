@@ -8,7 +8,7 @@ const RUNTIME_MAY_USE: [&str; 7] = ["bincode", "bytemuck", "glam", "memmap2", "r
 /// What single crates need beside these. Scenes are files of text, whose placements draw from the generators that the
 /// heavy tools use, so that they are the same; the schema of these files is an optional feature.
 const ALSO: [(&str, &[&str]); 2] =
-    [("throng-base", &["strsim", "toml"]), ("throng-simulation", &["rand", "rand_pcg", "schemars", "toml"])];
+    [("throng-base", &["libm", "strsim", "toml"]), ("throng-simulation", &["rand", "rand_pcg", "schemars", "toml"])];
 /// What is built only where a feature asks for it, in all crates of the runtime: threads, and the texts of scenes.
 const OPTIONAL: [(&str, &str); 4] =
     [("rayon", ""), ("schemars", ""), ("strsim", "throng-base"), ("toml", "throng-base")];

@@ -1,5 +1,6 @@
-//! Promises of the workspace's structure: which crates need which, and that no folders need each other.
+//! Promises of the workspace's structure: which crates need which, that no folders need each other, whose mathematics is used.
 
 mod cycles;
 mod dependencies;
+mod maths;
 mod workspace;

@@ -88,8 +88,8 @@ grid = { rings = 5, angles = 8, radius = 2.0, inner_spacing = 0.5 }
 [[behaviours]]
 name = "throw-punches"
 kind = "throw_punches"
-scale = 0.25
-grid = { rings = 6, angles = 6, heights = 3 }
+scale = 0.4
+grid = { rings = 6, angles = 8, heights = 4 }
 [[behaviours]]
 name = "evade"
 kind = "evade"

@@ -146,11 +146,11 @@ fn namespaces_do_not_hide_a_profile() {
     assert_eq!(arm, Some("mixamorig:LeftArm"));
 }
 
-/// Role by role, the guess for a renamed body must be what the original name means.
-fn check_guess(rename: impl Fn(&str) -> String) {
+/// Role by role, what is found for a renamed body must be what the original name means.
+fn check_shape(rename: impl Fn(&str) -> String) {
     let i = import(&body::bvh(1, &rename, |v| v * 100.0), &ImportConfig::default());
-    assert_eq!(i.roles.profile, throng_precompute::import::RoleMap::GUESSED);
-    assert!(i.warnings.messages.iter().any(|w| w.contains("guessed")), "{:?}", i.warnings);
+    assert_eq!(i.roles.profile, throng_precompute::import::RoleMap::BY_SHAPE);
+    assert!(i.warnings.messages.is_empty(), "{:?}", i.warnings);
     let expected = [
         "Hips",
         "Spine",
@@ -182,11 +182,11 @@ fn check_guess(rename: impl Fn(&str) -> String) {
 }
 
 #[test]
-fn unknown_skeletons_are_mapped_by_name_and_topology() {
-    check_guess(|n| n.replace("Left", "Left_").replace("Right", "Right_"));
+fn unknown_skeletons_are_mapped_by_shape_and_name() {
+    check_shape(|n| n.replace("Left", "Left_").replace("Right", "Right_"));
     let side = |n: &str| if n.starts_with("Left") { "L" } else { "R" };
     let part = |n: &str| n.trim_start_matches("Left").trim_start_matches("Right").to_owned();
-    check_guess(|n| match part(n).as_str() {
+    check_shape(|n| match part(n).as_str() {
         "Hips" => "Bip01 Pelvis".into(),
         "UpLeg" => format!("Bip01 {} Thigh", side(n)),
         "Leg" => format!("Bip01 {} Calf", side(n)),
@@ -196,7 +196,7 @@ fn unknown_skeletons_are_mapped_by_name_and_topology() {
         p @ ("Foot" | "ForeArm" | "Hand") => format!("Bip01 {} {p}", side(n)),
         p => format!("Bip01 {p}"),
     });
-    check_guess(|n| match part(n).as_str() {
+    check_shape(|n| match part(n).as_str() {
         "Hips" => "pelvis".into(),
         "UpLeg" => format!("{}Hip", side(n)),
         "Leg" => format!("{}Knee", side(n)),
@@ -208,7 +208,7 @@ fn unknown_skeletons_are_mapped_by_name_and_topology() {
         "Hand" => format!("{}Wrist", side(n)),
         p => p.to_lowercase(),
     });
-    check_guess(|n| match part(n).as_str() {
+    check_shape(|n| match part(n).as_str() {
         "UpLeg" => format!("thigh_{}", side(n).to_lowercase()),
         "Leg" => format!("calf_{}", side(n).to_lowercase()),
         "ToeBase" => format!("ball_{}", side(n).to_lowercase()),
@@ -221,11 +221,18 @@ fn unknown_skeletons_are_mapped_by_name_and_topology() {
 }
 
 #[test]
-fn a_missing_role_is_named_with_the_joints_there_are() {
+fn a_joint_without_a_telling_name_is_found_by_its_place() {
     let text = body::bvh(1, |n| n.replace("LeftLeg", "Thing"), |v| v);
-    let e = import_with(&text, &ImportConfig::default(), &load_profiles(&[]).unwrap()).unwrap_err().to_string();
-    assert!(e.contains("a.bvh: no joint was found for the role `left_shin` among: Hips,"), "{e}");
-    assert!(e.contains("Thing") && e.contains("Write a skeleton profile"), "{e}");
+    let i = import_with(&text, &ImportConfig::default(), &load_profiles(&[]).unwrap()).unwrap();
+    assert_eq!(i.roles.get(Joint::LeftShin).map(|j| i.clip.joints[j].name.as_str()), Some("Thing"));
+}
+
+#[test]
+fn a_profile_that_names_too_little_is_refused_with_the_joints_there_are() {
+    let profile = Profile::parse("name='Few'\nsource='test'\n[roles]\nhips='Hips'\nhead='Head'", Path::new("few.toml"));
+    let few = ImportConfig { profile: Some("Few".into()), ..ImportConfig::default() };
+    let e = import_with(&body::bvh(1, same, |v| v), &few, &[profile.unwrap()]).unwrap_err().to_string();
+    assert!(e.contains("a.bvh: the profile `Few` names no joint for the role `left_thigh` among: Hips,"), "{e}");
 }
 
 #[test]
@@ -302,10 +309,15 @@ fn a_report_names_roles_units_and_reasons() {
     for part in ["2 frames at 30 Hz", "centimetres", "Y is up", "T-pose", "left_shin", "LeftLeg"] {
         assert!(text.contains(part), "no `{part}` in:\n{text}");
     }
-    let renamed = |n: &str| n.replace("Left", "Left_").replace("Right", "Right_");
-    std::fs::write(&path, body::bvh(2, renamed, |v| v)).unwrap();
+    assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+    // Names that say nothing: the shape alone decides, which is told once, with the roles.
+    let numbered = |n: &str| format!("Bone{:02}", body::BODY.iter().position(|b| b.0 == n).unwrap());
+    std::fs::write(&path, body::bvh(2, numbered, |v| v)).unwrap();
     let report = inspect(&path, &ImportConfig::default()).unwrap();
-    assert_eq!(report.warnings.iter().filter(|w| w.contains("guessed")).count(), 1, "{:?}", report.warnings);
+    let told =
+        |w: &&String| w.contains("by the shape of the skeleton alone: hips=Bone00") && w.contains("left_thigh=Bone14");
+    assert_eq!(report.warnings.iter().filter(told).count(), 1, "{:?}", report.warnings);
+    assert_eq!(report.profile, throng_precompute::import::RoleMap::BY_SHAPE);
 }
 
 #[test]

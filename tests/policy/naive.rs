@@ -9,7 +9,9 @@ use throng_precompute::policy::{
 };
 use throng_precompute::progress::Silent;
 use throng_runtime::Planar;
-use throng_runtime::policy::{COMBINE_MAX, KERNEL_WITHIN, Reward, RewardRecord, SegmentRecord, TargetGrid};
+use throng_runtime::policy::{
+    COMBINE_MAX, KERNEL_LINEAR, KERNEL_WITHIN, Reward, RewardRecord, SegmentRecord, TargetGrid,
+};
 
 /// A second behaviour: an impulsive hit (Lee and Lee 2004, equations 2 and 6) on a grid of angle, distance and height.
 pub struct Hit {
@@ -97,7 +99,11 @@ impl<'a> Naive<'a> {
         let terms = places.iter().zip(r.weights).map(|(p, w)| {
             let d = ((target[0] - p[0]).powi(2) + (target[1] - p[1]).powi(2) + (target[2] - p[2]).powi(2)).sqrt();
             let ratio = (d - f64::from(self.reward.offset)).abs() / f64::from(self.reward.scale);
-            let kernel = if self.reward.kernel == KERNEL_WITHIN { f64::from(ratio <= 1.0) } else { (-ratio).exp() };
+            let kernel = match self.reward.kernel {
+                KERNEL_WITHIN => f64::from(ratio <= 1.0),
+                KERNEL_LINEAR => (1.0 - ratio).max(0.0),
+                _ => (-ratio).exp(),
+            };
             f64::from(w) * kernel
         });
         let together = if self.reward.combine == COMBINE_MAX { terms.fold(0.0, f64::max) } else { terms.sum() };

@@ -15,6 +15,9 @@ const EPOCH: &str = concat!("throng ", env!("CARGO_PKG_VERSION"), " ", env!("THR
 /// Most bytes of a cached output, and most that it may ask for while it is decoded.
 const LIMIT: usize = 8 << 30;
 
+/// What names of bundles end with, in the cache as elsewhere.
+const BUNDLE: &str = ".throng";
+
 /// Hash of everything an output depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key(u128);
@@ -92,6 +95,16 @@ impl Cache {
         self.folder.as_ref().map(|f| f.join(format!("{stage}-{:032x}", key.0)))
     }
 
+    /// Where a bundle is kept that was made to be run or seen; none where nothing is kept. Asking is using it.
+    pub fn bundle(&self, key: Key) -> Option<PathBuf> {
+        let path = self.path("bundle", key)?;
+        let path = path.with_file_name(format!("{}{BUNDLE}", path.file_name()?.to_string_lossy()));
+        if path.is_file() {
+            self.touch(&path);
+        }
+        Some(path)
+    }
+
     /// All entries, those first that were not used for longest. A folder that is not there has none.
     ///
     /// # Errors
@@ -105,7 +118,7 @@ impl Cache {
         // Other processes may remove entries meanwhile.
         let entry = |e: std::fs::DirEntry| {
             let (name, metadata) = (e.file_name().into_string().ok()?, e.metadata().ok()?);
-            let (stage, key) = name.rsplit_once('-')?;
+            let (stage, key) = name.strip_suffix(BUNDLE).unwrap_or(&name).rsplit_once('-')?;
             let ours = key.len() == 32 && key.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
             let used = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
             let entry = Entry { path: e.path(), stage: stage.to_owned(), bytes: metadata.len(), used };
@@ -129,30 +142,60 @@ impl Cache {
     /// The output kept under a key. Damaged entries count as absent.
     pub fn load<T: DeserializeOwned>(&self, stage: &str, key: Key) -> Option<T> {
         let path = self.path(stage, key)?;
-        let bytes = read_file(&path, "a cached output", LIMIT as u64).ok()?;
-        let (body, sum) = bytes.split_last_chunk::<16>()?;
-        if content_hash(body) != u128::from_le_bytes(*sum) {
-            return None;
-        }
-        let config = bincode::config::standard().with_fixed_int_encoding().with_limit::<LIMIT>();
-        let (value, used) = bincode::serde::decode_from_slice(body, config).ok()?;
-        if used != body.len() {
-            return None;
-        }
+        let value = read(&path)?;
         self.touch(&path);
         Some(value)
     }
 
     /// Keeps an output. A cache that cannot be written is a warning, not an error.
-    pub fn store(&self, stage: &str, key: Key, value: &impl Serialize, warnings: &mut Warnings) {
-        let Some(path) = self.path(stage, key) else { return };
-        match self.try_store(&path, value) {
-            Ok(()) => {}
-            Err(e) => warnings.push(format!("{}: not cached: {e}", path.display())),
+    ///
+    /// - returns whether it is kept.
+    pub fn store(&self, stage: &str, key: Key, value: &impl Serialize, warnings: &mut Warnings) -> bool {
+        let Some(path) = self.path(stage, key) else { return false };
+        let stored = self.write(&path, value).and_then(|()| {
+            self.touch(&path);
+            self.make_room(Some(&path))
+        });
+        match stored {
+            Ok(()) => true,
+            Err(e) => {
+                warnings.push(format!("{}: not cached: {e}", path.display()));
+                false
+            }
         }
     }
 
-    fn try_store(&self, path: &Path, value: &impl Serialize) -> Result<(), BuildError> {
+    /// What is kept of one of many files, or what `make` makes of it, which is then kept. [`Cache::settle`] is to follow
+    /// when all of them were asked for.
+    ///
+    /// - returns whether it was kept before, too.
+    ///
+    /// # Errors
+    /// Those of `make`; a cache that cannot be written is none.
+    pub fn each<T: Serialize + DeserializeOwned, E>(
+        &self,
+        stage: &str,
+        key: Key,
+        make: impl FnOnce() -> Result<T, E>,
+    ) -> Result<(T, bool), E> {
+        let Some(path) = self.path(stage, key) else { return Ok((make()?, false)) };
+        if let Some(value) = read(&path) {
+            use_now(&path, None);
+            return Ok((value, true));
+        }
+        let value = make()?;
+        // Without it, the file is read again next time.
+        _ = self.write(&path, &value);
+        Ok((value, false))
+    }
+
+    /// Makes room after [`Cache::each`] was asked for many files.
+    pub fn settle(&self) {
+        // What is not removed now is when the next output is kept.
+        _ = self.make_room(None);
+    }
+
+    fn write(&self, path: &Path, value: &impl Serialize) -> Result<(), BuildError> {
         let config = bincode::config::standard().with_fixed_int_encoding();
         let body = bincode::serde::encode_to_vec(value, config).map_err(|e| BuildError::Format(e.to_string()))?;
         let bytes = body.len() as u64 + 16;
@@ -166,16 +209,14 @@ impl Cache {
         write_quickly(path, |w| {
             w.write_all(&body)?;
             w.write_all(&content_hash(&body).to_le_bytes())
-        })?;
-        self.touch(path);
-        self.make_room(path)
+        })
     }
 
     /// Removes what was not used for longest until all fits, but not the entry that was just written.
-    fn make_room(&self, written: &Path) -> Result<(), BuildError> {
+    fn make_room(&self, written: Option<&Path>) -> Result<(), BuildError> {
         let entries = self.entries()?;
         let mut bytes: u64 = entries.iter().map(|e| e.bytes).sum();
-        for e in entries.iter().filter(|e| e.path != written) {
+        for e in entries.iter().filter(|e| Some(&*e.path) != written) {
             if bytes <= self.limit_bytes {
                 break;
             }
@@ -189,10 +230,27 @@ impl Cache {
     fn touch(&self, path: &Path) {
         let others = self.entries().unwrap_or_default();
         let last = others.iter().rev().find(|e| e.path != path).map(|e| e.used + Duration::from_micros(1));
-        let now = SystemTime::now();
-        // The order is all that is lost where this fails, as in a folder that may only be read.
-        _ = File::open(path).and_then(|f| f.set_modified(last.map_or(now, |l| l.max(now))));
+        use_now(path, last);
     }
+}
+
+/// Notes that an entry was used now, or at a later time.
+fn use_now(path: &Path, later: Option<SystemTime>) {
+    let now = SystemTime::now();
+    // The order is all that is lost where this fails, as in a folder that may only be read.
+    _ = File::open(path).and_then(|f| f.set_modified(later.map_or(now, |l| l.max(now))));
+}
+
+/// The output in a file, where it is whole.
+fn read<T: DeserializeOwned>(path: &Path) -> Option<T> {
+    let bytes = read_file(path, "a cached output", LIMIT as u64).ok()?;
+    let (body, sum) = bytes.split_last_chunk::<16>()?;
+    if content_hash(body) != u128::from_le_bytes(*sum) {
+        return None;
+    }
+    let config = bincode::config::standard().with_fixed_int_encoding().with_limit::<LIMIT>();
+    let (value, used) = bincode::serde::decode_from_slice(body, config).ok()?;
+    (used == body.len()).then_some(value)
 }
 
 /// Removes a file, unless another process was faster.
@@ -242,7 +300,7 @@ mod tests {
         std::fs::write(dir.path().join("notes.txt"), [0; 9000]).unwrap();
         let mut warnings = Warnings::default();
         let mut store = |n: u32, length: usize| cache.store("graph", key(n), &vec![n as u8; length], &mut warnings);
-        (0..3).for_each(|n| store(n, 1000));
+        (0..3).for_each(|n| assert!(store(n, 1000)));
         assert!(cache.load::<Vec<u8>>("graph", key(0)).is_some(), "used again");
         store(3, 1000);
         let there = |n: u32| cache.path("graph", key(n)).unwrap().exists();
@@ -260,11 +318,36 @@ mod tests {
     }
 
     #[test]
+    fn outputs_of_many_files_and_bundles_are_entries_like_others() {
+        let dir = tempfile::tempdir().unwrap();
+        let cache = Cache::in_folder(dir.path()).limited(4 * ENTRY);
+        let each = |n: u32| cache.each::<_, ()>("import", key(n), || Ok(vec![n as u8; 1000])).unwrap();
+        for kept in [false, true] {
+            for n in 0..3 {
+                assert_eq!(each(n), (vec![n as u8; 1000], kept));
+            }
+        }
+        assert_eq!(cache.each::<Vec<u8>, _>("import", key(9), || Err("bad")), Err("bad"));
+        let bundle = cache.bundle(key(0)).unwrap();
+        assert!(bundle.extension().is_some_and(|e| e == "throng") && !bundle.exists());
+        std::fs::write(&bundle, [0; 2000]).unwrap();
+        // What writes take for now may lie some milliseconds back.
+        File::options().write(true).open(&bundle).unwrap().set_modified(SystemTime::now()).unwrap();
+        assert_eq!(cache.entries().unwrap().iter().filter(|e| e.stage == "bundle").count(), 1);
+        cache.settle();
+        let left: Vec<String> = cache.entries().unwrap().into_iter().map(|e| e.stage).collect();
+        assert_eq!(left, ["import", "import", "bundle"], "what was used first made room");
+        assert!(each(2).1 && each(1).1 && !each(0).1);
+        assert_eq!(Cache::none().each::<_, ()>("import", key(1), || Ok(3)), Ok((3, false)));
+        assert!(Cache::none().bundle(key(1)).is_none());
+    }
+
+    #[test]
     fn a_clock_that_was_set_back_changes_no_order() {
         let dir = tempfile::tempdir().unwrap();
         let cache = Cache::in_folder(dir.path());
         let mut warnings = Warnings::default();
-        (0..3).for_each(|n| cache.store("graph", key(n), &n, &mut warnings));
+        (0..3).for_each(|n| assert!(cache.store("graph", key(n), &n, &mut warnings)));
         let tomorrow = SystemTime::now() + Duration::from_secs(86400);
         File::open(cache.path("graph", key(1)).unwrap()).unwrap().set_modified(tomorrow).unwrap();
         assert!(cache.load::<u32>("graph", key(0)).is_some());

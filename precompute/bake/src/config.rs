@@ -5,7 +5,7 @@ use crate::examples::BlendConfig;
 use crate::features::FeaturesConfig;
 use crate::graph::GraphConfig;
 use crate::patch::PatchConfig;
-use crate::policy::{BehaviourConfig, PolicyConfig};
+use crate::policy::{BehaviourConfig, BehaviourKind, PolicyConfig};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -24,7 +24,8 @@ use throng_synth::SynthInput;
 pub struct BuildConfig {
     /// The database's name; the config file's stem where absent.
     pub name: String,
-    /// Motion files, folders, or patterns with `*` in the file name, relative to the config file's folder.
+    /// Motion files, folders and `.zip` archives, searched to any depth, or patterns with `*` in names and `**` for any
+    /// folders, relative to the config file's folder.
     pub inputs: Vec<PathBuf>,
     /// Motion that the project makes itself, in place of files.
     pub synth: Option<SynthInput>,
@@ -83,6 +84,19 @@ impl BuildConfig {
     /// A build of some files with everything else as it comes.
     pub fn new(name: impl Into<String>, inputs: Vec<PathBuf>) -> Self {
         Self { name: name.into(), inputs, ..Self::default() }
+    }
+
+    /// A build of any motion: the settings of `data/walk.toml`, blows where there are some, and a blend space where steady
+    /// gaits are found. It is meant for [`crate::pipeline::build_possible`].
+    ///
+    /// # Errors
+    /// Never in practice: the text is part of the program.
+    pub fn of_motion(name: impl Into<String>, inputs: Vec<PathBuf>) -> Result<Self, BuildError> {
+        let walk = Self::parse(include_str!("../../../data/walk.toml"), Path::new("walk.toml"))?;
+        let (mut config, kind) = (Self { name: name.into(), inputs, ..walk }, BehaviourKind::ThrowPunches);
+        config.behaviours.push(BehaviourConfig { name: "throw-punches".into(), kind, ..BehaviourConfig::default() });
+        config.blend.insert("ahead".into(), BlendConfig::of_all_clips());
+        Ok(config)
     }
 
     /// Reads a config file; paths in it are taken from its folder.

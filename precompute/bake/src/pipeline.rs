@@ -1,20 +1,25 @@
 //! The offline build, in reading order. One line = one stage = one module.
 
-use crate::cache::Cache;
+use crate::cache::{Cache, Key};
 use crate::config::BuildConfig;
 use crate::environment::UnitSet;
-use crate::patch::{self, Patches};
+use crate::examples::BlendSpaces;
+use crate::parts::{Attempts, Parts};
+use crate::patch::{self, PatchConfig, Patches, TileConfig};
+use crate::policy::Policy;
+use crate::provenance::Provenance;
 use crate::report::{self, BuildReport, Built};
-use crate::stages::{Motion, Stages};
+use crate::stages::{Motion, Output, Performer, Stages};
 use crate::write::{self, Baked};
 use crate::{cluster, examples, features, graph, policy, provenance};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Warnings};
-use throng_motion::import::{Imported, ImportedSet};
+use throng_motion::import::{Imported, ImportedSet, MotionFile};
 use throng_motion::progress::Progress;
 use throng_motion::resample::ResampleConfig;
 use throng_motion::{annotate, files, import, resample, retarget};
@@ -29,55 +34,222 @@ use throng_synth as synth;
 /// # Errors
 /// What the first failing stage says; nothing is written then.
 pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progress) -> Result<BuildReport, BuildError> {
+    make(cfg, Parts::All, out, cache, progress)
+}
+
+/// As [`build`], but a part that the motion does not allow is left out and told ([`BuildReport::not_made`]): policies,
+/// blend spaces and patches, each by itself. Motion that is there twice is left out, too.
+///
+/// # Errors
+/// Where there is no motion at all, or files cannot be read or written.
+pub fn build_possible(
+    cfg: &BuildConfig,
+    out: &Path,
+    cache: &Cache,
+    progress: &dyn Progress,
+) -> Result<BuildReport, BuildError> {
+    make(cfg, Parts::Possible, out, cache, progress)
+}
+
+/// Where a cache keeps the bundle of [`build_possible`] that is made to be run or seen; none where nothing is kept.
+///
+/// # Errors
+/// As [`provenance::collect`].
+pub fn kept_bundle(cfg: &BuildConfig, cache: &Cache) -> Result<Option<PathBuf>, BuildError> {
+    let key = Key::of("bundle", &[provenance::collect(cfg)?.key()?], cfg)?;
+    Ok(cache.bundle(key))
+}
+
+fn make(
+    cfg: &BuildConfig,
+    parts: Parts,
+    out: &Path,
+    cache: &Cache,
+    progress: &dyn Progress,
+) -> Result<BuildReport, BuildError> {
     cfg.check()?;
     files::check_target(out)?;
-    let s = Stages::new(cache, progress);
+    let (s, mut attempts) = (Stages::new(cache, progress), Attempts::new(parts));
     let units = cfg.patches.units.as_deref().map(UnitSet::load).transpose()?;
 
     let from = s.run("hash", |_| provenance::collect(cfg))?;
-    let motion = s.several("motion", &[from.key()?], &cfg.motion(), || motion(cfg, units.as_ref(), &s))?;
+    let motion_cfg = (cfg.motion(), parts == Parts::Possible);
+    let motion = s.several("motion", &[from.key()?], &motion_cfg, || motion(cfg, parts, units.as_ref(), &from, &s))?;
     let clips = &motion.clips;
     let features = s.on_demand("features", &[motion.key], &cfg.features, || features::extract(clips, &cfg.features))?;
-    let blends = s.stage("examples", &[motion.key], &cfg.blend, |p| examples::fit(clips, &cfg.blend, p))?;
+    let blends = blends(cfg, &motion, motion.key, &mut attempts, &s)?;
     let baked_patches = match &units {
         Some(units) => {
             let groups = s.stage("cluster", &[features.key], &cfg.cluster, |p| {
                 cluster::group(clips, features.get()?, &cfg.cluster, p)
             })?;
-            let patches = s.stage("patch", &[groups.key], &cfg.patches, |p| patches(clips, &groups, cfg, units, p))?;
-            Some((groups, patches))
+            let patches = patched(cfg, clips, (&groups, groups.key), units, &mut attempts, &s)?;
+            patches.map(|patches| (groups, patches))
         }
         None => None,
     };
     let connected = s.stage("graph", &[features.key], &cfg.graph, |p| match cfg.graph.enabled {
         true => graph::connect(clips, features.get()?, &cfg.graph, p),
         false => graph::none(clips, &cfg.graph),
-    })?;
-    let (graph, graph_report) = &*connected;
-    let policies = s.stage("policy", &[connected.key], &(&cfg.policy, &cfg.behaviours, cfg.seed), |p| {
-        policy::solve(clips, graph, &cfg.behaviours, &cfg.policy, &mut Pcg64::seed_from_u64(cfg.seed), p)
-    })?;
+    });
+    let (connected, graph_key) = match attempts.made("policies", connected)? {
+        Some(connected) => (connected.value, connected.key),
+        None => (graph::none(clips, &cfg.graph)?, features.key),
+    };
+    let (graph, graph_report) = &connected;
+    let policies = policies(cfg, clips, (graph, graph_key), &mut attempts, &s)?;
 
     let (groups, patches) = baked_patches.as_ref().map(|(g, p)| (&**g, &**p)).unzip();
-    let (policies, meta) = (&policies.policies, from.meta(cfg, graph_report)?);
-    let baked = Baked { clips, graph, policies, groups, patches, blends: &blends.spaces, meta: &meta };
+    if graph.states.is_empty() && blends.spaces.is_empty() && patches.is_none() {
+        return Err(nothing(&attempts));
+    }
+    let meta = from.meta(cfg, graph_report)?;
+    let baked = Baked { clips, graph, policies: &policies, groups, patches, blends: &blends.spaces, meta: &meta };
     let bundle_bytes = s.run("write", |_| write::bundle(&baked, out))?;
     let built = Built { motion: &motion, baked, blends: &blends, graph: graph_report, bundle_bytes };
     drop(features);
     let (timing, warnings) = s.finish();
-    Ok(report::of_build(cfg, &built, timing, warnings))
+    Ok(BuildReport { not_made: attempts.not_made, ..report::of_build(cfg, &built, timing, warnings) })
+}
+
+/// The fault of a build that has nothing to play.
+fn nothing(attempts: &Attempts) -> BuildError {
+    let parts: Vec<String> = attempts.not_made.iter().map(|n| format!("no {}: {}", n.part, n.why)).collect();
+    let (message, help) = match parts.is_empty() {
+        true => (
+            "neither policies nor blend spaces nor motion patches are asked for, so that there is nothing to play"
+                .into(),
+            "Name `behaviours`, `[blend.NAME]` or `[patches]` in the config, or build the motion without a config",
+        ),
+        false => (format!("nothing can be made of this motion: {}", parts.join("; ")), "`throng inspect` says more"),
+    };
+    BuildError::Stage { stage: "build", message, help: help.into() }
+}
+
+/// The motion patches of a config; tiles that cannot be made are left out where they may be missing.
+fn patched(
+    cfg: &BuildConfig,
+    clips: &ClipSet,
+    (groups, key): (&cluster::PoseGroups, Key),
+    units: &UnitSet,
+    attempts: &mut Attempts,
+    s: &Stages<'_>,
+) -> Result<Option<Output<Patches>>, BuildError> {
+    let with_tiles = |tiles: Vec<TileConfig>| {
+        let cfg = BuildConfig { patches: PatchConfig { tiles, ..cfg.patches.clone() }, ..cfg.clone() };
+        s.stage("patch", &[key], &cfg.patches, |p| patches(clips, groups, &cfg, units, p))
+    };
+    let tiles = &cfg.patches.tiles;
+    if attempts.parts == Parts::All || tiles.len() < 2 {
+        return attempts.made("motion patches", with_tiles(tiles.clone()));
+    }
+    let mut possible = Vec::new();
+    for tile in tiles {
+        let alone = with_tiles(vec![tile.clone()]);
+        possible.extend(attempts.made(format!("tile {}", tile.unit), alone)?.map(|_| tile.clone()));
+    }
+    if possible.is_empty() && cfg.patches.environments.is_empty() {
+        return Ok(None);
+    }
+    attempts.made("motion patches", with_tiles(possible))
+}
+
+/// The blend spaces of a config.
+fn blends(
+    cfg: &BuildConfig,
+    motion: &Motion,
+    key: Key,
+    attempts: &mut Attempts,
+    s: &Stages<'_>,
+) -> Result<BlendSpaces, BuildError> {
+    let mut all = BlendSpaces::default();
+    let tables: Vec<_> = cfg.blend.iter().map(|(name, table)| (name.clone(), table.clone())).collect();
+    for some in attempts.pieces(&tables) {
+        let tables = some.iter().cloned().collect();
+        let fitted = s.stage("examples", &[key], &tables, |p| examples::fit(&motion.clips, &tables, p));
+        if let Some(fitted) = attempts.made(format!("blend space {}", some[0].0), fitted)? {
+            let BlendSpaces { spaces, report, warnings } = fitted.value;
+            all.spaces.extend(spaces);
+            all.report.extend(report);
+            all.warnings.messages.extend(warnings.messages);
+        }
+    }
+    Ok(all)
+}
+
+/// The policies of a config, over a motion graph and the key of what it is made of.
+fn policies(
+    cfg: &BuildConfig,
+    clips: &ClipSet,
+    (graph, key): (&graph::MotionGraph, Key),
+    attempts: &mut Attempts,
+    s: &Stages<'_>,
+) -> Result<Vec<Policy>, BuildError> {
+    let mut all = Vec::new();
+    if graph.states.is_empty() {
+        return Ok(all);
+    }
+    for some in attempts.pieces(&cfg.behaviours) {
+        let solved = s.stage("policy", &[key], &(&cfg.policy, some, cfg.seed), |p| {
+            policy::solve(clips, graph, some, &cfg.policy, &mut Pcg64::seed_from_u64(cfg.seed), p)
+        });
+        if let Some(solved) = attempts.made(format!("policy {}", some[0].name), solved)? {
+            all.extend(solved.value.policies);
+        }
+    }
+    Ok(all)
+}
+
+/// Reads files, or finds what an earlier build has read, file by file.
+///
+/// - returns how many were found, too.
+fn read(
+    cfg: &BuildConfig,
+    from: &Provenance,
+    s: &Stages<'_>,
+    p: &dyn Progress,
+) -> Result<(ImportedSet, usize), BuildError> {
+    let (cache, kept) = (s.cache(), AtomicUsize::new(0));
+    let reader = |file: &MotionFile, read: &dyn Fn() -> Result<Imported, throng_motion::ImportError>| {
+        let Ok(key) = from.key_of(&file.path, &cfg.import) else { return read() };
+        let (imported, was_kept) = cache.each("import", key, read)?;
+        kept.fetch_add(usize::from(was_kept), Ordering::Relaxed);
+        Ok(imported)
+    };
+    let set = import::read_by(&reader, &cfg.inputs, &cfg.import, p)?.some()?;
+    cache.settle();
+    Ok((set, kept.into_inner()))
 }
 
 /// Files, or motion made by rule, to annotated clips of one skeleton.
-fn motion(cfg: &BuildConfig, units: Option<&UnitSet>, s: &Stages<'_>) -> Result<Motion, BuildError> {
-    let (raw, sidecars) = s.run("import", |p| match &cfg.synth {
-        Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import),
-        None => Ok((import::read(&cfg.inputs, &cfg.import, p)?, BTreeMap::new())),
+fn motion(
+    cfg: &BuildConfig,
+    parts: Parts,
+    units: Option<&UnitSet>,
+    from: &Provenance,
+    s: &Stages<'_>,
+) -> Result<Motion, BuildError> {
+    let ((mut raw, files_kept), sidecars) = s.run("import", |p| match &cfg.synth {
+        Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import).map(|(set, marks)| ((set, 0), marks)),
+        None => Ok((read(cfg, from, s, p)?, BTreeMap::new())),
     })?;
-    let ImportedSet { clips: imported, skipped } = &raw;
-    let messages = imported.iter().flat_map(|c| c.warnings.messages.iter().cloned()).collect();
-    let mut warnings = Warnings { messages };
+    let mut warnings = Warnings::default();
+    let mut skipped: Vec<String> = raw.skipped.iter().map(ToString::to_string).collect();
+    let repeated = tell_repeated(&mut raw, parts);
+    if parts == Parts::Possible {
+        skipped.extend(repeated)
+    } else {
+        warnings.messages.extend(repeated)
+    }
+    let imported = &raw.clips;
+    warnings.messages.extend(imported.iter().flat_map(|c| c.warnings.messages.iter().cloned()));
+    let performers = retarget::performers(imported);
     let clips = s.run("retarget", |_| retarget::onto(imported, &cfg.retarget, &mut warnings))?;
+    let performer = |indices: Vec<usize>| Performer {
+        height_m: imported[indices[0]].height,
+        clips: indices.iter().map(|&i| clips.clips[i].name.clone()).collect(),
+    };
+    let performers = performers.into_iter().map(performer).collect();
     let clips = s.run("resample", |_| resample::resample(&clips, &cfg.resample))?;
     let sidecars = sidecars.into_iter().chain(cfg.clips.clone()).collect();
     let marks = annotate::Sidecars::collect(&raw, &clips, &sidecars)?;
@@ -85,7 +257,21 @@ fn motion(cfg: &BuildConfig, units: Option<&UnitSet>, s: &Stages<'_>) -> Result<
     if let Some(units) = units {
         s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
     }
-    Ok(Motion { clips, skipped: skipped.iter().map(ToString::to_string).collect(), warnings })
+    Ok(Motion { clips, skipped, performers, files_kept, warnings })
+}
+
+/// Says which clips hold the motion of others; where only what is possible is made, they are left out.
+fn tell_repeated(raw: &mut ImportedSet, parts: Parts) -> Vec<String> {
+    let repeated = raw.repeated();
+    let path = |i: usize| raw.clips[i].clip.path.display();
+    let end = if parts == Parts::Possible { "; it is left out" } else { "" };
+    let told = repeated.iter().map(|&[first, i]| format!("{}: the same motion as {}{end}", path(i), path(first)));
+    let told = told.collect();
+    if parts == Parts::Possible {
+        let mut place = 0..;
+        raw.clips.retain(|_| place.next().is_none_or(|i: usize| repeated.iter().all(|[_, later]| *later != i)));
+    }
+    told
 }
 
 /// Motion patches of the environments in which clips were captured, and of tiles.
@@ -106,7 +292,15 @@ fn patches(
 /// # Errors
 /// As the retarget, resample and annotate stages.
 pub fn single(raw: &Imported, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
-    let clips = retarget::onto(std::slice::from_ref(raw), &Default::default(), warnings)?;
-    let clips = resample::resample(&clips, &ResampleConfig { mirror: false, ..ResampleConfig::default() })?;
-    annotate::annotate(&clips, &Default::default(), &Default::default())
+    clips_of(std::slice::from_ref(raw), &BuildConfig::default(), warnings)
+}
+
+/// What a build makes of clips before the motion graph, without mirrored copies, sidecars and surroundings.
+///
+/// # Errors
+/// As the retarget, resample and annotate stages.
+pub fn clips_of(raw: &[Imported], cfg: &BuildConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
+    let clips = retarget::onto(raw, &cfg.retarget, warnings)?;
+    let clips = resample::resample(&clips, &ResampleConfig { mirror: false, ..cfg.resample.clone() })?;
+    annotate::annotate(&clips, &cfg.annotate, &Default::default())
 }

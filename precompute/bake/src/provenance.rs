@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use throng_base::file::open_file;
 use throng_core::format::{Meta, SourceMeta};
 use throng_motion::error::BuildError;
-use throng_motion::import;
+use throng_motion::import::{self, ImportConfig, archive};
 use throng_synth::SynthInput;
 use xxhash_rust::xxh3::Xxh3;
 
@@ -33,7 +33,7 @@ pub fn collect(config: &BuildConfig) -> Result<Provenance, BuildError> {
     all.extend(cfg.asf.clone());
     all.extend(surroundings(config)?);
     for path in &motion {
-        all.extend(Some(path.with_extension("toml")).filter(|p| p.is_file()));
+        all.extend(Some(path.with_extension("toml")).filter(|p| archive::is_file(p)));
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("amc")) && cfg.asf.is_none() {
             all.extend(import::find_asf(path).ok());
         }
@@ -70,6 +70,11 @@ fn made(synth: &SynthInput, rate_hz: f64) -> SourceMeta {
 }
 
 fn hash(path: &Path) -> Result<SourceMeta, BuildError> {
+    if archive::split(path).is_some() {
+        let bytes = archive::read_file(path, "a file of a build", import::MAX_MOTION_BYTES)?;
+        let (path, hash) = (path.display().to_string(), content_hash(&bytes));
+        return Ok(SourceMeta { path, bytes: bytes.len() as u64, hash });
+    }
     let (mut file, _) = open_file(path, "a file of a build", import::MAX_MOTION_BYTES)?;
     let mut counted = Counted { hash: Xxh3::new(), bytes: 0 };
     std::io::copy(&mut file, &mut counted).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
@@ -101,6 +106,20 @@ impl Provenance {
     /// Never in practice: paths and numbers can be encoded.
     pub fn key(&self) -> Result<Key, BuildError> {
         Key::of("sources", &[], &self.sources)
+    }
+
+    /// The key of what one motion file is read as: of the file, of the skeletons beside it and of the profiles.
+    ///
+    /// # Errors
+    /// Never in practice, as [`Provenance::key`].
+    pub fn key_of(&self, file: &Path, config: &ImportConfig) -> Result<Key, BuildError> {
+        let given = |path: &Path| config.asf.iter().chain(&config.profiles).any(|p| p == path);
+        let is_skeleton = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("asf"));
+        let counts = |s: &&SourceMeta| {
+            let path = Path::new(&s.path);
+            path == file || given(path) || (is_skeleton(path) && path.parent() == file.parent())
+        };
+        Key::of("file", &[], &(file, self.sources.iter().filter(counts).collect::<Vec<_>>(), config))
     }
 
     /// What the bundle says of itself; clips and behaviours are filled in when it is written.

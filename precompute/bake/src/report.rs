@@ -6,8 +6,10 @@ use crate::cluster::PoseGroups;
 use crate::config::BuildConfig;
 use crate::examples::{BlendReport, BlendSpaces};
 use crate::graph::{GraphReport, Spread};
+use crate::parts::NotMade;
 use crate::patch::PatchReport;
 use crate::policy::PolicyReport;
+pub use crate::stages::Performer;
 use crate::stages::{Motion, Timing};
 use crate::write::Baked;
 pub use paper::{Line, beside_paper, markdown};
@@ -72,6 +74,12 @@ pub struct BuildReport {
     pub hits: HitReport,
     /// Frames left out, by reason.
     pub excluded_frames: BTreeMap<String, usize>,
+    /// Parts of the config that the motion does not allow, where these may be left out.
+    pub not_made: Vec<NotMade>,
+    /// Whose motion it is: files of one source skeleton together.
+    pub performers: Vec<Performer>,
+    /// Files that an earlier build had read, where the stage `import` ran.
+    pub files_kept: usize,
     /// Files that were skipped, and why.
     pub skipped: Vec<String>,
     /// What is odd but tolerable.
@@ -92,7 +100,8 @@ pub(crate) struct Built<'a> {
 pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd: Warnings) -> BuildReport {
     let Built { motion, baked, blends, graph, bundle_bytes } = *built;
     let (blends, blend_warnings) = (&blends.report, &blends.warnings);
-    let warnings = [&motion.warnings, blend_warnings, &odd].map(|w| w.messages.clone()).concat();
+    let mut warnings = [&motion.warnings, blend_warnings, &odd].map(|w| w.messages.clone()).concat();
+    warnings.extend(baked.policies.iter().filter_map(|p| p.report.promise.warning.clone()));
     let groups = baked.groups.cloned().unwrap_or_default();
     let mut stage_s = BTreeMap::new();
     timing.stage_s.iter().for_each(|(name, s)| *stage_s.entry(*name).or_insert(0.0) += s);
@@ -134,6 +143,9 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
         contacts: contacts(motion),
         hits: HitReport::new(&HitPoint::of_set(&motion.clips)),
         excluded_frames,
+        not_made: Vec::new(),
+        performers: motion.performers.clone(),
+        files_kept: motion.files_kept,
         skipped: motion.skipped.clone(),
         warnings,
     }

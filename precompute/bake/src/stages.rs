@@ -9,6 +9,15 @@ use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Warnings};
 use throng_motion::progress::Progress;
 
+/// Files of one performer: of one source skeleton.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Performer {
+    /// Height of the body, estimated from the lengths of its segments (m).
+    pub height_m: f32,
+    /// Names of the clips.
+    pub clips: Vec<String>,
+}
+
 /// Everything the motion stages leave behind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
@@ -16,6 +25,10 @@ pub struct Motion {
     pub clips: ClipSet,
     /// Files that were skipped, and why.
     pub skipped: Vec<String>,
+    /// Whose motion it is.
+    pub performers: Vec<Performer>,
+    /// Files that an earlier build had read.
+    pub files_kept: usize,
     /// What is odd but tolerable.
     pub warnings: Warnings,
 }
@@ -36,7 +49,8 @@ pub struct Timing {
 pub struct Output<T> {
     /// Of the stage's config and its inputs.
     pub key: Key,
-    value: T,
+    /// What it made.
+    pub value: T,
 }
 
 impl<T> Deref for Output<T> {
@@ -73,6 +87,7 @@ impl<'a> Stages<'a> {
     ) -> Result<T, BuildError> {
         let spent = || self.timing.borrow().stage_s.iter().map(|(_, s)| s).sum::<f64>();
         let (begin, before) = (Instant::now(), spent());
+        self.progress.comes_to(stage);
         let out = work(self.progress);
         let within = spent() - before;
         self.timing.borrow_mut().stage_s.push((stage, begin.elapsed().as_secs_f64() - within));
@@ -109,10 +124,13 @@ impl<'a> Stages<'a> {
         let key = Key::of(name, inputs, config)?;
         if let Some(value) = self.cache.load(name, key) {
             self.timing.borrow_mut().cached.push(name);
+            self.progress.kept(name);
             return Ok(Output { key, value });
         }
         let value = work()?;
-        self.cache.store(name, key, &value, &mut self.warnings.borrow_mut());
+        if self.cache.store(name, key, &value, &mut self.warnings.borrow_mut()) {
+            self.progress.kept(name);
+        }
         Ok(Output { key, value })
     }
 
@@ -128,6 +146,11 @@ impl<'a> Stages<'a> {
         work: W,
     ) -> Result<OnDemand<'_, T, W>, BuildError> {
         Ok(OnDemand { stages: self, key: Key::of(name, inputs, config)?, name, work, made: OnceCell::new() })
+    }
+
+    /// The cache, for what is kept file by file.
+    pub fn cache(&self) -> &Cache {
+        self.cache
     }
 
     /// Ends the build: its times, and what is odd about the build itself.

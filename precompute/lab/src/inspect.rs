@@ -1,12 +1,15 @@
 //! Says what was found in a clip or bundle, for people and for programs.
 
 mod bundle;
+mod folder;
 pub mod hit_picture;
 
 pub use bundle::BundleReport;
+pub use folder::{FileLine, FolderReport, inspect_all};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
+use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
 use throng_motion::annotate::hits::{HitPoint, HitReport};
 use throng_motion::annotate::{self, ContactSanity};
@@ -14,13 +17,14 @@ use throng_motion::clip::{Clip, ClipSet, Exclusion};
 use throng_motion::error::{BuildError, Warnings};
 use throng_motion::import::{self, ImportConfig, Imported};
 use throng_motion::raw::{RawClip, SourceFormat};
+use throng_runtime::Skeleton;
 
 /// What import found in a clip. The names of the fields are keys of the JSON report.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ClipReport {
     /// The file.
     pub file: String,
-    /// `bvh` or `asf_amc`.
+    /// `bvh`, `asf_amc` or `npz`.
     pub format: &'static str,
     /// Number of joints, ends of chains included.
     pub joints: usize,
@@ -72,29 +76,31 @@ pub struct Inspected {
 /// # Errors
 /// As [`inspect_clip`].
 pub fn inspect(path: &Path, config: &ImportConfig) -> Result<ClipReport, BuildError> {
-    Ok(inspect_clip(path, config)?.report)
+    Ok(inspect_clip(path, &BuildConfig { import: config.clone(), ..BuildConfig::default() })?.report)
 }
 
-/// As [`inspect`], and keeps the motion.
+/// As [`inspect`] with all that a config says of reading, retargeting, resampling and annotating; keeps the motion.
 ///
 /// # Errors
 /// As the import and retarget stages; [`BuildError::Stage`] for a folder or pattern of several clips.
-pub fn inspect_clip(path: &Path, config: &ImportConfig) -> Result<Inspected, BuildError> {
+pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<Inspected, BuildError> {
     let files = import::expand(&[path.to_path_buf()])?;
     let [file] = files.as_slice() else {
         let message = format!("{}: expected one clip, found {}", path.display(), files.len());
-        return Err(BuildError::Stage { stage: "inspect", message, help: "Name a single .bvh or .amc file".into() });
+        return Err(BuildError::Stage {
+            stage: "inspect",
+            message,
+            help: "Name a single .bvh, .amc or .npz file".into(),
+        });
     };
-    let imported = import::read_clip(file, config)?;
+    let imported = import::read_clip(file, &config.import)?;
     let mut warnings = Warnings::default();
     // At the rate of a build, so that the speeds are those that a build finds.
-    let clips = pipeline::single(&imported, &mut warnings)?;
-    let mut report = ClipReport::new(&imported);
-    for clip in &clips.clips {
-        report.contact = annotate::sanity(clip, &clips.skeleton);
-        report.hits = HitReport::new(&HitPoint::of_clip(clip));
-        report.excluded = clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect();
-    }
+    let clips = pipeline::clips_of(std::slice::from_ref(&imported), config, &mut warnings)?;
+    let mut report = match clips.clips.first() {
+        Some(clip) => ClipReport::of(&imported, clip, &clips.skeleton),
+        None => ClipReport::new(&imported),
+    };
     report.warnings.extend(warnings.messages);
     Ok(Inspected { imported, clips, report })
 }
@@ -108,6 +114,16 @@ fn excluded_in_source(e: &Exclusion, clip: &Clip, source: &RawClip) -> (String, 
 }
 
 impl ClipReport {
+    /// What import knows of a clip, and what the stages of a build made of it.
+    fn of(imported: &Imported, clip: &Clip, skeleton: &Skeleton) -> Self {
+        Self {
+            contact: annotate::sanity(clip, skeleton),
+            hits: HitReport::new(&HitPoint::of_clip(clip)),
+            excluded: clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect(),
+            ..Self::new(imported)
+        }
+    }
+
     /// Collects what import knows of a clip.
     fn new(imported: &Imported) -> Self {
         let clip = &imported.clip;
@@ -117,6 +133,7 @@ impl ClipReport {
             format: match clip.format {
                 SourceFormat::Bvh => "bvh",
                 SourceFormat::AsfAmc => "asf_amc",
+                SourceFormat::Npz => "npz",
             },
             joints: clip.joints.len(),
             frames: clip.num_frames,

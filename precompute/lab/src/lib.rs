@@ -1,5 +1,6 @@
 //! Measures, compares and pictures what Throng bakes and runs.
 
+pub mod abilities;
 pub mod damage;
 pub mod inspect;
 pub mod matching;
@@ -10,3 +11,4 @@ pub mod selftest;
 pub mod slip;
 pub mod soak;
 pub mod trial;
+pub mod verdict;

@@ -31,7 +31,7 @@ pub enum Feet {
 
 impl Feet {
     /// - `at`: where a joint is in the world (m).
-    fn joints(at: impl Fn(Joint) -> Vec3) -> Self {
+    pub fn joints(at: impl Fn(Joint) -> Vec3) -> Self {
         Self::Joints(PARTS.map(|(joint, _)| at(joint)))
     }
 }

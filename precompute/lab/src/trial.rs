@@ -66,6 +66,14 @@ pub struct TrialReport {
     pub mean_arrival_s: Option<f64>,
     /// Distance to the target at the end, mean over all characters (m).
     pub mean_final_distance_m: f64,
+    /// The same share by how far the target stood at the start.
+    pub reached_by_distance: Vec<Share>,
+    /// The same share by where the target stood at the start, as the character saw it.
+    pub reached_by_direction: Vec<Share>,
+    /// Longest time from one choice of a character to its next: so long it heeds nothing (s).
+    pub longest_wait_s: f64,
+    /// Share of the characters near their targets at the end that stand still there.
+    pub standing_fraction: f64,
     /// Mean speed of planted heels and toes (m/s).
     pub foot_slip_mean_mps: f64,
     /// 95th percentile of the speed of planted heels and toes (m/s).
@@ -76,6 +84,17 @@ pub struct TrialReport {
     pub poses_per_second: f64,
     /// Choices made a second of wall time.
     pub choices_per_second: f64,
+}
+
+/// How many of some characters reached their targets.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Share {
+    /// What their targets have in common, such as `2 to 3 m` or `behind`.
+    pub targets: String,
+    /// Number of the characters.
+    pub characters: usize,
+    /// Share of them that came within reach.
+    pub reached_fraction: f64,
 }
 
 /// What a trial leaves to be drawn.
@@ -134,8 +153,9 @@ pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialR
     }
     let motion_set = MotionSet::new(tables);
     let (starts, targets) = scatter(tables, config);
+    let roots = starts.iter().map(|s| s.root).collect();
     let mut characters = Characters::new(&motion_set, config.motion, &starts).map_err(fail)?;
-    let mut watch = Watch::new(config, targets);
+    let mut watch = Watch::new(config, roots, targets);
     let dt = 1.0 / config.step_hz;
     let mut busy_s = 0.0;
     let steps = (config.seconds * config.step_hz).round().max(1.0) as usize;
@@ -176,14 +196,62 @@ fn scatter(tables: &Bundle, config: &TrialConfig) -> (Vec<Start>, Vec<Vec3>) {
         .unzip()
 }
 
+/// Who moves less than this over [`STILL_S`] stands (m).
+const STILL_M: f32 = 0.15;
+/// (s)
+const STILL_S: f32 = 1.0;
+/// Groups of targets by their distance.
+const RINGS: usize = 4;
+
+fn place(root: Planar) -> Vec2 {
+    Vec2::new(root.x, root.z)
+}
+
+/// Shares by distance at the start, from the nearest on.
+fn by_distance(config: &TrialConfig, all: impl Iterator<Item = (f32, bool)> + Clone) -> Vec<Share> {
+    let [near, far] = config.distances;
+    let step = (far - near) / RINGS as f32;
+    let ring = |distance: f32| (((distance - near) / step) as usize).min(RINGS - 1);
+    let share = |k: usize| {
+        let [low, high] = [k, k + 1].map(|k| near + step * k as f32);
+        share(format!("{low:.0} to {high:.0} m"), all.clone().filter(|a| ring(a.0) == k).map(|a| a.1))
+    };
+    (0..RINGS).map(share).collect()
+}
+
+/// Shares by direction at the start, a quarter of the circle each.
+fn by_direction(all: impl Iterator<Item = (Vec2, bool)> + Clone) -> Vec<Share> {
+    let quarter = |p: Vec2| match (p.x.abs() > p.y.abs(), p.x > 0.0, p.y > 0.0) {
+        (false, _, true) => 0,
+        (true, true, _) => 1,
+        (true, false, _) => 2,
+        (false, _, false) => 3,
+    };
+    let names = ["ahead", "to the left", "to the right", "behind"].into_iter().enumerate();
+    let of = |k: usize| all.clone().filter(move |a| quarter(a.0) == k).map(|a| a.1);
+    names.map(|(k, name)| share(name.into(), of(k))).collect()
+}
+
+fn share(targets: String, reached: impl Iterator<Item = bool>) -> Share {
+    let (characters, arrived) = reached.fold((0, 0), |(n, r), yes| (n + 1, r + usize::from(yes)));
+    Share { targets, characters, reached_fraction: arrived as f64 / characters.max(1) as f64 }
+}
+
 /// Looks at characters after every step.
 struct Watch {
     record: TrialRecord,
     slip: SlipMeter,
+    /// Roots at the start.
+    starts: Vec<Planar>,
+    /// Of each character, the number of its choices and when it made the last one (s).
+    choices: Vec<(u32, f32)>,
+    longest_wait_s: f32,
+    /// Where each character was [`STILL_S`] before the end (m).
+    late: Vec<Vec2>,
 }
 
 impl Watch {
-    fn new(config: &TrialConfig, targets: Vec<Vec3>) -> Self {
+    fn new(config: &TrialConfig, starts: Vec<Planar>, targets: Vec<Vec3>) -> Self {
         let n = config.characters;
         let record = TrialRecord {
             trails: vec![Vec::new(); n],
@@ -191,7 +259,8 @@ impl Watch {
             targets,
             ..TrialRecord::default()
         };
-        Self { record, slip: SlipMeter::new(n) }
+        let choices = vec![(0, 0.0); n];
+        Self { record, slip: SlipMeter::new(n), starts, choices, longest_wait_s: 0.0, late: Vec::new() }
     }
 
     fn observe(&mut self, characters: &Characters, config: &TrialConfig, step: usize, dt: f32) {
@@ -199,7 +268,15 @@ impl Watch {
         if time_s <= config.snapshot_s.min(config.seconds) + 0.5 * dt {
             self.follow(characters, config, step, time_s, dt);
         }
+        if self.late.is_empty() && time_s >= config.seconds - STILL_S {
+            self.late = (0..config.characters).map(|c| place(characters.root(c))).collect();
+        }
         for c in 0..config.characters {
+            let (count, since_s) = self.choices[c];
+            self.longest_wait_s = self.longest_wait_s.max(time_s - since_s);
+            if characters.num_choices(c) > count {
+                self.choices[c] = (characters.num_choices(c), time_s);
+            }
             let root = characters.root(c);
             let target = self.record.targets[c];
             let distance = (root.x - target.x).hypot(root.z - target.z);
@@ -247,14 +324,27 @@ impl Watch {
         };
         let arrived: Vec<f64> =
             self.record.arrivals_s.iter().filter(|t| t.is_finite()).map(|&t| f64::from(t)).collect();
-        let stayed = (0..n).filter(|&c| left(c) < 1.5 * f64::from(config.reach_m)).count();
+        let near: Vec<usize> = (0..n).filter(|&c| left(c) < 1.5 * f64::from(config.reach_m)).collect();
+        let is_still =
+            |c: &&usize| self.late.get(**c).is_some_and(|p| p.distance(place(characters.root(**c))) < STILL_M);
+        let standing = near.iter().filter(is_still).count();
+        let reached = |c: usize| self.record.arrivals_s[c].is_finite();
+        let seen = |c: usize| {
+            let (start, t) = (self.starts[c], self.record.targets[c]);
+            let seen = start.rotation().inverse() * (t - start.translation());
+            Vec2::new(seen.x, seen.z)
+        };
         let choices: u64 = (0..n).map(|c| u64::from(characters.num_choices(c))).sum();
         let per_second = |count: f64| count / busy_s.max(1e-9);
         let report = TrialReport {
             characters: n,
             simulated_s: config.seconds,
             reached_fraction: arrived.len() as f64 / n as f64,
-            stayed_fraction: stayed as f64 / n as f64,
+            stayed_fraction: near.len() as f64 / n as f64,
+            reached_by_distance: by_distance(config, (0..n).map(|c| (seen(c).length(), reached(c)))),
+            reached_by_direction: by_direction((0..n).map(|c| (seen(c), reached(c)))),
+            longest_wait_s: f64::from(self.longest_wait_s),
+            standing_fraction: standing as f64 / near.len().max(1) as f64,
             mean_arrival_s: (!arrived.is_empty()).then(|| arrived.iter().sum::<f64>() / arrived.len() as f64),
             mean_final_distance_m: (0..n).map(left).sum::<f64>() / n as f64,
             foot_slip_mean_mps: self.slip.mean_mps(),
@@ -264,5 +354,23 @@ impl Watch {
             choices_per_second: per_second(choices as f64),
         };
         (report, self.record)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_by_where_targets_stood() {
+        let all = [(2.0, true), (2.9, false), (3.0, true), (6.0, true), (7.0, false)];
+        let shares = by_distance(&TrialConfig::default(), all.into_iter());
+        let rows: Vec<_> = shares.iter().map(|s| (&*s.targets, s.characters, s.reached_fraction)).collect();
+        assert_eq!(rows, [("2 to 3 m", 2, 0.5), ("3 to 4 m", 1, 1.0), ("4 to 5 m", 0, 0.0), ("5 to 6 m", 2, 0.5)]);
+        // +X is to the left, +Z ahead.
+        let seen =
+            [(Vec2::Y, true), (Vec2::X, false), (-Vec2::X, true), (Vec2::new(0.3, -1.0), true), (-Vec2::Y, false)];
+        let shares = by_direction(seen.into_iter());
+        assert_eq!(shares.iter().map(|s| s.reached_fraction).collect::<Vec<_>>(), [1.0, 0.0, 1.0, 0.5]);
     }
 }

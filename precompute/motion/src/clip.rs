@@ -25,6 +25,8 @@ pub enum ExclusionReason {
     Still,
     /// A range named in the sidecar file.
     Sidecar,
+    /// A fault of the recording.
+    Glitch,
 }
 
 impl std::fmt::Display for ExclusionReason {
@@ -33,6 +35,7 @@ impl std::fmt::Display for ExclusionReason {
             Self::TPose => "T-pose",
             Self::Still => "still",
             Self::Sidecar => "sidecar",
+            Self::Glitch => "glitch",
         })
     }
 }
@@ -90,7 +93,8 @@ impl HitKind {
 /// A clip on the database skeleton: metres, Y up, right-handed.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Clip {
-    /// Unique in its set: file stem, made unique by its folder where needed; a mirrored copy ends in `~mirror`.
+    /// Unique in its set: the file as seen from the folder that was given, without extension, with folders in front where
+    /// needed; a mirrored copy ends in `~mirror`.
     pub name: String,
     /// Where the motion came from, as the user wrote it.
     pub source: String,

@@ -46,6 +46,17 @@ pub enum ImportError {
     },
 }
 
+impl ImportError {
+    /// The file.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Io { path, .. } | Self::Syntax { path, .. } | Self::Content { path, .. } => Some(path),
+            Self::Settings(throng_base::Error::Io { path, .. } | throng_base::Error::Format { path, .. }) => Some(path),
+            Self::Settings(_) => None,
+        }
+    }
+}
+
 /// A build that cannot go on.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]

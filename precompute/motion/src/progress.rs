@@ -8,6 +8,10 @@ pub trait Progress: Sync {
     fn advance(&self, done: u64);
     /// The stage is finished.
     fn end(&self);
+    /// A build comes to a stage, which may say more of itself.
+    fn comes_to(&self, _stage: &'static str) {}
+    /// The output of a stage is kept: a build that is begun again goes on behind it.
+    fn kept(&self, _stage: &'static str) {}
 }
 
 /// Reports nothing.

@@ -1,10 +1,12 @@
 //! Motion as a file holds it: the source's own joints, in metres, Y up, before any retargeting.
 
 use glam::{Quat, Vec3};
+use serde::{Deserialize, Serialize};
+use std::hash::{DefaultHasher, Hasher};
 use std::path::PathBuf;
 
 /// One joint of a source skeleton.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RawJoint {
     /// Name as written in the file. End sites are joints too and are called `PARENT_end`.
     pub name: String,
@@ -20,16 +22,18 @@ pub struct RawJoint {
 }
 
 /// The formats read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SourceFormat {
     /// Biovision hierarchy.
     Bvh,
     /// Acclaim skeleton and motion.
     AsfAmc,
+    /// SMPL motion in NumPy arrays.
+    Npz,
 }
 
 /// A clip as read: source joints, metres, Y up, right-handed, facing not yet normalised.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RawClip {
     /// File stem.
     pub name: String,
@@ -45,12 +49,31 @@ pub struct RawClip {
     pub num_frames: usize,
     /// Local translations relative to the parent (a joint without position channels repeats its offset).
     /// (m, num_frames * joints.len())
+    #[serde(with = "crate::pod")]
     pub translations: Vec<Vec3>,
     /// Local rotations relative to the parent (num_frames * joints.len()).
+    #[serde(with = "crate::pod")]
     pub rotations: Vec<Quat>,
 }
 
 impl RawClip {
+    /// A hash of the motion, whatever its file and its joints are called.
+    pub fn motion_hash(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        hasher.write_usize(self.num_frames);
+        hasher.write(bytemuck::cast_slice(&self.rotations));
+        hasher.write(bytemuck::cast_slice(&self.translations));
+        hasher.finish()
+    }
+
+    /// True where the numbers of both motions are the same.
+    pub fn has_motion_of(&self, other: &Self) -> bool {
+        self.rate_hz == other.rate_hz
+            && self.num_frames == other.num_frames
+            && self.rotations == other.rotations
+            && self.translations == other.translations
+    }
+
     /// Model-to-world positions and rotations of every joint at one frame (joints.len()).
     pub fn world(&self, frame: usize) -> Vec<(Vec3, Quat)> {
         let n = self.joints.len();

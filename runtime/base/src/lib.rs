@@ -6,6 +6,7 @@ pub mod file;
 mod hash;
 mod id;
 pub mod limits;
+pub mod maths;
 mod prefetch;
 mod run;
 pub mod simd;

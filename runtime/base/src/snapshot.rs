@@ -8,7 +8,7 @@ const MAGIC: [u8; 8] = *b"THRGSNAP";
 /// Magic, kind, version, setup, length, checksum.
 const HEADER: usize = 8 + 4 + 4 + 16 + 8 + 4;
 /// Largest snapshot (bytes).
-const LARGEST: usize = 1 << 32;
+const LARGEST: usize = u32::MAX as usize;
 
 /// What a snapshot is of. Bytes of another kind, version or setup are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

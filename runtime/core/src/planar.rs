@@ -1,6 +1,7 @@
 //! The planar transform: position on the ground and heading, the part of a root that can be laid anywhere.
 
 use glam::{Quat, Vec2, Vec3};
+use throng_base::maths;
 
 /// A rigid transform of the ground plane: (x, z, heading).
 ///
@@ -54,7 +55,7 @@ impl Planar {
 
     /// The rotation about +Y.
     pub fn rotation(self) -> Quat {
-        Quat::from_rotation_y(self.heading)
+        maths::rotation_y(self.heading)
     }
 
     /// The translation on the ground.
@@ -68,14 +69,14 @@ impl Planar {
     /// forward or lies down, and only fails where the body is upside down; there it is 0.
     pub fn split(position: Vec3, rotation: Quat) -> (Self, Quat) {
         let heading = twist_about_y(rotation);
-        let tilt = Quat::from_rotation_y(-heading) * rotation;
+        let tilt = maths::rotation_y(-heading) * rotation;
         (Self { x: position.x, z: position.z, heading }, tilt)
     }
 }
 
 /// The angle of the twist of `q` about +Y, in (-pi, pi] (rad).
 pub fn twist_about_y(q: Quat) -> f32 {
-    if q.y.abs() + q.w.abs() < 1e-6 { 0.0 } else { wrap_angle(2.0 * q.y.atan2(q.w)) }
+    if q.y.abs() + q.w.abs() < 1e-6 { 0.0 } else { wrap_angle(2.0 * maths::atan2(q.y, q.w)) }
 }
 
 /// The same angle in (-pi, pi] (rad).
@@ -87,7 +88,7 @@ pub fn wrap_angle(a: f32) -> f32 {
 
 /// Rotates a ground vector (x, z) about +Y: +Z turns towards +X.
 fn rotate(p: Vec2, angle: f32) -> Vec2 {
-    let (s, c) = angle.sin_cos();
+    let (s, c) = maths::sin_cos(angle);
     Vec2::new(c * p.x + s * p.y, -s * p.x + c * p.y)
 }
 

@@ -6,6 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::PI;
+use throng_base::maths;
 use throng_core::planar::wrap_angle;
 use throng_core::walkers::Control;
 
@@ -43,11 +44,12 @@ impl Wander {
         if self.left_s <= 0.0 {
             self.draw(config);
         }
-        let home = self.position + Vec2::new(self.heading.sin(), self.heading.cos()) * (1.0 + 2.0 * self.speed);
+        let home =
+            self.position + Vec2::new(maths::sin(self.heading), maths::cos(self.heading)) * (1.0 + 2.0 * self.speed);
         let [speed, mut gyration] = self.aim;
         if home.abs().max_element() > 0.5 * config.area_m {
             // Back towards the middle.
-            let off = wrap_angle((-self.position.x).atan2(-self.position.y) - self.heading);
+            let off = wrap_angle(maths::atan2(-self.position.x, -self.position.y) - self.heading);
             gyration = off.clamp(-1.0, 1.0) * config.max_gyration;
         }
         let bound = config.max_gyration.min(config.sideways / self.speed.max(0.1));
@@ -55,7 +57,7 @@ impl Wander {
         let change = TURNING_ACCELERATION * dt_s;
         self.gyration += (gyration.clamp(-bound, bound) - self.gyration).clamp(-change, change);
         self.heading = wrap_angle(self.heading + self.gyration * dt_s);
-        let velocity = Vec2::new(self.heading.sin(), self.heading.cos()) * self.speed;
+        let velocity = Vec2::new(maths::sin(self.heading), maths::cos(self.heading)) * self.speed;
         self.position += velocity * dt_s;
         Control {
             position: Some(self.position + Vec2::from(config.centre)),

@@ -317,11 +317,11 @@ impl Simulation {
         }
     }
 
-    /// What a character is after: its target or its opponent's head (m, who < num_characters).
+    /// What a character is after: its target, or where its opponent's head will be when a blow lands (m, who < num_characters).
     pub fn target(&self, who: usize) -> Option<Vec3> {
         match self.locate(who) {
             (GroupCast::Policy(p), number) => Some(p.practice().targets()[number].position()),
-            (GroupCast::Sparring(s), number) => Some(s.sparring().heads()[number]),
+            (GroupCast::Sparring(s), number) => Some(s.sparring().aims()[number]),
             _ => None,
         }
     }

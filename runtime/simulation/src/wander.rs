@@ -9,6 +9,7 @@ use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
+use throng_base::maths;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind, run_each};
 use throng_core::blend::HeightField;
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
@@ -195,7 +196,7 @@ fn ground(hills_m: f32, paths: &crate::scene::PathsConfig) -> Result<HeightField
     let half = 0.5 * paths.area_m + 20.0;
     let spacing = (2.0 * half / GROUND_KNOTS).max(GROUND_SPACING_M);
     let n = (2.0 * half / spacing).ceil() as usize + 1;
-    let wave = |v: f32| (v * std::f32::consts::TAU / HILL_M).sin();
+    let wave = |v: f32| maths::sin(v * std::f32::consts::TAU / HILL_M);
     let at = |i: usize| i as f32 * spacing - half;
     let height = |k: usize| 0.25 * hills_m * (2.0 + wave(at(k % n)) + wave(0.7 * at(k / n) + 1.0));
     let corner = Vec2::from(paths.centre) - Vec2::splat(half);

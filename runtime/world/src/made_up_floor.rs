@@ -2,7 +2,7 @@
 //! that are sat on.
 
 use crate::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord, WorldData, WorldMeta};
-use glam::Quat;
+use throng_base::maths;
 use throng_core::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow};
 use throng_core::format::{
     AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FrameRow, Meta, PatchMeta, SkeletonRecord,
@@ -68,14 +68,14 @@ fn rows(kind: &Kind, number: usize) -> Vec<FrameRow> {
             let planar = [kind.end.x * s, kind.end.z * s, kind.end.heading * s];
             let swing = if kind.walking { 0.35 } else { 0.05 };
             let rotations = std::array::from_fn(|j: usize| {
-                let a = swing * (std::f32::consts::TAU * s * 2.0 + j as f32 * 0.7 + number as f32).sin() * 0.4;
-                FrameRow::encode(Quat::from_euler(glam::EulerRot::XYZ, a, 0.3 * a, -0.2 * a))
+                let a = swing * maths::sin(std::f32::consts::TAU * s * 2.0 + j as f32 * 0.7 + number as f32) * 0.4;
+                FrameRow::encode(maths::rotation_x(a) * maths::rotation_y(0.3 * a) * maths::rotation_z(-0.2 * a))
             });
             let mut row = FrameRow { planar, height: 0.93, rotations };
             for (j, angle) in
                 [(Joint::LeftThigh, -0.2), (Joint::LeftShin, 0.4), (Joint::RightThigh, -0.2), (Joint::RightShin, 0.4)]
             {
-                row.rotations[j.index()] = FrameRow::encode(Quat::from_rotation_x(angle));
+                row.rotations[j.index()] = FrameRow::encode(maths::rotation_x(angle));
             }
             row
         })
@@ -204,7 +204,7 @@ fn link(cells: &[CellRecord], from: u32, to: u32, kind: usize, tag: u16) -> Link
 fn floor() -> Patch {
     let step = |e: usize| {
         let h = HEADINGS[e];
-        EdgeRecord { step: [SIDE * h.sin().round(), 0.0, SIDE * h.cos().round()], opposite: OPPOSITE[e] }
+        EdgeRecord { step: [SIDE * maths::sin(h).round(), 0.0, SIDE * maths::cos(h).round()], opposite: OPPOSITE[e] }
     };
     let edges: Vec<_> = (0..4).map(step).collect();
     // Where someone with that heading crosses the edge behind or ahead: on the right, which is -x at heading 0.

@@ -3,7 +3,8 @@
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use throng_precompute::ClipSet;
-use throng_precompute::import::{ImportConfig, Imported};
+use throng_precompute::config::BuildConfig;
+use throng_precompute::import::Imported;
 use throng_precompute::inspect::{self, ClipReport, Inspected};
 
 /// A motion file.
@@ -24,7 +25,7 @@ impl RawMotion {
     /// # Errors
     /// A message that names the file and line or joint, and the way out.
     pub fn open(path: &Path) -> Result<Self, String> {
-        let read = inspect::inspect_clip(path, &ImportConfig::default()).map_err(|e| e.to_string())?;
+        let read = inspect::inspect_clip(path, &BuildConfig::default()).map_err(|e| e.to_string())?;
         let Inspected { imported, clips, report } = read;
         Ok(Self { path: path.to_path_buf(), imported, clips, report })
     }

@@ -44,10 +44,11 @@ impl UnitGeometry {
     /// The geometry of a unit; meshes are read from their files.
     ///
     /// # Errors
-    /// [`BuildError::Config`] that names the unit, the file and what is wrong in it.
+    /// [`BuildError::Key`] of the shape, with its file and what is wrong in it.
     pub fn new(unit: &Unit) -> Result<Self, BuildError> {
-        let solids = unit.shapes.iter().map(Solid::of).collect::<Result<Vec<_>, _>>();
-        let solids = solids.map_err(|e| BuildError::Config { message: format!("unit `{}`: {e}", unit.name) })?;
+        let key = |i: usize| format!("shapes[{i}].mesh.file");
+        let solid = |(i, shape)| Solid::of(shape).map_err(|e| BuildError::key(key(i), e));
+        let solids = unit.shapes.iter().enumerate().map(solid).collect::<Result<Vec<_>, _>>()?;
         let each: Vec<Bounds> = solids.iter().map(Solid::bounds).collect();
         let tree = BoundsTree::new(&each.iter().map(|b| b.grown(ROUNDING)).collect::<Vec<_>>());
         let bounds = each.into_iter().fold(Bounds::EMPTY, Bounds::union);
@@ -96,23 +97,25 @@ impl UnitGeometry {
 /// # Errors
 /// As [`UnitGeometry::new`].
 pub fn geometries(units: &UnitSet) -> Result<Vec<Arc<UnitGeometry>>, BuildError> {
+    with_triangles(units, MAX_TRIANGLES)
+}
+
+/// The same with so many triangles at most, over all units.
+pub(super) fn with_triangles(units: &UnitSet, most: usize) -> Result<Vec<Arc<UnitGeometry>>, BuildError> {
     let mut triangles = 0;
-    let mut one = |unit| {
-        let geometry = UnitGeometry::new(unit)?;
+    let one = |(i, unit)| {
+        let within = |e: BuildError| e.within(&format!("units[{i}]"));
+        let geometry = UnitGeometry::new(unit).map_err(within)?;
         let of_meshes = geometry.solids.iter().map(|s| if let Solid::Mesh(t) = s { t.corners().len() } else { 0 });
         triangles += of_meshes.sum::<usize>();
-        match triangles <= MAX_TRIANGLES {
-            true => Ok(Arc::new(geometry)),
-            false => Err(BuildError::Config {
-                message: format!(
-                    "unit `{}`: the meshes of all units may have {MAX_TRIANGLES} triangles at most, found more; make them \
-                     simpler",
-                    unit.name
-                ),
-            }),
+        if triangles > most {
+            let why =
+                format!("the meshes of all units may have {most} triangles at most, found more; make them simpler");
+            return Err(within(BuildError::key("shapes", why)));
         }
+        Ok(Arc::new(geometry))
     };
-    units.units.iter().map(&mut one).collect()
+    units.units.iter().enumerate().map(one).collect()
 }
 
 #[cfg(test)]

@@ -190,6 +190,18 @@ impl BlendConfig {
         space
     }
 
+    /// Speed and turning rate, from every steady stretch of every clip and its mirrored copy.
+    pub fn of_all_clips() -> Self {
+        let axis = |kind| AxisConfig { kind, name: String::new(), range: None, spacing: None, tags: BTreeMap::new() };
+        Self {
+            axes: vec![axis(AxisKind::Speed), axis(AxisKind::Gyration)],
+            find: vec![FindConfig { clips: vec!["*".into()], mirror: true, ..FindConfig::default() }],
+            weight_tolerance: 0.02,
+            min_distance: 0.12,
+            ..Self::default()
+        }
+    }
+
     /// Names of the axes, those of their kinds where they have none.
     pub fn axis_names(&self) -> Vec<String> {
         let name = |a: &AxisConfig| if a.name.is_empty() { a.kind.name().to_owned() } else { a.name.clone() };

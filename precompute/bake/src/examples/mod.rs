@@ -178,13 +178,13 @@ fn space(
     clips: &ClipSet,
     warnings: &mut Warnings,
 ) -> Result<(BlendSpace, BlendReport), BuildError> {
-    let sources = select::sources(clips, config);
+    let (sources, told) = (select::sources(clips, config), warnings.messages.len());
     let mut chosen = select::candidates(name, config, &sources, warnings)?;
     let left_out = select::thin(&mut chosen, config.min_distance);
     let points: Vec<Vec<f64>> = chosen.iter().map(|c| c.parameters.clone()).collect();
     let spacings: Vec<Option<f64>> = config.axes.iter().map(|a| a.spacing).collect();
     let basis = CardinalBasis::new(&points, &spacings, config.kernel_reach, config.min_distance)
-        .map_err(|fault| cardinal_fault(name, config, &chosen, &fault))?;
+        .map_err(|fault| cardinal_fault(name, config, &chosen, &fault, &warnings.messages[told..]))?;
     let table = grid::tabulate(&basis, extent(config, &points), config.weight_tolerance, config.max_weight_bytes)
         .map_err(|large| too_large(name, config, &large))?;
     check_weights(name, config, &points, &table)?;
@@ -352,23 +352,31 @@ fn stage(message: String, help: &str) -> BuildError {
 }
 
 /// Why examples have no weights, by their names.
-fn cardinal_fault(space: &str, config: &BlendConfig, chosen: &[Candidate<'_>], fault: &CardinalFault) -> BuildError {
+/// - `lacking`: what is told of clips in which no example was found.
+fn cardinal_fault(
+    space: &str,
+    config: &BlendConfig,
+    chosen: &[Candidate<'_>],
+    fault: &CardinalFault,
+    lacking: &[String],
+) -> BuildError {
     let axes = config.axis_names();
     let values = |k: usize| {
         let all: Vec<_> = chosen.iter().take(8).map(|c| format!("`{}` {:.3}", c.name, c.parameters[k])).collect();
         let more = if chosen.len() > 8 { ", ..." } else { "" };
         format!("{}{more}", all.join(", "))
     };
-    let names = || chosen.iter().map(|c| format!("`{}`", c.name)).collect::<Vec<_>>().join(", ");
+    let names = || {
+        let found: Vec<String> = chosen.iter().map(|c| format!("`{}`", c.name)).collect();
+        let lacking = lacking.iter().map(|l| l.trim_start_matches(&format!("blend.{space}: ")).trim_end_matches('.'));
+        let parts = std::iter::once(found.join(", ")).chain(lacking.map(str::to_owned));
+        parts
+            .filter(|p| !p.is_empty())
+            .fold(String::new(), |all, p| format!("{all}{}{p}", if all.is_empty() { ": " } else { "; " }))
+    };
     let (what, help) = match fault {
         CardinalFault::TooFew => (
-            format!(
-                "{} axes need {} examples at least, found {}: {}",
-                axes.len(),
-                axes.len() + 1,
-                chosen.len(),
-                names()
-            ),
+            format!("{} axes need {} examples at least, found {}{}", axes.len(), axes.len() + 1, chosen.len(), names()),
             "Add examples, or leave axes out".to_owned(),
         ),
         CardinalFault::NoExtent(k) => (

@@ -196,9 +196,8 @@ fn search<'a>(
         let what = format!("no clip is there that matches {:?}", find.clips);
         return Err(wish.fault("find", &what, "Name clips as `throng inspect` lists them; `*` stands for any text"));
     }
-    let mut warn = |clip: &Clip, why: &str| {
-        warnings.push(format!("blend.{}: no example was found in clip `{}`: {why}.", wish.space, clip.name));
-    };
+    let mut without: Vec<(String, String)> = Vec::new();
+    let mut warn = |clip: &Clip, why: &str| without.push((clip.name.clone(), why.to_owned()));
     let most = find.closing_deg.unwrap_or(CLOSING_DEG).to_radians();
     for pair in clips().filter(|_| find.symmetric) {
         match halved(pair, find.tag.as_deref(), None) {
@@ -224,12 +223,26 @@ fn search<'a>(
             warn(&source.clip, faults.first().map_or("none of its cycles closes", |f| &f.what));
         }
     }
+    warnings.messages.extend(told_without(wish.space, &without));
     out.retain(|c| wish.within(&c.parameters));
     out.sort_by(|a, b| a.cycle.closing.total_cmp(&b.cycle.closing));
     if let Some(most) = find.most {
         spread(&mut out, most);
     }
     Ok(out)
+}
+
+/// Clips without an example that are told one by one; of more, these many are named.
+const NAMED: usize = 4;
+
+/// In which clips no example was found, and why.
+fn told_without(space: &str, clips: &[(String, String)]) -> Vec<String> {
+    let begin = format!("blend.{space}: no example was found in");
+    if clips.len() <= NAMED {
+        return clips.iter().map(|(clip, why)| format!("{begin} clip `{clip}`: {why}.")).collect();
+    }
+    let some: Vec<String> = clips.iter().take(NAMED).map(|(clip, why)| format!("`{clip}`: {why}")).collect();
+    vec![format!("{begin} {} clips: {}; ...", clips.len(), some.join("; "))]
 }
 
 /// Keeps those that are farthest from one another, beginning with the first.

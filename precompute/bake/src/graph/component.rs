@@ -12,6 +12,8 @@ pub(super) struct EventGraph {
     pub next: Vec<Option<usize>>,
     /// Frames between the event before, exclusive, and this one: what an arrival plays.
     pub frames: Vec<u32>,
+    /// What they are worth when components are compared: a metre travelled counts as much as a second (frames).
+    pub worth: Vec<u32>,
     /// The chosen transitions of every event.
     pub links: Vec<Vec<Link>>,
 }
@@ -41,25 +43,45 @@ impl EventGraph {
     }
 }
 
-/// Reduces the graph to its largest strongly connected component, measured in frames.
+/// Reduces the graph to its largest strongly connected component, measured in seconds and metres: much motion on the
+/// spot is not kept in place of a little less that gets somewhere.
 ///
-/// An event where the clip does not go on must have two links into the component; one with fewer is removed, and
-/// that is repeated until nothing changes: every event of the result leads on, and every one of them to every other.
+/// An event where the clip does not go on must have two links into the component; one with fewer is removed, and so is
+/// an event that would be passed more than `most_frames` before the next choice. That is repeated until nothing
+/// changes: every event of the result leads on, and every one of them to every other.
 ///
 /// - returns which events are in the component; none may be.
-pub(super) fn largest_component(graph: &EventGraph) -> Vec<bool> {
+pub(super) fn largest_component(graph: &EventGraph, most_frames: u32) -> Vec<bool> {
     let mut alive = vec![true; graph.next.len()];
     loop {
         alive = strongest(graph, &alive);
         let is_end = |i: usize| alive[i] && !graph.goes_on(i, &alive) && graph.jumps(i, &alive).count() < 2;
-        let ends: Vec<usize> = (0..alive.len()).filter(|&i| is_end(i)).collect();
-        if ends.is_empty() {
+        let ends = (0..alive.len()).filter(|&i| is_end(i));
+        let out: Vec<usize> = ends.chain(too_far_ahead(graph, &alive, most_frames)).collect();
+        if out.is_empty() {
             return alive;
         }
-        for i in ends {
+        for i in out {
             alive[i] = false;
         }
     }
+}
+
+/// Events from whose predecessor it takes more than so many frames to the next one with a choice.
+fn too_far_ahead(graph: &EventGraph, alive: &[bool], most_frames: u32) -> Vec<usize> {
+    let ways = |i: usize| usize::from(graph.goes_on(i, alive)) + graph.jumps(i, alive).count();
+    // Clips go forward: what follows an event has a greater number.
+    let mut frames_left = vec![0u32; alive.len()];
+    let mut out = Vec::new();
+    for i in (0..alive.len()).rev() {
+        let Some(n) = graph.next[i].filter(|&n| alive[n]) else { continue };
+        let rest = if ways(n) > 1 { 0 } else { frames_left[n] };
+        frames_left[i] = graph.frames[n].saturating_add(rest);
+        if frames_left[i] > most_frames {
+            out.push(n);
+        }
+    }
+    out
 }
 
 /// Strongly connected components of the events alive, each ascending.
@@ -78,14 +100,14 @@ pub(super) fn components(graph: &EventGraph, alive: &[bool]) -> Vec<Vec<usize>> 
     out
 }
 
-/// The component of most frames among the events alive; the one with the first event on a tie. A single event is
+/// The component that is worth most among the events alive; the one with the first event on a tie. A single event is
 /// one only if it leads to itself.
 fn strongest(graph: &EventGraph, alive: &[bool]) -> Vec<bool> {
-    let frames = |c: &[usize]| c.iter().map(|&n| u64::from(graph.frames[n])).sum::<u64>();
+    let worth = |c: &[usize]| c.iter().map(|&n| u64::from(graph.worth[n])).sum::<u64>();
     let best = components(graph, alive)
         .into_iter()
         .filter(|c| c.len() > 1 || graph.targets(c[0]).any(|n| n == c[0]))
-        .max_by_key(|c| (frames(c), std::cmp::Reverse(c[0])));
+        .max_by_key(|c| (worth(c), std::cmp::Reverse(c[0])));
     let mut out = vec![false; alive.len()];
     for n in best.into_iter().flatten() {
         out[n] = true;

@@ -19,6 +19,9 @@ pub struct GraphConfig {
     pub max_error: f64,
     /// Most actions a state may have (4 to 255).
     pub max_actions: usize,
+    /// Longest action: a character chooses at least this often. Motion without a choice for longer is left out
+    /// (s, 0.1 to 10000).
+    pub max_action_s: f64,
     /// Transitions that stay within this time of where they leave in the same clip are left out.
     /// (s, 0 to 10000)
     pub min_jump_s: f64,
@@ -49,6 +52,7 @@ impl Default for GraphConfig {
             threshold: None,
             max_error: 0.5,
             max_actions: 64,
+            max_action_s: 4.0,
             min_jump_s: 0.3,
             outcome_distance: 0.1,
             outcome_angle: 0.1,
@@ -71,6 +75,7 @@ impl GraphConfig {
             ("max_error", self.max_error, 1e-6, 1e3),
             ("max_actions", self.max_actions as f64, 4.0, 255.0),
             ("branching", self.branching, 2.0, self.max_actions as f64),
+            ("max_action_s", self.max_action_s, 0.1, 1e4),
             ("min_jump_s", self.min_jump_s, 0.0, 1e4),
             ("outcome_distance", self.outcome_distance, 0.0, 1e3),
             ("outcome_angle", self.outcome_angle, 0.0, 10.0),
@@ -94,6 +99,7 @@ mod tests {
         assert!(GraphConfig::default().check().is_ok());
         for (config, key) in [
             (GraphConfig { branching: 65.0, ..Default::default() }, "branching"),
+            (GraphConfig { max_action_s: 0.0, ..Default::default() }, "max_action_s"),
             (GraphConfig { max_actions: 256, ..Default::default() }, "max_actions"),
             (GraphConfig { threshold: Some(0.0), ..Default::default() }, "threshold"),
             (GraphConfig { standing_interval_s: f64::NAN, ..Default::default() }, "standing_interval_s"),

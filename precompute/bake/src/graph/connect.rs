@@ -24,7 +24,7 @@ const SEARCH_STEPS: usize = 16;
 /// planted or not, or standing. The largest strongly connected component of all transitions up to
 /// `config.max_error` is kept. Of its transitions as many are actions as give states `config.branching` of them on
 /// average: the nearer ones, those of every kind of outcome, and those that keep the component whole. Frames
-/// with one way out are collapsed.
+/// with one way out are collapsed; motion without a choice for longer than `config.max_action_s` is left out.
 ///
 /// # Errors
 /// [`BuildError::Config`] for a number out of range; [`BuildError::Stage`] where clips have no contacts or differ in
@@ -109,7 +109,7 @@ fn too_small(report: &GraphReport, config: &GraphConfig, rate_hz: f64) -> BuildE
         ),
         help: format!(
             "Add longer clips that return to similar poses ({:.1} s are usable now), check that feet touch the ground \
-             (throng inspect CLIP), add mirrored copies, or raise graph.max_error",
+             (throng inspect CLIP), add mirrored copies, or raise graph.max_error or graph.max_action_s",
             seconds(report.frames_in)
         ),
     }
@@ -125,6 +125,8 @@ struct Search<'a> {
     whole: EventGraph,
     /// The largest component of `whole`.
     alive: Vec<bool>,
+    /// Longest action (frames).
+    most_frames: u32,
 }
 
 impl<'a> Search<'a> {
@@ -137,20 +139,24 @@ impl<'a> Search<'a> {
     ) -> Self {
         let events = events::find(clips, config);
         let next = matches::successors(&events);
-        let mut frames = vec![0; events.len()];
+        let (mut frames, mut worth) = (vec![0; events.len()], vec![0; events.len()]);
+        let starts = clips.frame_starts();
         for (i, n) in next.iter().enumerate() {
-            if let Some(n) = *n {
-                frames[n] = events[n].frame.0 - events[i].frame.0;
-            }
+            let Some(n) = *n else { continue };
+            let (from, to) = (events[i].frame, events[n].frame);
+            frames[n] = to.0 - from.0;
+            let way = matches::displacement(clips, &starts, events[i].clip, from, to);
+            worth[n] = frames[n] + (f64::from(way.x.hypot(way.z)) * rate_hz).round() as u32;
         }
         let limit = config.max_error.max(config.threshold.unwrap_or(0.0)) as f32;
         let min_jump = (config.min_jump_s * rate_hz).round() as u32;
         let links = matches::find(&events, features, limit, min_jump, progress);
         let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
-        let mut whole = EventGraph { next, frames, links };
-        let alive = largest_component(&whole);
+        let mut whole = EventGraph { next, frames, worth, links };
+        let most_frames = (config.max_action_s * rate_hz).round() as u32;
+        let alive = largest_component(&whole, most_frames);
         whole.restrict(&alive);
-        Self { clips, config, events, outcomes, whole, alive }
+        Self { clips, config, events, outcomes, whole, alive, most_frames }
     }
 
     /// The graph at the threshold that is given, or at the least one that reaches the wanted branching, or at
@@ -184,10 +190,12 @@ impl<'a> Search<'a> {
     /// The event graph with the links that are chosen at a threshold, and its component.
     fn events_at(&self, threshold: f32) -> (EventGraph, Vec<bool>) {
         let links = choose::choose(&self.whole.links, &self.outcomes, threshold, self.config);
-        let mut graph = EventGraph { next: self.whole.next.clone(), frames: self.whole.frames.clone(), links };
+        let whole = &self.whole;
+        let (next, frames, worth) = (whole.next.clone(), whole.frames.clone(), whole.worth.clone());
+        let mut graph = EventGraph { next, frames, worth, links };
         bridge::bridge(&mut graph, &self.whole.links, &self.alive, self.config.max_actions - 1);
         // Where max_actions left no room for a bridge, a part may still be lost.
-        let alive = largest_component(&graph);
+        let alive = largest_component(&graph, self.most_frames);
         (graph, alive)
     }
 }

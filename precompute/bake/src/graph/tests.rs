@@ -16,8 +16,9 @@ fn event_graph() -> impl Strategy<Value = EventGraph> {
     (2usize..14).prop_flat_map(|n| {
         let ends = prop::collection::vec(prop::bool::weighted(0.3), n);
         let frames = prop::collection::vec(1u32..20, n);
+        let worth = prop::collection::vec(1u32..20, n);
         let links = prop::collection::vec(prop::collection::btree_map(0..n, 0.0f32..1.0, 0..5), n);
-        (ends, frames, links).prop_map(move |(ends, frames, links)| {
+        (ends, frames, worth, links).prop_map(move |(ends, frames, worth, links)| {
             let next: Vec<Option<usize>> = (0..n).map(|i| (i + 1 < n && !ends[i]).then_some(i + 1)).collect();
             let of_event = |i: usize, l: &std::collections::BTreeMap<usize, f32>| {
                 let mut out: Vec<Link> = l.iter().map(|(&event, &error)| Link { event, error }).collect();
@@ -26,7 +27,7 @@ fn event_graph() -> impl Strategy<Value = EventGraph> {
                 out
             };
             let links = links.iter().enumerate().map(|(i, l)| of_event(i, l)).collect();
-            EventGraph { next: next.clone(), frames, links }
+            EventGraph { next: next.clone(), frames, worth, links }
         })
     })
 }
@@ -50,18 +51,35 @@ fn reaches(graph: &EventGraph, alive: &[bool]) -> Vec<Vec<bool>> {
     r
 }
 
-fn naive_component(graph: &EventGraph) -> Vec<bool> {
+/// Frames from an event to the next one with a choice, as the clip goes on.
+fn frames_to_choice(graph: &EventGraph, inside: &dyn Fn(usize) -> bool, from: usize) -> u32 {
+    let arrives = |event: usize| graph.next[event].is_some_and(inside);
+    let (mut at, mut frames) = (from, 0);
+    while let Some(n) = graph.next[at].filter(|&n| inside(n)) {
+        frames += graph.frames[n];
+        at = n;
+        if usize::from(arrives(n)) + graph.links[n].iter().filter(|l| arrives(l.event)).count() > 1 {
+            break;
+        }
+    }
+    frames
+}
+
+fn naive_component(graph: &EventGraph, most_frames: u32) -> Vec<bool> {
     let n = graph.next.len();
     let mut alive = vec![true; n];
     loop {
         let r = reaches(graph, &alive);
         let parts = (0..n).filter(|&i| r[i][i]).map(|i| (0..n).filter(|&j| r[i][j] && r[j][i]).collect::<Vec<_>>());
-        let frames = |p: &[usize]| p.iter().map(|&i| graph.frames[i]).sum::<u32>();
-        let best = parts.max_by_key(|p| (frames(p), std::cmp::Reverse(p[0]))).unwrap_or_default();
+        let worth = |p: &[usize]| p.iter().map(|&i| graph.worth[i]).sum::<u32>();
+        let best = parts.max_by_key(|p| (worth(p), std::cmp::Reverse(p[0]))).unwrap_or_default();
         let inside = |i: usize| best.contains(&i);
         let arrives = |event: usize| graph.next[event].is_some_and(inside);
         let stuck = |i: usize| !arrives(i) && graph.links[i].iter().filter(|l| arrives(l.event)).count() < 2;
-        alive = (0..n).map(|i| inside(i) && !stuck(i)).collect();
+        let deaf = |i: usize| {
+            i > 0 && graph.next[i - 1] == Some(i) && { frames_to_choice(graph, &inside, i - 1) > most_frames }
+        };
+        alive = (0..n).map(|i| inside(i) && !stuck(i) && !deaf(i)).collect();
         if (0..n).all(|i| inside(i) == alive[i]) {
             return alive;
         }
@@ -92,13 +110,19 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(512))]
 
     #[test]
-    fn the_component_is_the_one_brute_force_finds(graph in event_graph()) {
-        prop_assert_eq!(largest_component(&graph), naive_component(&graph));
+    fn the_component_is_the_one_brute_force_finds(graph in event_graph(), most in 1u32..60) {
+        for most in [most, u32::MAX] {
+            let alive = largest_component(&graph, most);
+            prop_assert_eq!(&alive, &naive_component(&graph, most));
+            for i in (0..alive.len()).filter(|&i| graph.goes_on(i, &alive)) {
+                prop_assert!(frames_to_choice(&graph, &|n| alive[n], i) <= most);
+            }
+        }
     }
 
     #[test]
     fn bridges_make_a_thinned_graph_whole_again(mut whole in event_graph(), keep in prop::collection::vec(any::<bool>(), 14)) {
-        let alive = largest_component(&whole);
+        let alive = largest_component(&whole, u32::MAX);
         whole.restrict(&alive);
         let mut thin = whole.clone();
         for (i, links) in thin.links.iter_mut().enumerate() {
@@ -106,7 +130,7 @@ proptest! {
         }
         let chosen = thin.links.clone();
         bridge(&mut thin, &whole.links, &alive, 255);
-        prop_assert_eq!(largest_component(&thin), alive);
+        prop_assert_eq!(largest_component(&thin, u32::MAX), alive);
         for i in 0..thin.links.len() {
             prop_assert!(chosen[i].iter().all(|l| thin.links[i].contains(l)));
             prop_assert!(thin.links[i].iter().all(|l| whole.links[i].contains(l)));
@@ -116,7 +140,7 @@ proptest! {
 
     #[test]
     fn collapsing_keeps_every_way_and_nothing_else(graph in event_graph()) {
-        let alive = largest_component(&graph);
+        let alive = largest_component(&graph, u32::MAX);
         let (clips, events) = clip_and_events(alive.len());
         let collapsed = collapse(&graph, &alive, &events, &clips);
         let r = reaches(&graph, &alive);
@@ -152,10 +176,11 @@ fn components_of_a_chain_into_a_loop() {
     let graph = EventGraph {
         next: vec![Some(1), Some(2), Some(3), None],
         frames: vec![0, 5, 5, 5],
+        worth: vec![0, 5, 5, 5],
         links: vec![vec![], vec![], vec![], vec![Link { event: 1, error: 0.1 }, Link { event: 2, error: 0.2 }]],
     };
     let mut parts = components(&graph, &[true; 4]);
     parts.sort();
     assert_eq!(parts, [vec![0], vec![1], vec![2, 3]]);
-    assert_eq!(largest_component(&graph), [false, false, true, true]);
+    assert_eq!(largest_component(&graph, u32::MAX), [false, false, true, true]);
 }

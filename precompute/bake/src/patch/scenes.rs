@@ -36,7 +36,10 @@ pub struct SourceScenes {
 /// environment that was made with another unit file.
 pub fn scenes(clips: &[Clip], cfg: &PatchConfig, units: &UnitSet) -> Result<SourceScenes, BuildError> {
     cfg.touch.check().map_err(|e| e.within("patches.touch"))?;
-    let geometries = geometries(units)?;
+    let geometries = match &cfg.units {
+        Some(file) => geometries(units).map_err(|e| e.in_file(file))?,
+        None => geometries(units)?,
+    };
     let mut of_clip = vec![None; clips.len()];
     let mut scenes = Vec::with_capacity(cfg.environments.len());
     for (number, source) in cfg.environments.iter().enumerate() {

@@ -10,6 +10,7 @@ pub mod made_up;
 mod model;
 mod pairs;
 mod policies;
+mod promise;
 mod quality;
 pub mod search;
 mod solve;
@@ -26,5 +27,6 @@ pub use config::{
 pub use export::write_csv;
 pub use model::{ActionModel, SegmentMotion};
 pub use policies::{Policy, PolicyReport, PolicyTables, solve, solve_behaviours};
+pub use promise::{Promise, PromisePart, promise};
 pub use quality::{Quality, QualityConfig, TemperatureQuality, quality};
 pub use solve::{Solution, tolerance, value_iteration};

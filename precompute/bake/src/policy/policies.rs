@@ -6,6 +6,7 @@ use super::behaviour::{Approach, Behaviour, Evade, SegmentHit, ThrowPunches, seg
 use super::compare::{Comparison, compare};
 use super::config::{BehaviourConfig, BehaviourKind, PolicyConfig};
 use super::model::ActionModel;
+use super::promise::{Promise, promise};
 use super::solve::{Solution, value_iteration};
 use crate::graph::MotionGraph;
 use glam::Vec2;
@@ -81,6 +82,8 @@ pub struct PolicyReport {
     pub seconds: f64,
     /// Single-load answers against look-aheads.
     pub comparison: Comparison,
+    /// What its values promise, and how much of it a greedy character collects.
+    pub promise: Promise,
     /// What an adaptive policy gives away, beside uniform grids of the same size.
     pub adaptive: Option<AdaptiveReport>,
 }
@@ -142,11 +145,15 @@ fn make(
     })
 }
 
-/// Centroid of the effective hitting points over ground, in the character's frame: x, z (m).
+/// Where hits land over ground, in the character's frame: their median distance, in the middle of their directions.
+/// The centroid of mirrored hits would be nearer than any of them: x, z (m).
 fn hit_centre(clips: &ClipSet) -> Option<Vec2> {
     let places: Vec<Vec2> =
         clips.clips.iter().flat_map(|c| &c.hits).map(|h| Vec2::new(h.position.x, h.position.z)).collect();
-    (!places.is_empty()).then(|| places.iter().sum::<Vec2>() / places.len() as f32)
+    let mut distances: Vec<f32> = places.iter().map(|p| p.length()).collect();
+    distances.sort_by(f32::total_cmp);
+    let direction: Vec2 = places.iter().map(|p| p.normalize_or_zero()).sum();
+    Some(direction.try_normalize().unwrap_or(Vec2::Y) * *distances.get(distances.len() / 2)?)
 }
 
 /// Solves any behaviours over a model.
@@ -192,8 +199,10 @@ fn solve_one(
         adaptive = Some(AdaptiveReport::new(model, behaviour, &finest, &solution, cfg, rng)?);
     }
     let seconds = begin.elapsed().as_secs_f64();
-    let comparison = compare(&solution.table(model, &best)?, cfg.compare_samples, rng);
-    let report = PolicyReport { adaptive, ..report(model, behaviour, &solution, &best, seconds, comparison) };
+    let table = solution.table(model, &best)?;
+    let comparison = compare(&table, cfg.compare_samples, rng);
+    let promise = promise(&table, behaviour.spec().name);
+    let report = PolicyReport { adaptive, promise, ..report(model, behaviour, &solution, &best, seconds, comparison) };
     let Solution { record, segments, paths, state_grids, values, .. } = solution;
     Ok(Policy { name: behaviour.spec().name.into(), record, segments, paths, state_grids, values, best, report })
 }
@@ -223,6 +232,7 @@ fn report(
             + size_of_val(&*solution.state_grids),
         seconds,
         comparison,
+        promise: Promise::default(),
         adaptive: None,
     }
 }

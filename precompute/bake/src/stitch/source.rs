@@ -180,7 +180,7 @@ impl Kit {
             });
         }
         let units = UnitSet::parse(&tables.meta().units, path)?;
-        let geometries = geometries(&units)?;
+        let geometries = geometries(&units).map_err(|e| e.at(&Source::new(&tables.meta().units, path)))?;
         Ok(Self { units, geometries })
     }
 
@@ -358,7 +358,7 @@ mod tests {
 
     #[test]
     fn a_name_that_is_a_path_is_refused() {
-        for name in ["../other", "a/b", "..", "/tmp/a"] {
+        for name in ["../other", "a/b", "..", "/a"] {
             let error = load(&format!("name = \"{name}\"\nbundle = \"b.throng\"\nplace = []\n")).unwrap_err();
             assert!(error.contains("square.toml:1:1: name: expected the name of a file"), "{error}");
         }

@@ -41,13 +41,15 @@ pub struct Reader {
 }
 
 /// Every reader.
-pub const READERS: [Reader; 18] = {
+pub const READERS: [Reader; 20] = {
     use Form::{Binary, Text};
     [
         Reader { name: "bundle", form: Binary, seeds: seeds::bundle, read: readers::bundle },
         Reader { name: "world", form: Binary, seeds: seeds::world, read: readers::world },
         Reader { name: "bvh", form: Text, seeds: seeds::bvh, read: readers::bvh },
         Reader { name: "amc", form: Text, seeds: seeds::amc, read: readers::amc },
+        Reader { name: "npz", form: Binary, seeds: seeds::npz, read: readers::npz },
+        Reader { name: "archive", form: Binary, seeds: seeds::archive, read: readers::archive },
         Reader { name: "config", form: Text, seeds: seeds::config, read: readers::config },
         Reader { name: "scene", form: Text, seeds: seeds::scene, read: readers::scene },
         Reader { name: "world_file", form: Text, seeds: seeds::world_file, read: readers::world_file },

@@ -12,7 +12,7 @@ use throng_bake::environment::{EnvironmentFile, UnitSet, geometries};
 use throng_bake::stitch::WorldSource;
 use throng_motion::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
 use throng_motion::import::profile::Profile;
-use throng_motion::import::{self, ImportConfig, SourceClip, amc, asf, bvh};
+use throng_motion::import::{self, ImportConfig, SourceClip, amc, asf, bvh, npz};
 use throng_motion::resample::{ResampleConfig, resample};
 use throng_motion::retarget::{self, RetargetConfig};
 use throng_runtime::Bundle;
@@ -133,6 +133,24 @@ pub fn amc(data: &[u8]) -> bool {
     };
     let Ok(skeleton) = asf::parse(skeleton, Path::new("fuzz.asf")) else { return false };
     amc::parse(motion, Path::new("fuzz.amc"), &skeleton).is_ok_and(use_clip)
+}
+
+/// An SMPL file, as it is and as arrays that are put into one: the same.
+pub fn npz(data: &[u8]) -> bool {
+    let packed = [Some(data.to_vec()), repair::npz(data)];
+    packed.iter().flatten().any(|bytes| npz::parse(bytes, Path::new("fuzz.npz")).is_ok_and(use_clip))
+}
+
+/// An archive of clips: searched, and all that is found in it read; true where something was found.
+pub fn archive(data: &[u8]) -> bool {
+    let path = in_folder("fuzz.zip", |path| {
+        let _ = std::fs::write(path, data);
+    });
+    let found = import::find(std::slice::from_ref(&path)).unwrap_or_default();
+    for file in found.iter().take(FEW) {
+        drop(import::read_clip(&file.path, &ImportConfig::default()));
+    }
+    !found.is_empty()
 }
 
 fn use_clip(source: SourceClip) -> bool {

@@ -1,7 +1,10 @@
 //! Puts the checksums of damaged files right, so that what lies behind them is reached.
 
+use std::io::{Cursor, Write};
 use throng_runtime::format::{Header, MAGIC, Section, VERSION, crc32};
 use throng_runtime::world::{WORLD_MAGIC, WORLD_VERSION};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
 
 /// First bytes of each frame of a snapshot, and where its length, checksum and content lie after them.
 const SNAPSHOT_MAGIC: &[u8] = b"THRGSNAP";
@@ -68,6 +71,32 @@ pub fn snapshot(data: &[u8], good: &[u8]) -> Vec<u8> {
         data[at + SUM..at + BODY].copy_from_slice(&sum);
     }
     data
+}
+
+/// Parts the arrays of an `npz` input: the way, the turns, the rate.
+pub const NPZ_SEAM: &[u8] = b"#--npy--\n";
+
+/// An `.npz` file of the arrays between the seams; nothing where there are none.
+pub fn npz(data: &[u8]) -> Option<Vec<u8>> {
+    let seams = data.windows(NPZ_SEAM.len()).enumerate().filter(|(_, w)| *w == NPZ_SEAM).map(|(at, _)| at);
+    let mut from = 0;
+    let mut files = Vec::new();
+    for to in seams.chain([data.len()]) {
+        files.push(&data[from.min(to)..to]);
+        from = to + NPZ_SEAM.len();
+    }
+    (files.len() > 1).then(|| zip(&["trans.npy", "poses.npy", "mocap_framerate.npy"], &files))
+}
+
+/// An archive of files without compression.
+pub(super) fn zip(names: &[&str], files: &[&[u8]]) -> Vec<u8> {
+    let mut out = ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    for (name, content) in names.iter().zip(files) {
+        let written = out.start_file(*name, options).and_then(|()| Ok(out.write_all(content)?));
+        written.expect("memory takes all bytes");
+    }
+    out.finish().expect("memory takes all bytes").into_inner()
 }
 
 #[cfg(test)]

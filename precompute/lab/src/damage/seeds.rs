@@ -1,6 +1,7 @@
 //! Good files of every kind: synthetic ones, nothing captured.
 
 use super::readers::ASF_AMC_SEAM;
+use super::repair::{self, NPZ_SEAM};
 use super::snapshots;
 use std::fmt::Write as _;
 use throng_core::characters::made_up;
@@ -57,6 +58,34 @@ pub fn amc() -> Vec<Vec<u8>> {
         join(&asf.replace("angle deg", "angle rad"), &amc.replace(":DEGREES", ":RADIANS")),
         join(&asf, &amc.replace("0.5", "5.0e-001")),
     ]
+}
+
+/// SMPL files, whole and as arrays with [`NPZ_SEAM`] between them.
+pub fn npz() -> Vec<Vec<u8>> {
+    let frames = 6;
+    let poses = |k: usize| if k.is_multiple_of(156) { std::f64::consts::FRAC_PI_2 } else { 0.01 * (k % 7) as f64 };
+    let arrays =
+        [npy(&[frames, 3], |k| [0.0, 0.01 * k as f64, 0.93][k % 3]), npy(&[frames, 156], poses), npy(&[1], |_| 60.0)];
+    let parts: Vec<&[u8]> = arrays.iter().map(Vec::as_slice).collect();
+    let seamed = parts.join(NPZ_SEAM);
+    let whole = repair::npz(&seamed).expect("it has seams");
+    vec![whole, seamed]
+}
+
+/// An array of 64-bit floats as NumPy writes it.
+fn npy(shape: &[usize], value: impl Fn(usize) -> f64) -> Vec<u8> {
+    let list: String = shape.iter().map(|n| format!("{n}, ")).collect();
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({list}), }}");
+    let header = format!("{header:117}\n");
+    let length = (header.len() as u16).to_le_bytes();
+    let data = (0..shape.iter().product()).flat_map(|k| value(k).to_le_bytes());
+    b"\x93NUMPY\x01\x00".iter().copied().chain(length).chain(header.into_bytes()).chain(data).collect()
+}
+
+/// Archives of clips.
+pub fn archive() -> Vec<Vec<u8>> {
+    let [plain, smpl] = [bvh_text(&Skeleton::default(), 6).into_bytes(), npz().swap_remove(0)];
+    vec![repair::zip(&["walk/slow.bvh", "notes.txt"], &[&plain, b"slow"]), repair::zip(&["a.npz"], &[&smpl])]
 }
 
 /// Build configs.

@@ -231,7 +231,7 @@ fn store_hit(row: &mut Row, hit: Option<(Vec3, f32)>) {
 }
 
 /// Runs of usable frames, in order.
-fn runs(tables: &Bundle) -> Vec<Range<u32>> {
+pub(crate) fn runs(tables: &Bundle) -> Vec<Range<u32>> {
     let mut out = Vec::new();
     for (clip, meta) in tables.clips().iter().zip(&tables.meta().clips) {
         let mut from = 0;

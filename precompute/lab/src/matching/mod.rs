@@ -19,6 +19,7 @@ mod wish;
 
 pub use boxes::BoxSearch;
 pub use character::{Character, SEARCH_FRAMES};
+pub(crate) use database::runs;
 pub use database::{Database, HIT_HORIZON_S};
 pub use distance::{Nearest, brute_force};
 pub use features::{FeatureWeights, Row, WIDTH};

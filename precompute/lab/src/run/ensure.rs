@@ -1,6 +1,6 @@
 //! Makes what a scene names and is missing: bundles from their configs, worlds from their world files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use throng_bake::cache::Cache;
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
@@ -64,6 +64,41 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) ->
     report.warnings.iter().for_each(|w| (with.tell)(&format!("warning: {w}")));
     report.skipped.iter().for_each(|s| (with.tell)(&format!("skipped: {s}")));
     Ok(())
+}
+
+/// Builds what some motion allows, where that is not done yet, into the cache.
+///
+/// - `otherwise`: where the bundle is written if the cache keeps nothing.
+/// - returns the bundle.
+///
+/// # Errors
+/// As [`pipeline::build_possible`].
+pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &Cached<'_>) -> Result<PathBuf, BuildError> {
+    let config = BuildConfig::of_motion(motion_name(inputs), inputs.to_vec())?;
+    let kept = pipeline::kept_bundle(&config, with.cache)?;
+    if let Some(bundle) = kept.iter().find(|b| b.is_file()) {
+        return Ok(bundle.clone());
+    }
+    let bundle = kept.unwrap_or_else(|| otherwise.to_path_buf());
+    if let Some(folder) = bundle.parent() {
+        std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
+    }
+    (with.tell)(&format!("building {} ...", config.name));
+    let report = pipeline::build_possible(&config, &bundle, with.cache, with.progress)?;
+    report.warnings.iter().for_each(|w| (with.tell)(&format!("warning: {w}")));
+    report.skipped.iter().for_each(|s| (with.tell)(&format!("skipped: {s}")));
+    report.not_made.iter().for_each(|n| (with.tell)(&format!("no {}: {}", n.part, n.why)));
+    Ok(bundle)
+}
+
+/// What a database of some motion is called: as the folder, archive or file that comes first.
+pub fn motion_name(inputs: &[PathBuf]) -> String {
+    let has_star = |p: &&Path| p.to_string_lossy().contains('*');
+    let Some(first) = inputs.first() else { return "motion".into() };
+    let first = first.ancestors().find(|p| !has_star(p)).unwrap_or(Path::new("."));
+    let real = first.canonicalize().unwrap_or_else(|_| first.to_path_buf());
+    let name = if real.is_dir() { real.file_name() } else { real.file_stem() };
+    name.map_or_else(|| "motion".into(), |n| n.to_string_lossy().into_owned())
 }
 
 /// Stitches a world where it is missing, or was made with another bundle or from an older text of its file.

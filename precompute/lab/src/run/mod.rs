@@ -12,7 +12,7 @@ mod styles;
 pub(crate) mod watch;
 
 pub use clock::running_s;
-pub use ensure::{Cached, ensure, ensure_bundle, ensure_world};
+pub use ensure::{Cached, ensure, ensure_bundle, ensure_motion, ensure_world, motion_name};
 pub use figures::{AgentFigures, BlowFigures, Figures, InhabitedFigures, PathFigures};
 pub use meter::{Flow, HUMAN_FLOW_PER_M_S, OverlapMeter, ProgressMeter, Sight, TRUNK_RADIUS_M, TrunkMeter};
 pub use own::{OWN_SCENES, own_scene};

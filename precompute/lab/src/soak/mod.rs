@@ -191,16 +191,6 @@ mod tests {
     }
 
     #[test]
-    fn overlaps_of_agents_are_measured() {
-        let mut scene = own_scene("corridor").unwrap().unwrap().resized(300);
-        scene.agents.engine = throng_runtime::simulation::scene::engine::named("fixed").unwrap();
-        let config = SoakConfig { seconds: 0.0, run_s: 30.0, step_hz: 10.0, ..SoakConfig::default() };
-        let report = soak(&[scene], &config).unwrap();
-        // Fixed steps let agents overlap a little; a fault is from 1 mm on.
-        assert!(report.worst.agent_overlap_m > 1e-4, "{report:?}");
-    }
-
-    #[test]
     fn memory_that_grows_is_a_fault() {
         let Some(now) = resident_bytes() else { return };
         let mut report = SoakReport { warm_bytes: Some(now), ..SoakReport::default() };

@@ -1,6 +1,7 @@
 //! One run of a scene with all its checks.
 
 use super::{SoakConfig, SoakReport, Worst, fault};
+use crate::run::Figures;
 use crate::run::watch::Watch;
 use rand::{Rng, RngExt};
 use std::time::Instant;
@@ -51,7 +52,7 @@ pub fn turn(scene: &Scene, config: &SoakConfig, rng: &mut impl Rng, report: &mut
             hashes.push(sim.hash());
         }
     }
-    overlaps(&watch, &sim, &name, config.run_s, report);
+    overlaps(&watch.figures(&sim, config.run_s, None), &name, report);
 
     let mut other = Simulation::new(&compiled).map_err(fault)?;
     let restored = other.restore(&kept);
@@ -155,8 +156,7 @@ impl Look {
 }
 
 /// Checks that agents did not overlap, and keeps what else was worst.
-fn overlaps(watch: &Watch, sim: &Simulation, name: &str, seconds: f64, report: &mut SoakReport) {
-    let figures = watch.figures(sim, seconds, None);
+fn overlaps(figures: &Figures, name: &str, report: &mut SoakReport) {
     let worst: &mut Worst = &mut report.worst;
     worst.foot_slip_p95_mps = worst.foot_slip_p95_mps.max(figures.foot_slip_p95_mps.unwrap_or(0.0));
     if let Some(world) = &figures.world {
@@ -167,5 +167,28 @@ fn overlaps(watch: &Watch, sim: &Simulation, name: &str, seconds: f64, report: &
         worst.agent_overlap_m = worst.agent_overlap_m.max(crowd.max_overlap_m);
         let most = crowd.max_overlap_m;
         report.check(crowd.overlap_over_1mm_fraction == 0.0, || format!("{name}: agents overlap by {most} m"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::own_scene;
+
+    #[test]
+    fn agents_that_overlap_are_a_fault() {
+        let scene = own_scene("circle").unwrap().unwrap().resized(10);
+        let mut sim = Simulation::new(&scene.open().unwrap()).unwrap();
+        let mut watch = Watch::new(&sim, &[0]).unwrap();
+        sim.step_to(0.1, &Inline).unwrap();
+        watch.observe(&sim, 0.1, 1, 10.0);
+        let (mut figures, mut report) = (watch.figures(&sim, 0.1, None), SoakReport::default());
+        overlaps(&figures, "circle", &mut report);
+        assert_eq!((report.checks, report.failed), (1, 0));
+        let crowd = figures.crowd.as_mut().unwrap();
+        (crowd.overlap_over_1mm_fraction, crowd.max_overlap_m) = (0.01, 0.02);
+        overlaps(&figures, "circle", &mut report);
+        assert_eq!((report.checks, report.failed, report.worst.agent_overlap_m), (2, 1, 0.02));
+        assert_eq!(report.faults, ["circle: agents overlap by 0.02 m"]);
     }
 }

@@ -26,13 +26,14 @@ mod tests;
 use super::hits::HitMark;
 use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange, Tag};
 use crate::error::BuildError;
-use crate::import::ImportedSet;
+use crate::import::{ImportedSet, archive};
 use crate::mirror;
 pub use hit::SidecarHit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use throng_base::file::MAX_TEXT_BYTES;
 use throng_base::text::{Source, did_you_mean};
 
 /// Ranges, names and hits for one clip.
@@ -97,8 +98,33 @@ struct Entry {
     sidecar: Sidecar,
     /// Frames a second of the file.
     source_rate_hz: f64,
-    /// File or table, as errors name it.
-    origin: String,
+    /// Where it is written; none in the config's table `clips`.
+    file: Option<PathBuf>,
+}
+
+/// Where something about a clip is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The sidecar; none for the config, whose file whoever read it adds.
+    pub file: Option<PathBuf>,
+    /// The key in it.
+    pub key: String,
+}
+
+impl Place {
+    fn new(file: Option<&Path>, clip_name: &str, key: &str) -> Self {
+        let outer = if file.is_none() { format!("clips.{clip_name}.") } else { String::new() };
+        Self { file: file.map(Path::to_path_buf), key: format!("{outer}{key}") }
+    }
+
+    /// What is wrong there.
+    pub fn fault(&self, why: impl std::fmt::Display) -> BuildError {
+        let fault = BuildError::key(&self.key, why);
+        match &self.file {
+            Some(file) => fault.in_file(file),
+            None => fault,
+        }
+    }
 }
 
 /// What a sidecar says about a clip, in the clip's frames.
@@ -182,7 +208,8 @@ impl Sidecar {
 }
 
 impl Sidecars {
-    /// Adds a clip's sidecar. `source_rate_hz` is the rate of its file, `origin` the file or table it is written in.
+    /// Adds a clip's sidecar. `source_rate_hz` is the rate of the clip's file, `file` that of the sidecar; none for an entry
+    /// of the config's table `clips`.
     ///
     /// # Errors
     /// [`BuildError::Key`] for ranges that end before they start, or joints that do not exist.
@@ -191,10 +218,13 @@ impl Sidecars {
         clip_name: &str,
         sidecar: Sidecar,
         source_rate_hz: f64,
-        origin: &str,
+        file: Option<&Path>,
     ) -> Result<(), BuildError> {
-        sidecar.check().map_err(|e| e.in_file(Path::new(origin)))?;
-        self.entries.insert(clip_name.into(), Entry { sidecar, source_rate_hz, origin: origin.into() });
+        sidecar.check().map_err(|e| match file {
+            Some(file) => e.in_file(file),
+            None => e.within(&format!("clips.{clip_name}")),
+        })?;
+        self.entries.insert(clip_name.into(), Entry { sidecar, source_rate_hz, file: file.map(Path::to_path_buf) });
         Ok(())
     }
 
@@ -204,13 +234,27 @@ impl Sidecars {
     /// [`BuildError::Io`] for a file that cannot be read, [`BuildError::Config`] for one that is wrong.
     pub fn insert_beside(&mut self, clip_name: &str, file: &Path, source_rate_hz: f64) -> Result<bool, BuildError> {
         let path = file.with_extension("toml");
+        if archive::split(&path).is_some() {
+            return self.insert_packed(clip_name, &path, source_rate_hz);
+        }
         let source = match Source::read(&path, "a sidecar") {
             Err(throng_base::Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
                 return Ok(false);
             }
             source => source?,
         };
-        self.insert(clip_name, Sidecar::of(&source)?, source_rate_hz, &path.display().to_string())?;
+        self.insert(clip_name, Sidecar::of(&source)?, source_rate_hz, Some(&path))?;
+        Ok(true)
+    }
+
+    /// As [`Sidecars::insert_beside`], for a sidecar in an archive.
+    fn insert_packed(&mut self, clip_name: &str, path: &Path, source_rate_hz: f64) -> Result<bool, BuildError> {
+        if !archive::is_file(path) {
+            return Ok(false);
+        }
+        let bytes = archive::read_file(path, "a sidecar", MAX_TEXT_BYTES)?;
+        let text = String::from_utf8_lossy(&bytes);
+        self.insert(clip_name, Sidecar::of(&Source::new(&text, path))?, source_rate_hz, Some(path))?;
         Ok(true)
     }
 
@@ -228,7 +272,7 @@ impl Sidecars {
         for (name, sidecar) in table {
             let index = clips.clips.iter().filter(|c| !c.mirrored).position(|c| c.name == *name);
             let rate_hz = index.map_or(1.0, |i| raw.clips[i].clip.rate_hz);
-            out.insert(name, sidecar.clone(), rate_hz, &format!("config, clips.{name}"))?;
+            out.insert(name, sidecar.clone(), rate_hz, None)?;
         }
         Ok(out)
     }
@@ -240,8 +284,11 @@ impl Sidecars {
                 continue;
             }
             let meant = did_you_mean(name, clips.clips.iter().map(original_name));
-            let origin = &entry.origin;
-            return Err(BuildError::Config { message: format!("{origin}: there is no clip `{name}`.{meant}") });
+            let why = format!("there is no clip `{name}`.{meant}");
+            return Err(match &entry.file {
+                Some(file) => BuildError::Config { message: format!("{}: {why}", file.display()) },
+                None => BuildError::key(format!("clips.{name}"), why),
+            });
         }
         Ok(())
     }
@@ -257,6 +304,7 @@ impl Sidecars {
             TimeUnit::Seconds => clip.rate_hz,
             TimeUnit::Frames => clip.rate_hz / entry.source_rate_hz,
         };
+        let place = |key: &str| Place::new(entry.file.as_deref(), original_name(clip), key);
         let frames = |start: f64, end: f64, key: &str| -> Result<FrameRange, BuildError> {
             let at = |t: f64| ((t * per_unit - 1e-6).ceil().max(0.0)).min(n as f64) as usize;
             let range = at(start)..at(end);
@@ -266,7 +314,7 @@ impl Sidecars {
                     original_name(clip),
                     n as f64 / per_unit
                 );
-                return Err(BuildError::key(key, why).in_file(Path::new(&entry.origin)));
+                return Err(place(key).fault(why));
             }
             Ok(range)
         };
@@ -280,8 +328,8 @@ impl Sidecars {
             out.tags.push(Tag { name: t.name.clone(), range });
         }
         for (i, h) in entry.sidecar.hits.iter().enumerate() {
-            let key = format!("hits[{i}] `{}`", h.name);
-            let wrong = |why| BuildError::key(format!("hits[{i}]"), why).in_file(Path::new(&entry.origin));
+            let place = place(&format!("hits[{i}]"));
+            let wrong = |why| place.fault(why);
             let ((start, end), joint) = (h.times().map_err(wrong)?, h.joint().map_err(wrong)?);
             let mut range = frames(start, end, &format!("hits[{i}]"))?;
             if start == end {
@@ -289,7 +337,7 @@ impl Sidecars {
             }
             range.end = range.end.max(range.start + 1);
             let joint = if clip.mirrored { joint.mirrored() } else { joint };
-            out.hits.push(HitMark { kind: h.kind(), joint, range, origin: format!("{}: {key}", entry.origin) });
+            out.hits.push(HitMark { kind: h.kind(), joint, range, place });
         }
         Ok(out)
     }

@@ -1,5 +1,6 @@
 //! What the user may say about the files instead of having it detected.
 
+use super::glitches::Glitches;
 use crate::error::{BuildError, check_ranges};
 use std::path::PathBuf;
 
@@ -72,6 +73,8 @@ pub struct ImportConfig {
     pub profile: Option<String>,
     /// Further skeleton profiles (TOML files), tried before the built-in ones.
     pub profiles: Vec<PathBuf>,
+    /// What becomes of frames that are no motion: pops, jumps, flips, freezes, drop-outs. Each is told in a warning.
+    pub glitches: Glitches,
     /// True: one bad file stops the build. False: it is named, skipped and counted.
     pub strict: bool,
 }

@@ -1,69 +1,208 @@
-//! Which files to read: folders and patterns become sorted lists, and an AMC file finds its skeleton.
+//! Which files to read: folders, patterns and archives become sorted lists, and an AMC file finds its skeleton.
 
+use super::archive;
 use super::source::content_error;
 use crate::ImportError;
-use std::path::{Path, PathBuf};
+use std::collections::BTreeSet;
+use std::path::{Component, Path, PathBuf};
 
 /// Files that hold motion.
-const EXTENSIONS: [&str; 2] = ["bvh", "amc"];
+const EXTENSIONS: [&str; 3] = ["bvh", "amc", "npz"];
+/// Folders within folders that are searched; more is a loop.
+const MAX_DEPTH: usize = 64;
+/// Stands for any number of folders in a pattern.
+const ANY_FOLDERS: &str = "**";
 
-fn has_extension(path: &Path, extension: &str) -> bool {
+/// A motion file, and the name that its clip gets.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MotionFile {
+    /// The file; one in an archive is named as if the archive were a folder.
+    pub path: PathBuf,
+    /// Its path without extension as seen from the folder, archive or pattern that was given, with `/`.
+    pub name: String,
+}
+
+pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// The motion files of files, folders (not their subfolders) and patterns with `*` in the last part.
+fn is_motion(path: &Path) -> bool {
+    EXTENSIONS.iter().any(|e| has_extension(path, e))
+}
+
+/// The paths of [`find`].
 ///
-/// The result is sorted and names each file once. Other files in a folder are passed over; a file that is named
-/// itself is kept whatever its extension, so that reading it says what is wrong.
+/// # Errors
+/// As [`find`].
+pub fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ImportError> {
+    Ok(find(paths)?.into_iter().map(|f| f.path).collect())
+}
+
+/// The motion files of files, folders, `.zip` archives and patterns.
+///
+/// Folders and archives are searched to any depth; archives in folders, too. In a pattern `*` stands for any text within
+/// a name, and `**` for any number of folders. The result is sorted by path and names each file once. Other files, and
+/// files and folders whose names begin with a dot, are passed over; a file that is named itself is kept whatever its
+/// extension, so that reading it says what is wrong.
 ///
 /// # Errors
 /// [`ImportError::Io`] for a path that does not exist, [`ImportError::Content`] for one that yields no file.
-pub fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ImportError> {
+pub fn find(paths: &[PathBuf]) -> Result<Vec<MotionFile>, ImportError> {
     let mut files = Vec::new();
     for path in paths {
-        let pattern = path.file_name().map(|n| n.to_string_lossy().into_owned()).filter(|n| n.contains('*'));
-        let found = match pattern {
-            Some(pattern) => list(path.parent().unwrap_or(Path::new("")), |name| matches(&pattern, name))?,
-            None if path.is_dir() => list(path, |_| true)?,
-            None => {
-                std::fs::metadata(path).map_err(|source| ImportError::Io { path: path.clone(), source })?;
-                vec![path.clone()]
-            }
-        };
+        let (base, found) = found(path)?;
         if found.is_empty() {
-            let help = "Name a folder, file or pattern with `*` that holds .bvh or .amc files";
+            let help =
+                "Name a folder, an archive (.zip), a file or a pattern with `*` that holds .bvh, .amc or .npz files";
             return Err(content_error(path, "no motion file is there", help));
         }
-        files.extend(found);
+        files.extend(found.into_iter().map(|path| MotionFile { name: name(&path, &base), path }));
     }
-    files.sort();
-    files.dedup();
+    files.sort_by(|a: &MotionFile, b| a.path.cmp(&b.path));
+    files.dedup_by(|a, b| a.path == b.path);
     Ok(files)
 }
 
-fn list(folder: &Path, wanted: impl Fn(&str) -> bool) -> Result<Vec<PathBuf>, ImportError> {
-    let mut files = entries(folder)?;
-    files.retain(|p| {
-        let name = p.file_name().map(|n| n.to_string_lossy()).unwrap_or_default();
-        EXTENSIONS.iter().any(|e| has_extension(p, e)) && wanted(&name)
-    });
-    Ok(files)
+/// The files of one path, and the folder that their names are relative to.
+fn found(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> {
+    let parent = || path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let mut search = Search::default();
+    // A file may have a star in its name.
+    if path.to_string_lossy().contains('*') && !path.exists() {
+        let parts: Vec<Component> = path.components().collect();
+        let has_star = |c: &Component| c.as_os_str().to_string_lossy().contains('*');
+        let first = parts.iter().position(has_star).unwrap_or(parts.len());
+        let base: PathBuf = parts[..first].iter().collect();
+        let pattern: Vec<String> =
+            parts[first..].iter().map(|c| c.as_os_str().to_string_lossy().into_owned()).collect();
+        search.matching(&base, &pattern, 0)?;
+        return Ok((base, search.found));
+    }
+    if path.is_dir() {
+        search.everything(path, 0)?;
+        return Ok((path.to_path_buf(), search.found));
+    }
+    if has_extension(path, archive::EXTENSION) && path.is_file() {
+        return Ok((path.to_path_buf(), motion_in(path)?));
+    }
+    if !archive::is_file(path) {
+        std::fs::metadata(path).map_err(|source| ImportError::Io { path: path.to_path_buf(), source })?;
+    }
+    Ok((parent(), vec![path.to_path_buf()]))
 }
 
-/// The files of a folder, sorted.
-fn entries(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
-    let shown = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let failed = |source| ImportError::Io { path: shown.to_owned(), source };
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(shown).map_err(failed)? {
-        let name = entry.map_err(failed)?.file_name();
-        let path = folder.join(name);
-        if path.is_file() {
-            files.push(path);
+/// What a clip is called.
+fn name(path: &Path, base: &Path) -> String {
+    let within = path.strip_prefix(base).unwrap_or(path).with_extension("");
+    let parts = within.components().map(|c| c.as_os_str().to_string_lossy().into_owned());
+    parts.collect::<Vec<_>>().join("/")
+}
+
+/// The motion files of an archive, as if it were a folder.
+fn motion_in(path: &Path) -> Result<Vec<PathBuf>, ImportError> {
+    let is_seen = |member: &String| !member.split('/').any(is_hidden);
+    let members = archive::members(path)?.into_iter().filter(is_seen).map(|m| path.join(m));
+    Ok(members.filter(|p| is_motion(p)).collect())
+}
+
+/// Names that systems and programs keep for themselves.
+fn is_hidden(name: &str) -> bool {
+    name.starts_with('.') || name == "__MACOSX"
+}
+
+/// A search under way.
+#[derive(Default)]
+struct Search {
+    found: Vec<PathBuf>,
+    /// Folders that were searched, with links resolved: links may lead back.
+    searched: BTreeSet<PathBuf>,
+}
+
+impl Search {
+    /// Finds every motion file of a folder.
+    fn everything(&mut self, folder: &Path, depth: usize) -> Result<(), ImportError> {
+        let real = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
+        if depth > MAX_DEPTH || !self.searched.insert(real) {
+            return Ok(());
+        }
+        for path in visible(folder)? {
+            if path.is_dir() {
+                self.everything(&path, depth + 1)?;
+            } else {
+                self.file(path);
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps a motion file, and those of an archive.
+    fn file(&mut self, path: PathBuf) {
+        if has_extension(&path, archive::EXTENSION) && path.is_file() {
+            match motion_in(&path) {
+                Ok(all) => self.found.extend(all),
+                // Reading it says what is wrong; the other files are no worse for it.
+                Err(_) => self.found.push(path),
+            }
+        } else if is_motion(&path) && path.is_file() {
+            self.found.push(path);
         }
     }
-    files.sort();
-    Ok(files)
+
+    /// Finds what matches a pattern, part by part.
+    fn matching(&mut self, folder: &Path, pattern: &[String], depth: usize) -> Result<(), ImportError> {
+        let Some((part, rest)) = pattern.split_first() else { return Ok(()) };
+        if part == ANY_FOLDERS && rest.is_empty() {
+            return self.everything(folder, depth);
+        }
+        if part == ANY_FOLDERS {
+            self.matching(folder, rest, depth)?;
+        }
+        for path in visible(folder)? {
+            let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+            let enters = path.is_dir() && depth < MAX_DEPTH;
+            if part == ANY_FOLDERS {
+                // Links may lead back: they are not followed over any number of folders.
+                if enters && !path.is_symlink() {
+                    self.matching(&path, pattern, depth + 1)?;
+                }
+            } else if matches(part, &name) {
+                match rest {
+                    [] if path.is_dir() => {}
+                    [] => self.file(path),
+                    _ if enters => self.matching(&path, rest, depth + 1)?,
+                    _ => {}
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Files and folders in a folder that are not hidden, sorted.
+fn visible(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
+    let mut all = entries(folder)?;
+    all.retain(|p| !p.file_name().is_some_and(|n| is_hidden(&n.to_string_lossy())));
+    Ok(all)
+}
+
+/// What is in a folder, or at the same place in an archive, sorted.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
+    if let Some((archive, within)) = archive::split(&folder.join("x")) {
+        let within = within.strip_suffix('x').unwrap_or_default().to_owned();
+        let beside = |m: &String| m.strip_prefix(&within).is_some_and(|name| !name.contains('/'));
+        let mut members: Vec<PathBuf> =
+            archive::members(&archive)?.into_iter().filter(beside).map(|m| archive.join(m)).collect();
+        members.sort();
+        return Ok(members);
+    }
+    let shown = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let failed = |source| ImportError::Io { path: shown.to_owned(), source };
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(shown).map_err(failed)? {
+        found.push(folder.join(entry.map_err(failed)?.file_name()));
+    }
+    found.sort();
+    Ok(found)
 }
 
 /// True where `name` is `pattern` with every `*` replaced by some text, which may be empty.
@@ -86,7 +225,7 @@ pub fn matches(pattern: &str, name: &str) -> bool {
 /// [`ImportError::Content`] where there is none or the choice is not clear, naming the candidates.
 pub fn find_asf(amc: &Path) -> Result<PathBuf, ImportError> {
     let mut found = entries(amc.parent().unwrap_or(Path::new("")))?;
-    found.retain(|p| has_extension(p, "asf"));
+    found.retain(|p| has_extension(p, "asf") && archive::is_file(p));
     let stem = |p: &Path| p.file_stem().map(|s| s.to_string_lossy().to_lowercase()).unwrap_or_default();
     let own = stem(amc);
     let by_stem = found.iter().filter(|p| own.starts_with(&stem(p))).max_by_key(|p| stem(p).len());
@@ -154,5 +293,97 @@ mod tests {
         assert_eq!(names(dir.path()), ["a.amc", "b.BVH"]);
         assert_eq!(names(&dir.path().join("*.BVH")), ["a.amc", "b.BVH"]);
         assert!(expand(&[dir.path().join("z*")]).is_err());
+    }
+
+    /// A folder with `one.bvh`, `deep/er/two.BVH`, `deep/three.amc`, an archive and what is to be passed over.
+    fn tree() -> tempfile::TempDir {
+        let dir = tempfile::tempdir().unwrap();
+        let put = |name: &str| {
+            let path = dir.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, name).unwrap();
+        };
+        let all = ["one.bvh", "deep/er/two.BVH", "deep/three.amc", "deep/a.asf", "read me.txt", ".git/four.bvh"];
+        all.into_iter().for_each(put);
+        put("deep/._three.amc");
+        let file = std::fs::File::create(dir.path().join("more.zip")).unwrap();
+        let mut zip = zip::ZipWriter::new(file);
+        for (name, method) in
+            [("x/five.bvh", zip::CompressionMethod::Deflated), ("x/b.asf", zip::CompressionMethod::Stored)]
+        {
+            let options = zip::write::SimpleFileOptions::default().compression_method(method);
+            zip.start_file(name, options).unwrap();
+            std::io::Write::write_all(&mut zip, name.as_bytes()).unwrap();
+        }
+        for name in ["__MACOSX/x/five.bvh", "x/six.amc"] {
+            zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        }
+        zip.finish().unwrap();
+        dir
+    }
+
+    fn names(dir: &tempfile::TempDir, path: &str) -> Vec<String> {
+        find(&[dir.path().join(path)]).unwrap().into_iter().map(|f| f.name).collect()
+    }
+
+    #[test]
+    fn folders_and_archives_are_searched_to_any_depth_and_names_are_relative_to_what_was_given() {
+        let dir = tree();
+        let all = ["deep/er/two", "deep/three", "more.zip/x/five", "more.zip/x/six", "one"];
+        assert_eq!(names(&dir, ""), all);
+        assert_eq!(names(&dir, "deep"), ["er/two", "three"]);
+        assert_eq!(names(&dir, "more.zip"), ["x/five", "x/six"]);
+        assert_eq!(names(&dir, "more.zip/x/five.bvh"), ["five"]);
+        assert_eq!(names(&dir, "deep/er/two.BVH"), ["two"]);
+    }
+
+    #[test]
+    fn two_stars_stand_for_any_number_of_folders() {
+        let dir = tree();
+        assert_eq!(names(&dir, "**/*.BVH"), ["deep/er/two"]);
+        assert_eq!(names(&dir, "**/t*"), ["deep/er/two", "deep/three"]);
+        assert_eq!(names(&dir, "**"), names(&dir, ""));
+        assert_eq!(names(&dir, "d*/t*.amc"), ["deep/three"]);
+        assert_eq!(names(&dir, "*/*/*"), ["deep/er/two"]);
+        assert!(find(&[dir.path().join("d*/**/o*")]).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_that_lead_back_end() {
+        let dir = tree();
+        std::os::unix::fs::symlink(dir.path(), dir.path().join("deep/again")).unwrap();
+        assert_eq!(names(&dir, "").len(), 5);
+        assert_eq!(names(&dir, "**/one.bvh"), ["one"]);
+    }
+
+    #[test]
+    fn files_in_archives_are_read_up_to_a_limit_and_find_their_skeleton() {
+        let dir = tree();
+        let (zip, at) = (dir.path().join("more.zip"), |m: &str| dir.path().join("more.zip").join(m));
+        assert_eq!(archive::read_file(&at("x/five.bvh"), "motion", 100).unwrap(), b"x/five.bvh");
+        assert!(
+            archive::read_file(&at("x/five.bvh"), "motion", 9)
+                .unwrap_err()
+                .to_string()
+                .contains("five.bvh: it has more")
+        );
+        assert!(archive::read_file(&at("x/seven.bvh"), "motion", 9).unwrap_err().to_string().contains("seven.bvh"));
+        assert_eq!(find_asf(&at("x/six.amc")).unwrap(), at("x/b.asf"));
+        assert!(archive::is_file(&at("x/b.asf")) && !archive::is_file(&at("b.asf")));
+        // Every byte may be wrong: nothing panics.
+        let good = std::fs::read(&zip).unwrap();
+        for i in 0..good.len() {
+            let mut bad = good.clone();
+            bad[i] ^= 0x55;
+            std::fs::write(&zip, &bad[..]).unwrap();
+            for file in find(std::slice::from_ref(&zip)).unwrap_or_default() {
+                _ = archive::read_file(&file.path, "motion", 99);
+            }
+        }
+        std::fs::write(&zip, "no archive").unwrap();
+        assert!(find(&[zip]).unwrap_err().to_string().contains("more.zip: it is no archive that can be read"));
+        // A folder is no worse for it: the archive is a file that cannot be read.
+        assert_eq!(names(&dir, ""), ["deep/er/two", "deep/three", "more", "one"]);
     }
 }

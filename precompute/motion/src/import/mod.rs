@@ -1,19 +1,23 @@
-//! Files to raw clips: BVH and ASF/AMC, in metres, Y up, with a role for every joint that matters.
+//! Files to raw clips: BVH, ASF/AMC and SMPL's NPZ, in metres, Y up, with a role for every joint that matters.
 //!
-//! Each format has its own reader that yields a [`SourceClip`] in the file's units. A skeleton profile, or a guess
-//! by name and topology, says which joint plays which role; units, up axis and rest pose are then found from the
+//! Each format has its own reader that yields a [`SourceClip`] in the file's units. A skeleton profile, or the
+//! shape of the skeleton, says which joint plays which role; units, up axis and rest pose are then found from the
 //! body's size and pose.
 
 pub mod amc;
+pub mod archive;
 pub mod asf;
 pub mod bvh;
 pub mod config;
 mod files;
-mod guess;
+mod glitches;
+pub mod npz;
+mod person;
 pub mod profile;
 mod rest;
 pub mod roles;
 mod scan;
+mod shape;
 mod source;
 mod units;
 
@@ -23,20 +27,20 @@ use crate::export::{self, to_raw};
 use crate::progress::Progress;
 use crate::raw::RawClip;
 pub use config::{Forward, ImportConfig, UpAxis};
-pub use files::matches;
-pub use files::{expand, find_asf};
+pub use files::{MotionFile, expand, find, find_asf, matches};
+pub use glitches::{Glitch, GlitchKind, Glitches};
 use profile::Profile;
 use rayon::prelude::*;
 pub use rest::{RestPose, RestPoseKind};
 pub use roles::RoleMap;
 pub use source::SourceClip;
 use source::content_error;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 pub use throng_base::file::MAX_MOTION_BYTES;
-use throng_base::file::read_file;
 
 /// A clip as read, with everything that was found out about it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Imported {
     /// The motion: metres, Y up, right-handed; the source's own joints.
     pub clip: RawClip,
@@ -54,6 +58,8 @@ pub struct Imported {
     pub forward: Option<Forward>,
     /// Body height estimated from the lengths of the segments (m).
     pub height: f32,
+    /// Frames that are no motion, in order; those that were bridged, too.
+    pub glitches: Vec<Glitch>,
     /// One sentence for each thing that was detected: what and why.
     pub findings: Vec<String>,
     /// What is odd but tolerable, naming the file; [`RoleMap::warnings`] included.
@@ -69,24 +75,65 @@ pub struct ImportedSet {
     pub skipped: Vec<ImportError>,
 }
 
-/// Reads all motion files of `paths` (files, folders, patterns with `*`), in parallel.
+impl ImportedSet {
+    /// The set, where it holds a clip.
+    ///
+    /// # Errors
+    /// The first bad file where no file is good.
+    pub fn some(mut self) -> Result<Self, ImportError> {
+        match self.clips.is_empty() && !self.skipped.is_empty() {
+            true => Err(self.skipped.swap_remove(0)),
+            false => Ok(self),
+        }
+    }
+
+    /// Clips that hold the motion of an earlier one, number by number, whatever their files are called: each with that
+    /// one, as places in the list.
+    pub fn repeated(&self) -> Vec<[usize; 2]> {
+        let mut seen = BTreeMap::<u64, Vec<usize>>::new();
+        let mut out = Vec::new();
+        for (i, one) in self.clips.iter().enumerate() {
+            let alike = seen.entry(one.clip.motion_hash()).or_default();
+            match alike.iter().find(|&&j| self.clips[j].clip.has_motion_of(&one.clip)) {
+                Some(&first) => out.push([first, i]),
+                None => alike.push(i),
+            }
+        }
+        out
+    }
+}
+
+/// Reads a motion file, or finds what was made of it before.
+pub type Reader<'a> =
+    dyn Fn(&MotionFile, &dyn Fn() -> Result<Imported, ImportError>) -> Result<Imported, ImportError> + Sync + 'a;
+
+/// Reads all motion files of `paths` (files, folders, archives, patterns, see [`find`]), in parallel. Clips are called as
+/// their files are ([`MotionFile::name`]).
+///
+/// - `reader`: asked for every clip, and given what reads it.
 ///
 /// The result does not depend on the number of threads. A bad file is skipped and kept in
 /// [`ImportedSet::skipped`].
 ///
 /// # Errors
-/// The first bad file (by path) where `config.strict` is set or no file is good; a path that yields no file; a bad
-/// profile.
-pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -> Result<ImportedSet, ImportError> {
-    let files = files::expand(paths)?;
+/// The first bad file (by path) where `config.strict` is set; a path that yields no file; a bad profile.
+pub fn read_by(
+    reader: &Reader<'_>,
+    paths: &[PathBuf],
+    config: &ImportConfig,
+    progress: &dyn Progress,
+) -> Result<ImportedSet, ImportError> {
+    let files = files::find(paths)?;
     let profiles = profile::load_profiles(&config.profiles)?;
     progress.begin("import", files.len() as u64, "files");
     let results: Vec<_> = files
         .par_iter()
-        .map(|path| {
-            let result = read_with(path, config, &profiles);
+        .map(|file| {
+            let result = reader(file, &|| read_with(&file.path, config, &profiles));
             progress.advance(1);
-            result
+            let mut imported = result?;
+            imported.clip.name.clone_from(&file.name);
+            Ok(imported)
         })
         .collect();
     progress.end();
@@ -98,10 +145,15 @@ pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -
             Err(e) => set.skipped.push(e),
         }
     }
-    if set.clips.is_empty() && !set.skipped.is_empty() {
-        return Err(set.skipped.swap_remove(0));
-    }
     Ok(set)
+}
+
+/// As [`read_by`], where every file is read.
+///
+/// # Errors
+/// As [`read_by`] and [`ImportedSet::some`].
+pub fn read(paths: &[PathBuf], config: &ImportConfig, progress: &dyn Progress) -> Result<ImportedSet, ImportError> {
+    read_by(&|_, read| read(), paths, config, progress)?.some()
 }
 
 /// Takes clips that were made, not read, the way that files go: each is written as BVH in memory and read again.
@@ -147,39 +199,20 @@ pub fn read_source(path: &Path, asf: Option<&Path>) -> Result<SourceClip, Import
             let skeleton = asf::parse(&load(&asf_path)?, &asf_path)?;
             amc::parse(&load(path)?, path, &skeleton)
         }
+        "npz" => npz::parse(&load(path)?, path),
         "asf" => Err(content_error(path, "an ASF file is a skeleton without motion", "Name its AMC file")),
-        _ => Err(content_error(path, "its extension is not .bvh or .amc", "Convert it, or correct its name")),
+        archive::EXTENSION => match archive::members(path) {
+            Err(e) => Err(e),
+            Ok(_) => {
+                Err(content_error(path, "it is an archive, not a clip", "Name a file in it: ARCHIVE.zip/CLIP.bvh"))
+            }
+        },
+        _ => Err(content_error(path, "its extension is not .bvh, .amc or .npz", "Convert it, or correct its name")),
     }
 }
 
 fn load(path: &Path) -> Result<Vec<u8>, ImportError> {
-    read_file(path, "motion", MAX_MOTION_BYTES).map_err(|e| match e {
-        throng_base::Error::Io { path, source } => ImportError::Io { path, source },
-        e => e.into(),
-    })
-}
-
-/// Legs shorter than this are none (m).
-const SHORTEST_LEG_M: f32 = 0.1;
-
-/// Refuses a clip without frames, or whose joints that are called legs lie in one place.
-fn check_legs(clip: &RawClip, roles: &RoleMap) -> Result<(), ImportError> {
-    use throng_core::Joint::*;
-    if clip.num_frames == 0 {
-        return Err(content_error(&clip.path, "it has no frames", "Leave it out"));
-    }
-    let world = clip.world(0);
-    for (thigh, shin, foot) in [(LeftThigh, LeftShin, LeftFoot), (RightThigh, RightShin, RightFoot)] {
-        let at = |role| roles.get(role).map(|j| (world[j].0, &clip.joints[j].name));
-        let (Some((hip, name)), Some((knee, _)), Some((ankle, _))) = (at(thigh), at(shin), at(foot)) else { continue };
-        let length = hip.distance(knee) + knee.distance(ankle);
-        if length.is_nan() || length < SHORTEST_LEG_M {
-            let message = format!("joint {name}: expected a leg longer than {SHORTEST_LEG_M} m, found {length} m");
-            let help = "Check `metres_per_unit` and which joints the profile names as thighs, shins and feet";
-            return Err(content_error(&clip.path, message, help));
-        }
-    }
-    Ok(())
+    archive::read_file(path, "motion", MAX_MOTION_BYTES)
 }
 
 /// Finds roles, units, axes and rest pose of a clip, and brings it into metres and Y up.
@@ -187,7 +220,11 @@ fn check_legs(clip: &RawClip, roles: &RoleMap) -> Result<(), ImportError> {
 /// # Errors
 /// [`ImportError::Content`] where a required role is missing or the skeleton has no size.
 pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Profile]) -> Result<Imported, ImportError> {
-    let roles = roles::assign(&source.clip.joints, profiles, config.profile.as_deref(), &source.clip.path)?;
+    if source.clip.num_frames == 0 {
+        return Err(content_error(&source.clip.path, "it has no frames", "Leave it out"));
+    }
+    let roles = roles::assign(&source.clip, profiles, config.profile.as_deref())?;
+    person::check_shape(&source.clip, &roles)?;
     let metres_per_unit = units::find_unit(&mut source, &roles, config)?;
     let up = units::find_up(&mut source, &roles, config);
     if let Some(rate_hz) = config.rate_hz {
@@ -199,7 +236,8 @@ pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Prof
     }
     let SourceClip { mut clip, mut findings, mut warnings, .. } = source;
     units::normalise(&mut clip, metres_per_unit, up);
-    check_legs(&clip, &roles)?;
+    person::check_size(&clip, &roles, metres_per_unit)?;
+    let glitches = glitches::treat(&mut clip, &roles, config.glitches, &mut warnings);
     let (rest_pose, facing) = rest::find_rest_pose(&clip, &roles, config.forward);
     findings.push(rest_pose.sentence.clone());
     let height = units::body_height(&clip, &roles);
@@ -207,7 +245,7 @@ pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Prof
         warnings.push(format!("{}: {warning}", clip.path.display()));
     }
     let forward = config.forward;
-    Ok(Imported { clip, roles, rest_pose, metres_per_unit, up, facing, forward, height, findings, warnings })
+    Ok(Imported { clip, roles, rest_pose, metres_per_unit, up, facing, forward, height, glitches, findings, warnings })
 }
 
 #[cfg(test)]

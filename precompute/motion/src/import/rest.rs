@@ -8,7 +8,7 @@ use glam::{Quat, Vec3};
 use throng_core::Joint;
 
 /// What the pose is that a source skeleton has when all rotations are zero.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum RestPoseKind {
     /// A body that stands with its arms held out sideways (within 20 degrees).
     TPose,
@@ -30,7 +30,7 @@ impl RestPoseKind {
 }
 
 /// The rest pose of a source.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RestPose {
     /// What the zero pose is.
     pub kind: RestPoseKind,

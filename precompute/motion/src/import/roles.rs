@@ -1,20 +1,20 @@
-//! Finds the role of each joint: by profile where one fits, else by name and topology.
+//! Finds the role of each joint: by profile where one fits, else by the shape of the skeleton.
 
-use super::guess;
 use super::profile::Profile;
+use super::shape::{self, NoPerson, Tree};
 use super::source::content_error;
 use crate::ImportError;
-use crate::raw::RawJoint;
+use crate::raw::{RawClip, RawJoint};
 use std::path::Path;
 use throng_core::{Joint, NUM_JOINTS};
 
 /// Which source joint plays which role of the database skeleton.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RoleMap {
     /// Index into the clip's joints by role; `None` where the source has no such joint.
     /// Hips, thighs, shins, feet, upper arms and one of neck and head are always there.
     pub joints: [Option<usize>; NUM_JOINTS],
-    /// Name of the profile, or [`RoleMap::GUESSED`].
+    /// Name of the profile, or [`RoleMap::BY_SHAPE`].
     pub profile: String,
     /// What the mapping is unsure of, one sentence each.
     pub warnings: Vec<String>,
@@ -22,7 +22,7 @@ pub struct RoleMap {
 
 impl RoleMap {
     /// What [`RoleMap::profile`] says where no profile fitted.
-    pub const GUESSED: &str = "guessed from names and topology";
+    pub const BY_SHAPE: &str = "found by shape and names";
 
     /// The source joint of a role.
     pub fn get(&self, role: Joint) -> Option<usize> {
@@ -35,33 +35,37 @@ impl RoleMap {
     }
 }
 
-/// Maps the joints of a skeleton to roles.
+/// Maps the joints of a clip to roles.
+///
+/// A profile that fits decides by name; without one, the shape of the skeleton does. Either way the body is held
+/// against its motion: a side that is named wrong is told.
 ///
 /// - `wanted`: name of the profile to use, whatever else would fit.
-/// - `path`: the file, as errors name it.
 ///
 /// # Errors
-/// [`ImportError::Content`] naming the missing role and the joints there are, or the profile that does not fit.
-pub fn assign(
-    joints: &[RawJoint],
-    profiles: &[Profile],
-    wanted: Option<&str>,
-    path: &Path,
-) -> Result<RoleMap, ImportError> {
-    let map = match wanted {
-        Some(name) => wanted_profile(joints, profiles, name, path)?,
-        None => best_profile(joints, profiles).unwrap_or_else(|| guess::guess(joints)),
+/// [`ImportError::Content`] for what is no person, naming the joints there are, for a body whose sides are swapped, and for
+/// a profile that does not fit.
+pub fn assign(clip: &RawClip, profiles: &[Profile], wanted: Option<&str>) -> Result<RoleMap, ImportError> {
+    let refuse = |e: NoPerson| content_error(&clip.path, e.message, &e.help);
+    let named = match wanted {
+        Some(name) => Some(wanted_profile(&clip.joints, profiles, name, &clip.path)?),
+        None => best_profile(&clip.joints, profiles),
     };
-    match missing_role(&map) {
-        None => Ok(map),
-        Some(role) => {
-            let names: Vec<_> = joints.iter().filter(|j| !j.is_end).take(80).map(|j| j.name.as_str()).collect();
-            let message = format!("no joint was found for the role `{role}` among: {}", names.join(", "));
-            let help = "Write a skeleton profile that names it (data/skeletons/README.md says how) and add it to \
-                        `profiles` in the config";
-            Err(content_error(path, message, help))
-        }
+    let Some(mut map) = named else { return shape::recognise(clip).map_err(refuse) };
+    if let Some(role) = missing_role(&map) {
+        let names: Vec<_> = clip.joints.iter().filter(|j| !j.is_end).take(80).map(|j| j.name.as_str()).collect();
+        let message =
+            format!("the profile `{}` names no joint for the role `{role}` among: {}", map.profile, names.join(", "));
+        let help = "Complete the profile (data/skeletons/README.md says what is needed)";
+        return Err(content_error(&clip.path, message, help));
     }
+    match shape::of_roles(&Tree::new(clip), &map) {
+        Ok(wrong) => wrong.correct(&mut map),
+        // Who names a profile knows what it says.
+        Err(e) if wanted.is_some() => map.warnings.push(e.message),
+        Err(e) => return Err(refuse(e)),
+    }
+    Ok(map)
 }
 
 fn wanted_profile(joints: &[RawJoint], all: &[Profile], name: &str, path: &Path) -> Result<RoleMap, ImportError> {

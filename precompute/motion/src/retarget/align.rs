@@ -119,12 +119,12 @@ fn foot_alignment(body: &Body, side: usize, shin: Joint, foot: Joint, toe: Joint
     let carried = carried(body, shin, foot, a);
     let ahead = if body.has(toe) { body.offsets[toe.index()] } else { carried * Vec3::Z };
     let fallback = match &body.rest {
-        Some(_) => carried * Vec3::Y,
-        None => {
+        None if body.has(toe) => {
             // The T-pose foot of the default skeleton: the toe lies 24 degrees below the ankle.
             let left = carried * Vec3::X;
             Quat::from_axis_angle(left, -0.42) * ahead.cross(left).normalize_or(Vec3::Y)
         }
+        _ => carried * Vec3::Y,
     };
     let up = sole_normal(body, side, foot).filter(|u| u.dot(fallback) > 0.85).unwrap_or(fallback);
     frame(up, ahead).unwrap_or(carried)

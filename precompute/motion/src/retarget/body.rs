@@ -169,10 +169,19 @@ fn mean_offsets(roles: &Roles, samples: &[Sample]) -> [Vec3; NUM_JOINTS] {
     sums.map(|v| (v / samples.len().max(1) as f64).as_vec3())
 }
 
-/// Offset of the first child of `joint`, where it has a length.
+/// Offset of the child of `joint` that the longest chain hangs on, where it has a length: of a hand the middle finger.
 fn tip_of(clip: &RawClip, joint: usize) -> Option<Vec3> {
-    let child = clip.joints.iter().position(|j| j.parent == Some(joint))?;
-    let offset = clip.joints[child].offset;
+    let n = clip.joints.len();
+    let mut reach = vec![0f32; n];
+    for j in (joint + 1..n).rev() {
+        reach[j] += clip.joints[j].offset.length();
+        if let Some(p) = clip.joints[j].parent {
+            reach[p] = reach[p].max(reach[j]);
+        }
+    }
+    let children = (joint + 1..n).filter(|&j| clip.joints[j].parent == Some(joint));
+    let longest = children.max_by(|&a, &b| reach[a].total_cmp(&reach[b]).then(b.cmp(&a)))?;
+    let offset = clip.joints[longest].offset;
     (offset.length() > 0.005).then_some(offset)
 }
 

@@ -36,7 +36,11 @@ pub fn from_geometry(body: &Body) -> Alignment {
             _ => limb(body, j, &out),
         };
         let snapped = snap(found);
-        out[j.index()] = if limb_direction(j).is_some() { aim(body, j, snapped) } else { snapped };
+        out[j.index()] = match j {
+            Hips => level(body, snapped),
+            _ if limb_direction(j).is_some() => aim(body, j, snapped),
+            _ => snapped,
+        };
     }
     out
 }
@@ -147,6 +151,15 @@ fn aim(body: &Body, j: Joint, a: Quat) -> Quat {
     match (segment(body, j), limb_direction(j)) {
         (Some(to), Some(from)) => (Quat::from_rotation_arc((a * from).normalize(), to) * a).normalize(),
         _ => a,
+    }
+}
+
+/// Turns snapped hips by the shortest arc so that the thighs lie where they do: a tilt would lift one foot.
+fn level(body: &Body, a: Quat) -> Quat {
+    let across = body.offsets[Joint::LeftThigh.index()] - body.offsets[Joint::RightThigh.index()];
+    match across.try_normalize() {
+        Some(across) => (Quat::from_rotation_arc((a * Vec3::X).normalize(), across) * a).normalize(),
+        None => a,
     }
 }
 

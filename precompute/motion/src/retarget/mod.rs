@@ -8,12 +8,13 @@ mod align;
 mod body;
 mod geometry;
 mod ground;
+mod legs;
 mod proportions;
 mod transfer;
 
-use crate::clip::{Clip, ClipSet};
+use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason};
 use crate::error::{BuildError, Warnings};
-use crate::import::Imported;
+use crate::import::{Glitch, Imported};
 use crate::raw::RawClip;
 use align::Alignment;
 use body::Body;
@@ -22,6 +23,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Component;
 use throng_core::{Joint, Skeleton};
 use transfer::Motion;
 
@@ -61,7 +64,7 @@ pub enum Proportions {
 pub struct ExplicitProportions {
     /// Offset (x left, y up, z forward) of a joint from its parent in the T-pose, by snake_case joint name;
     /// the hips' is their height above the ground (m).
-    pub offsets: std::collections::BTreeMap<String, [f32; 3]>,
+    pub offsets: BTreeMap<String, [f32; 3]>,
 }
 
 /// Longest offset along each axis (m).
@@ -118,7 +121,18 @@ impl ExplicitProportions {
 /// [`BuildError::Config`] for explicit proportions that are not a body.
 pub fn onto(clips: &[Imported], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
     let sources: Vec<Source> = clips.iter().map(Source::from).collect();
-    lay_all(&sources, cfg, warnings)
+    let mut set = lay_all(&sources, cfg, warnings)?;
+    for (clip, imported) in set.clips.iter_mut().zip(clips) {
+        clip.excluded =
+            imported.glitches.iter().filter(|g| g.is_cut).map(|g| exclusion(g, clip.num_frames())).collect();
+    }
+    Ok(set)
+}
+
+/// The frames of a glitch and those next to it: at another rate, frames in between are made of both.
+fn exclusion(glitch: &Glitch, num_frames: usize) -> Exclusion {
+    let range = glitch.frames.start.saturating_sub(1)..(glitch.frames.end + 1).min(num_frames);
+    Exclusion { range, reason: ExclusionReason::Glitch }
 }
 
 fn lay_all(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
@@ -146,7 +160,7 @@ fn lay_all(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) ->
         (Proportions::Explicit(p), _) => p.skeleton()?,
         _ => Skeleton::default(),
     };
-    let names = unique_names(sources);
+    let names = unique_names(sources, warnings);
     let mut motions: Vec<Motion> = (0..sources.len())
         .into_par_iter()
         .map(|i| {
@@ -198,6 +212,11 @@ fn stand(motions: &mut [Motion], sources: &[Source], groups: &[Vec<usize>], skel
             ground::level(&mut motions[i], ground::height(&standing[i], slope), slope);
         }
     }
+}
+
+/// Whose motion clips are: those of one source skeleton, with the same joints and lengths, together; in input order.
+pub fn performers(clips: &[Imported]) -> Vec<Vec<usize>> {
+    group(&clips.iter().map(Source::from).collect::<Vec<_>>())
 }
 
 fn clip_of(motion: Motion, source: &Source, name: String) -> Clip {
@@ -276,34 +295,44 @@ fn check_legs(source: &Source, body: &Body) -> Result<(), BuildError> {
     })
 }
 
-/// File stems; where two are the same, with as many of their folders in front as tell them apart.
-fn unique_names(sources: &[Source]) -> Vec<String> {
+/// The clips' names; where two are the same, with as many of their folders in front as tell them apart.
+fn unique_names(sources: &[Source], warnings: &mut Warnings) -> Vec<String> {
     let name = |i: usize, depth: usize| {
-        let folders: Vec<String> = sources[i]
-            .clip
-            .path
-            .parent()
-            .map(|p| p.components().map(|c| c.as_os_str().to_string_lossy().into_owned()).collect())
-            .unwrap_or_default();
+        let clip = sources[i].clip;
+        let above = clip.path.components().count().saturating_sub(clip.name.split('/').count());
+        let folders = clip.path.components().take(above).filter(|c| matches!(c, Component::Normal(_)));
+        let folders: Vec<String> = folders.map(|c| c.as_os_str().to_string_lossy().into_owned()).collect();
         let shown = &folders[folders.len().saturating_sub(depth)..];
-        shown.iter().chain([&sources[i].clip.name]).cloned().collect::<Vec<_>>().join("/")
+        shown.iter().chain([&clip.name]).cloned().collect::<Vec<_>>().join("/")
     };
-    let mut names: Vec<String> = (0..sources.len()).map(|i| name(i, 0)).collect();
+    let given: Vec<String> = (0..sources.len()).map(|i| name(i, 0)).collect();
+    let mut names = given.clone();
     for depth in 1..8 {
-        let mut seen = std::collections::BTreeMap::<String, usize>::new();
+        let mut seen = BTreeMap::<String, usize>::new();
         names.iter().for_each(|n| *seen.entry(n.clone()).or_default() += 1);
-        let mut again = false;
         for i in 0..names.len() {
             if seen[&names[i]] > 1 {
                 names[i] = name(i, depth);
-                again = true;
             }
         }
-        if !again {
-            return names;
+        if seen.values().all(|&n| n == 1) {
+            break;
         }
     }
-    names.iter().enumerate().map(|(i, n)| if names[..i].contains(n) { format!("{n}~{i}") } else { n.clone() }).collect()
+    // Two files of one folder that differ in their extension alone.
+    let all = names.clone();
+    for i in (0..all.len()).filter(|&i| all[..i].contains(&all[i])) {
+        names[i] = format!("{}~{i}", all[i]);
+    }
+    let mut clashes = BTreeMap::<&String, Vec<&String>>::new();
+    (0..names.len())
+        .filter(|&i| names[i] != given[i])
+        .for_each(|i| clashes.entry(&given[i]).or_default().push(&names[i]));
+    for (name, called) in clashes {
+        let called: Vec<String> = called.iter().map(|n| format!("`{n}`")).collect();
+        warnings.push(format!("several files have the name `{name}`: their clips are called {}.", called.join(", ")));
+    }
+    names
 }
 
 #[cfg(test)]

@@ -226,9 +226,20 @@ fn clips_of_one_name_are_told_apart_by_folders() {
     let at = |path: &str| RawClip { path: path.into(), ..raw.clone() };
     let clips = [at("a/made.bvh"), at("b/made.bvh"), at("b/made.bvh")];
     let sources: Vec<Source> = clips.iter().map(|clip| Source { clip, roles: &roles, heading: None }).collect();
-    let names = unique_names(&sources);
+    let mut warnings = Warnings::default();
+    let names = unique_names(&sources, &mut warnings);
     assert_eq!(&names[..2], ["a/made", "b/made"]);
     assert_ne!(names[1], names[2]);
+    assert!(
+        warnings.messages[0].contains("the name `made`: their clips are called `a/made`, `b/made`"),
+        "{warnings:?}"
+    );
+    // Names are relative to the folder that was given: what tells them apart stands before that.
+    let within = |path: &str| RawClip { path: path.into(), name: "slow/made".into(), ..raw.clone() };
+    let clips = [within("x/a/slow/made.bvh"), within("y/a/slow/made.bvh"), at("x/a/slow/other.bvh")];
+    let sources: Vec<Source> = clips.iter().map(|clip| Source { clip, roles: &roles, heading: None }).collect();
+    let names = unique_names(&sources, &mut Warnings::default());
+    assert_eq!(names, ["x/a/slow/made", "y/a/slow/made", "made"]);
 }
 
 #[test]
@@ -264,6 +275,38 @@ proptest! {
         for f in 1..FRAMES {
             let pairs = set.clips[0].frame_rotations(f - 1).iter().zip(set.clips[0].frame_rotations(f));
             prop_assert!(pairs.into_iter().all(|(a, b)| a.dot(*b) > 0.0));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn feet_are_where_the_sources_are_whatever_the_proportions(
+        lengths in prop::collection::vec(0.85f32..1.15, NUM_JOINTS),
+    ) {
+        use Joint::*;
+        // Both legs are of one length, as the target's are. Straight ones fall short by what hips of another width take:
+        // millimetres.
+        let mut s = Skeleton::default();
+        for j in Joint::ALL {
+            s.offsets[j.index()] *= lengths[j.index().min(j.mirrored().index())];
+        }
+        let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[LeftToe, RightToe]);
+        let set = lay(&raw, &roles, Proportions::Default, false);
+        let own = own_skeleton(Source { clip: &raw, roles: &roles, heading: None }).unwrap();
+        let scale = set.skeleton.leg_length() / own.leg_length();
+        for foot in [LeftFoot, RightFoot] {
+            let off = |f: usize| {
+                let source = raw.world(f)[foot.index()].0;
+                set.clips[0].joint_positions(&set.skeleton, f)[foot.index()] - source * scale
+            };
+            let first = off(0);
+            prop_assert!(first.with_y(0.0).length() < 8e-3, "{first}");
+            for f in 1..FRAMES {
+                prop_assert!((off(f) - first).length() < 8e-3, "frame {f}: {} {first}", off(f));
+            }
         }
     }
 }

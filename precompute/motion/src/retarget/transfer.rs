@@ -2,6 +2,7 @@
 
 use super::align::{Alignment, main_child};
 use super::body::{Body, RolePose, Source, anchor, role_pose};
+use super::legs::Legs;
 use glam::{Quat, Vec3};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
@@ -22,7 +23,8 @@ pub struct Motion {
 
 /// Moves `source` onto `target`; `own` is the target with the source's own proportions.
 ///
-/// Every joint turns as its source does, but clavicles: they move the shoulder as far as the source's do. Positions
+/// Every joint turns as its source does, but clavicles, which move the shoulder as far as the source's do, and legs,
+/// which put the feet where the source's are: what stands there stands here, whatever the proportions. Positions
 /// are multiplied by the quotient of the leg lengths. The middle between the thighs is where the source has it,
 /// because skeletons disagree about where the hips joint lies above it.
 pub fn transfer(source: Source, body: &Body, a: &Alignment, own: &Skeleton, target: &Skeleton) -> Motion {
@@ -32,6 +34,7 @@ pub fn transfer(source: Source, body: &Body, a: &Alignment, own: &Skeleton, targ
     let mut rotations: Vec<Quat> = Vec::with_capacity(source.clip.num_frames * NUM_JOINTS);
     let thighs = [Joint::LeftThigh.index(), Joint::RightThigh.index()];
     let middle = (target.offsets[thighs[0]] + target.offsets[thighs[1]]) * 0.5;
+    let legs = Legs::new(own, target, scale, [Joint::LeftToe, Joint::RightToe].map(|j| body.has(j)));
     for frame in 0..source.clip.num_frames {
         let pose = role_pose(source, frame, &mut scratch);
         let mut model = model_rotations(&pose, body, a);
@@ -41,7 +44,10 @@ pub fn transfer(source: Source, body: &Body, a: &Alignment, own: &Skeleton, targ
             let local = chest.inverse() * model[i];
             model[i] = chest * shoulder(local, own.offsets[arm.index()], target.offsets[arm.index()], scale);
         }
-        root_positions.push((pose[thighs[0]].0 + pose[thighs[1]].0) * 0.5 * scale - model[0] * middle);
+        let between = (pose[thighs[0]].0 + pose[thighs[1]].0) * 0.5 * scale + legs.rise();
+        let root = between - model[0] * middle;
+        root_positions.push(root);
+        legs.reach(&mut model, root, &pose);
         for j in Joint::ALL {
             let local = j.parent().map_or(model[0], |p| model[p.index()].inverse() * model[j.index()]).normalize();
             let before = frame.checked_sub(1).map(|f| rotations[f * NUM_JOINTS + j.index()]);

@@ -129,7 +129,7 @@ mod tests {
 
         fn run<F: Lanes>(self) -> Self::Output {
             let (x, y) = (F::from_array(self.a), F::from_array(self.b));
-            let (sin, cos) = x.sin_cos();
+            let (sin, cos) = x.sin_cos8();
             let mut out = vec![
                 x + y,
                 x - y,
@@ -142,7 +142,7 @@ mod tests {
                 x.round(),
                 F::select_lt(x, y, x * y, y),
                 F::splat(if x.any_gt(y) { 1.0 } else { 0.0 }),
-                y.exp(),
+                y.exp8(),
                 (-y.abs()).exp2_neg(),
                 F::angle_from_ahead(x, y),
                 sin,

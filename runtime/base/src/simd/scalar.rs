@@ -9,7 +9,7 @@ pub const EXP2: [f32; 4] = [0.693_124_2, 0.240_241, 0.055_906_37, 0.009_582_818]
 pub trait Functions: Lanes {
     /// Sine and cosine. Error below 2e-6 for |self| <= 8192 (rad).
     #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
+    fn sin_cos8(self) -> (Self, Self) {
         // Reduced by quarter turns to [-pi/4, pi/4] in two steps, then minimax polynomials (Cephes sinf, cosf).
         let q = (self * Self::splat(std::f32::consts::FRAC_2_PI)).round();
         let r = self - q * Self::splat(1.570_312_5) - q * Self::splat(4.838_268e-4);
@@ -35,7 +35,7 @@ pub trait Functions: Lanes {
 
     /// Exponential. Relative error below 1e-6 for -80 <= self <= 80, clamped outside.
     #[inline(always)]
-    fn exp(self) -> Self {
+    fn exp8(self) -> Self {
         let x = self.max(Self::splat(-80.0)).min(Self::splat(80.0)) * Self::splat(std::f32::consts::LOG2_E);
         let n = x.round();
         let f = (x - n) * Self::splat(std::f32::consts::LN_2);
@@ -84,7 +84,7 @@ mod tests {
     fn sine_and_cosine_match_the_library() {
         for i in -40_000..40_000 {
             let x = i as f32 * 0.001_37;
-            let (s, c) = Array::splat(x).sin_cos();
+            let (s, c) = Array::splat(x).sin_cos8();
             let (s, c) = (s.to_array()[0], c.to_array()[0]);
             let (es, ec) = (f64::from(x).sin() as f32, f64::from(x).cos() as f32);
             assert!((s - es).abs() < 2e-6 && (c - ec).abs() < 2e-6, "{x}: {s} {es}, {c} {ec}");
@@ -95,7 +95,7 @@ mod tests {
     fn exponential_matches_the_library() {
         for i in -7900..7900 {
             let x = i as f32 * 0.01;
-            let e = Array::splat(x).exp().to_array()[0];
+            let e = Array::splat(x).exp8().to_array()[0];
             let want = f64::from(x).exp();
             assert!(((f64::from(e) - want) / want).abs() < 1e-5, "{x}: {e} {want}");
         }

@@ -11,6 +11,7 @@ use crate::planar::{Planar, wrap_angle};
 use crate::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use crate::pose::set;
 use glam::{Vec2, Vec3};
+use throng_base::maths;
 use throng_base::simd::LANES;
 
 /// Characters that choose together; the batch lives on the stack.
@@ -265,7 +266,7 @@ pub(crate) fn play(
 ///
 /// The linear path editing of Lee, Choi and Lee (2006), section 6: the change of heading grows linearly over the action.
 fn bend(displacement: Planar, num_frames: u32, target: Vec3, limit_rad_per_m: f32) -> f32 {
-    let path = displacement.x.hypot(displacement.z);
+    let path = maths::hypot(displacement.x, displacement.z);
     let limit = limit_rad_per_m * path;
     if limit <= 0.0 {
         return 0.0;
@@ -274,7 +275,7 @@ fn bend(displacement: Planar, num_frames: u32, target: Vec3, limit_rad_per_m: f3
     if left.length() < path {
         return 0.0;
     }
-    wrap_angle(left.x.atan2(left.y) - displacement.heading).clamp(-limit, limit) / num_frames as f32
+    wrap_angle(maths::atan2(left.x, left.y) - displacement.heading).clamp(-limit, limit) / num_frames as f32
 }
 
 /// A number in [0, 1) that depends on nothing but its arguments (SplitMix64 over their combination).

@@ -21,7 +21,7 @@ impl<F: Lanes> Decay<F> {
     pub fn new(age_s: F, half_life_s: f32) -> Self {
         let y = F::splat(2.0 * std::f32::consts::LN_2 / half_life_s);
         let age = age_s.min(F::splat(8.0 * HALF_LIVES_KEPT * half_life_s));
-        let e = (-(y * age)).exp();
+        let e = (-(y * age)).exp8();
         Self { position: e * (F::splat(1.0) + y * age), velocity: e * age }
     }
 
@@ -30,7 +30,7 @@ impl<F: Lanes> Decay<F> {
     pub fn rate(age_s: F, half_life_s: f32) -> Self {
         let y = F::splat(2.0 * std::f32::consts::LN_2 / half_life_s);
         let age = age_s.min(F::splat(8.0 * HALF_LIVES_KEPT * half_life_s));
-        let e = (-(y * age)).exp();
+        let e = (-(y * age)).exp8();
         Self { position: -(y * y * age * e), velocity: e * (F::splat(1.0) - y * age) }
     }
 

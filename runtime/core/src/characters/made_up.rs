@@ -9,7 +9,7 @@ use crate::planar::Planar;
 use crate::policy::{PolicyRecord, RewardRecord, SegmentRecord, StateGridRecord, TargetGrid};
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use bytemuck::Zeroable;
-use glam::Quat;
+use throng_base::maths;
 
 /// Frames of each clip.
 pub const FRAMES: u32 = 60;
@@ -76,7 +76,12 @@ pub fn bytes(hits: &[HitRecord], adaptive: bool) -> Vec<u8> {
     let policies = [policy, PolicyRecord { adaptive: 1, ..policy }];
     out.section(tags::POLICIES, &policies[..1 + usize::from(adaptive)]);
     let known = segments.map(|s| SegmentRecord {
-        displacement: [s.displacement[2].cos(), s.displacement[2].sin(), s.displacement[0], s.displacement[1]],
+        displacement: [
+            maths::cos(s.displacement[2]),
+            maths::sin(s.displacement[2]),
+            s.displacement[0],
+            s.displacement[1],
+        ],
         weights: [0.0, 0.0, 0.0, 1.0],
         discount: 0.7,
         end: s.end,
@@ -111,18 +116,18 @@ fn row(frame: u32, clip: u32) -> FrameRow {
     let t = frame as f32 / 30.0;
     let mut row = FrameRow {
         planar: [0.1 * t, (1.0 + 0.2 * clip as f32) * t, (0.4 - 0.9 * clip as f32) * t],
-        height: 0.9 + 0.02 * (8.0 * t).sin(),
+        height: 0.9 + 0.02 * maths::sin(8.0 * t),
         rotations: [[0; 4]; NUM_JOINTS],
     };
     for (j, code) in row.rotations.iter_mut().enumerate() {
-        let a = 0.3 * (3.0 * t + j as f32 + 0.5 * clip as f32).sin();
-        *code = FrameRow::encode(Quat::from_euler(glam::EulerRot::XYZ, a, 0.5 * a, -0.3 * a));
+        let a = 0.3 * maths::sin(3.0 * t + j as f32 + 0.5 * clip as f32);
+        *code = FrameRow::encode(maths::rotation_x(a) * maths::rotation_y(0.5 * a) * maths::rotation_z(-0.3 * a));
     }
     // Knees bent, so that a locked foot stays within reach.
     for (j, angle) in
         [(Joint::LeftThigh, -0.5), (Joint::LeftShin, 0.9), (Joint::RightThigh, -0.5), (Joint::RightShin, 0.9)]
     {
-        row.rotations[j.index()] = FrameRow::encode(Quat::from_rotation_x(angle + 0.1 * (4.0 * t).sin()));
+        row.rotations[j.index()] = FrameRow::encode(maths::rotation_x(angle + 0.1 * maths::sin(4.0 * t)));
     }
     row
 }

@@ -293,6 +293,21 @@ impl Characters {
         Some((Blow::new(motion_set, character as u32, hit, place), frames(hit) / motion_set.rate_hz))
     }
 
+    /// How far the motion that a character plays moves a point of it within a time, or until its action ends; further
+    /// bending of the path left out (m, in the world, character < num_characters).
+    ///
+    /// - `offset`: of the point, in the joint's own frame (m).
+    pub fn travel(&self, motion_set: &MotionSet, character: usize, joint: Joint, offset: Vec3, ahead_s: f32) -> Vec3 {
+        let (block, lane) = (&self.blocks[character / LANES], character % LANES);
+        let (first, length) = (block.first[lane], block.length[lane]);
+        let place = block.clip_to_world(lane);
+        let at = |time: f32| {
+            let frame = first + (time.round().max(0.0) as u32).min(length);
+            place.rotation() * motion_set.point(frame, joint, offset)
+        };
+        at(block.time[lane] + ahead_s * motion_set.rate_hz) - at(block.time[lane])
+    }
+
     /// Displaces a part of a character's body, which then comes back; see [`ReactionConfig`].
     ///
     /// The head (for head and neck) or the upper trunk reaches the displacement shortly after; what stands for limbs

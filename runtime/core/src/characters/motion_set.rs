@@ -7,9 +7,10 @@ use crate::graph::MotionGraph;
 use crate::hits::HitRecord;
 use crate::planar::Planar;
 use crate::policy::PolicyTable;
-use crate::skeleton::Skeleton;
+use crate::skeleton::{Joint, Skeleton};
 
 use super::anatomy::Anatomy;
+use glam::Vec3;
 use std::sync::Arc;
 
 /// Everything of a bundle that characters need to move. Owned: it keeps the bundle's file open; clones are cheap.
@@ -84,6 +85,21 @@ impl MotionSet {
     /// Number of the clip that a frame belongs to (frame < number of frames).
     pub(crate) fn clip_of(&self, frame: u32) -> usize {
         self.clips.partition_point(|c| c.first_frame <= frame) - 1
+    }
+
+    /// Where a point of a joint is in a frame, within its clip (m).
+    ///
+    /// - `offset`: of the point, in the joint's own frame (m).
+    pub fn point(&self, frame: u32, joint: Joint, offset: Vec3) -> Vec3 {
+        let row = &self.frames[frame as usize];
+        let (mut at, mut point) = (joint, offset);
+        while let Some(parent) = at.parent() {
+            point = row.rotation(at.index()) * point + self.skeleton.offsets[at.index()];
+            at = parent;
+        }
+        let point = row.rotation(at.index()) * point + Vec3::new(0.0, row.height, 0.0);
+        let root = self.planar(frame);
+        root.rotation() * point + root.translation()
     }
 
     /// Planar root of a frame within its clip.

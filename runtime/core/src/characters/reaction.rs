@@ -11,6 +11,7 @@ use crate::skeleton::Joint;
 use glam::Vec3;
 use throng_base::Result;
 use throng_base::error::check;
+use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, Q, V};
 
 /// How struck characters give way.
@@ -156,7 +157,7 @@ impl Step {
     pub fn new(config: &ReactionConfig, dt_s: f32) -> Self {
         let rate = config.rate();
         let gap = (FORCE_RATE - 1.0) * rate;
-        let keep = |rate: f32| (-rate * dt_s).exp();
+        let keep = |rate: f32| maths::exp(-rate * dt_s);
         Self { dt_s, rate, keep: keep(rate), keep_force: keep(FORCE_RATE * rate), forced: 1.0 / (gap * gap) }
     }
 }

@@ -176,7 +176,7 @@ fn place<F: Lanes>(block: &mut Block, cursor: &Cursor<'_, F>) -> Placement<F> {
     let ph = between(&planar(from, 2), &planar(to, 2), cursor.ratio);
     let [tx, tz, th] = &block.clip_to_world;
     let (tx, tz, th) = (F::load(tx), F::load(tz), F::load(th));
-    let (clip_sin, clip_cos) = th.sin_cos();
+    let (clip_sin, clip_cos) = th.sin_cos8();
     let x = clip_cos * px + clip_sin * pz + tx;
     let z = clip_cos * pz - clip_sin * px + tz;
     let since = F::load(&block.time).max(F::splat(0.0)) - F::load(&block.drift_from);
@@ -188,6 +188,6 @@ fn place<F: Lanes>(block: &mut Block, cursor: &Cursor<'_, F>) -> Placement<F> {
     x.store(&mut block.root[0]);
     z.store(&mut block.root[1]);
     heading.store(&mut block.root[2]);
-    let (sin, cos) = heading.sin_cos();
+    let (sin, cos) = heading.sin_cos8();
     Placement { x, y, z, sin, cos }
 }

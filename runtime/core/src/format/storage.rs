@@ -22,9 +22,21 @@ pub struct AlignedBytes {
 impl AlignedBytes {
     /// A copy of `bytes`.
     pub fn from_slice(bytes: &[u8]) -> Self {
-        let mut lines = vec![Line([0; 64]); bytes.len().div_ceil(64)];
-        bytemuck::cast_slice_mut::<Line, u8>(&mut lines)[..bytes.len()].copy_from_slice(bytes);
-        Self { lines, len: bytes.len() }
+        let mut out = Self { lines: vec![Line([0; 64]); bytes.len().div_ceil(64)], len: bytes.len() };
+        out.as_mut_slice().copy_from_slice(bytes);
+        out
+    }
+
+    /// Zeros; an error where there is no memory for them.
+    fn zeros(len: usize) -> std::io::Result<Self> {
+        let mut lines = Vec::new();
+        lines.try_reserve_exact(len.div_ceil(64)).map_err(|_| ErrorKind::OutOfMemory)?;
+        lines.resize(len.div_ceil(64), Line([0; 64]));
+        Ok(Self { lines, len })
+    }
+
+    fn as_mut_slice(&mut self) -> &mut [u8] {
+        &mut bytemuck::cast_slice_mut(&mut self.lines)[..self.len]
     }
 
     /// The bytes.
@@ -38,7 +50,7 @@ impl AlignedBytes {
 pub enum Storage {
     /// A map of the file, or read-only pages that it was read into.
     Mapped(memmap2::Mmap),
-    /// Bytes that were made.
+    /// Bytes that were made, or read where there are no pages to be had.
     Memory(AlignedBytes),
 }
 
@@ -54,19 +66,15 @@ impl Storage {
         let io = |source| FormatError::Io { path: path.to_path_buf(), source };
         let (mut file, length) = open(path, what)?;
         // Pages come zeroed from the system: nothing is cleared here, and giving them back is one call.
-        let mut pages = memmap2::MmapMut::map_anon(length).map_err(io)?;
+        let mut pages = match memmap2::MmapMut::map_anon(length) {
+            // As in WebAssembly.
+            Err(e) if e.kind() == ErrorKind::Unsupported => return in_memory(path, &mut file, length),
+            pages => pages.map_err(io)?,
+        };
         // Fewer, larger pages are filled faster; a system that has none leaves them small.
         #[cfg(target_os = "linux")]
         let _ = pages.advise(memmap2::Advice::HugePage);
-        let mut got = 0;
-        while got < length {
-            match file.read(&mut pages[got..]) {
-                Ok(0) => return Err(FormatError::Length { expected: length as u64, got: got as u64 }),
-                Ok(n) => got += n,
-                Err(e) if e.kind() == ErrorKind::Interrupted => (),
-                Err(e) => return Err(io(e)),
-            }
-        }
+        fill(&mut pages, path, &mut file)?;
         Ok(Self::Mapped(pages.make_read_only().map_err(io)?))
     }
 
@@ -94,6 +102,28 @@ impl Storage {
     }
 }
 
+/// Reads a file into memory of this process.
+fn in_memory(path: &Path, file: &mut File, length: usize) -> Result<Storage, FormatError> {
+    let mut bytes =
+        AlignedBytes::zeros(length).map_err(|source| FormatError::Io { path: path.to_path_buf(), source })?;
+    fill(bytes.as_mut_slice(), path, file)?;
+    Ok(Storage::Memory(bytes))
+}
+
+/// Reads as many bytes as there is room for; [`FormatError::Length`] where the file has fewer.
+fn fill(room: &mut [u8], path: &Path, file: &mut File) -> Result<(), FormatError> {
+    let mut got = 0;
+    while got < room.len() {
+        match file.read(&mut room[got..]) {
+            Ok(0) => return Err(FormatError::Length { expected: room.len() as u64, got: got as u64 }),
+            Ok(n) => got += n,
+            Err(e) if e.kind() == ErrorKind::Interrupted => (),
+            Err(source) => return Err(FormatError::Io { path: path.to_path_buf(), source }),
+        }
+    }
+    Ok(())
+}
+
 /// Opens a regular file that is not empty. Its length is in bytes.
 fn open(path: &Path, what: &str) -> Result<(File, usize), FormatError> {
     let (file, length) = open_file(path, what, MAX_BUNDLE_BYTES).map_err(|e| match e {
@@ -105,5 +135,25 @@ fn open(path: &Path, what: &str) -> Result<(File, usize), FormatError> {
         Ok(0) => Err(FormatError::Length { expected: 64, got: 0 }),
         Ok(length) => Ok((file, length)),
         Err(_) => Err(FormatError::File { why: format!("has {length} bytes, more than this machine can address") }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_pages_the_same_bytes_are_read_into_memory() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+        let expected = std::fs::read(&path).unwrap();
+        let read = |length: usize| in_memory(&path, &mut File::open(&path).unwrap(), length);
+        let memory = read(expected.len()).unwrap();
+        assert!(matches!(&memory, Storage::Memory(_)) && memory.bytes() == expected);
+        assert_eq!(memory.bytes().as_ptr().addr() % 64, 0);
+        assert_eq!(Storage::read(&path, "a text").unwrap().bytes(), expected);
+        let e = read(expected.len() + 1).unwrap_err();
+        assert!(matches!(e, FormatError::Length { got, .. } if got == expected.len() as u64), "{e}");
+        let e = read(usize::MAX / 2).unwrap_err();
+        assert!(matches!(&e, FormatError::Io { source, .. } if source.kind() == ErrorKind::OutOfMemory), "{e}");
     }
 }

@@ -195,7 +195,9 @@ impl BackUpAll<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::reward::{COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, RewardRecord};
+    use super::super::reward::{
+        COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_LINEAR, KERNEL_WITHIN, RewardRecord,
+    };
     use super::super::table::{ActionTable, PolicyRecord, PolicySlices};
     use super::*;
     use glam::Vec3;
@@ -214,6 +216,7 @@ mod tests {
         fn lanes_agree_with_the_scalar_definition(
             turn in -3.0f32..3.0, inner in prop::array::uniform4(-1.0f32..1.0), step in prop::array::uniform2(-1.0f32..1.0),
             places in prop::array::uniform8((-2.0f32..2.0, -2.0f32..2.0)), sum in any::<bool>(), y in 1.0f32..1.8,
+            kernel in prop::sample::select(vec![KERNEL_EXPONENTIAL, KERNEL_WITHIN, KERNEL_LINEAR]),
         ) {
             for grid in grids() {
                 let polar = grid.is_polar();
@@ -227,7 +230,7 @@ mod tests {
                     end: 0,
                 };
                 let combine = if sum { COMBINE_SUM } else { COMBINE_MAX };
-                let reward = RewardRecord { offset: 0.2, gain: -1.5, ..RewardRecord::new(combine, KERNEL_EXPONENTIAL, 0.7) };
+                let reward = RewardRecord { offset: 0.2, gain: -1.5, ..RewardRecord::new(combine, kernel, 0.7) };
                 let record = PolicyRecord {
                     grid: *grid.record(), reward, num_states: 1, num_segments: 1, num_choices: 1, discount: 0.99,
                     epsilon: 1e-4, ..PolicyRecord::default()

@@ -24,6 +24,6 @@ pub use look_ahead::{Goal, LookAheadJob};
 pub use maths::{angle_of, exp_neg, nearest_index};
 pub use ranked::{MAX_RANKED, RankedActions};
 pub use region::RegionRecord;
-pub use reward::{COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_WITHIN, Reward, RewardRecord};
+pub use reward::{COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_LINEAR, KERNEL_WITHIN, Reward, RewardRecord};
 pub use space_time::{PATH_POINTS, PathRecord};
 pub use table::{ActionTable, MAX_ACTIONS, NO_ACTION, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord};

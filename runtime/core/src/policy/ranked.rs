@@ -2,6 +2,7 @@
 
 use super::maths::{greatest, least};
 use super::table::NO_ACTION;
+use throng_base::maths;
 use throng_base::simd::{LANES, Lanes};
 
 /// Number of actions that a look-ahead ranks.
@@ -68,7 +69,7 @@ impl RankedActions {
         if unit.is_nan() || unit <= 0.0 {
             return self.actions[0];
         }
-        let weights = self.scores.map(|s| ((s - self.scores[0]) / unit).exp());
+        let weights = self.scores.map(|s| maths::exp((s - self.scores[0]) / unit));
         let mut left = random * weights.iter().sum::<f32>();
         for (w, &action) in weights.iter().zip(&self.actions) {
             left -= w;

@@ -17,6 +17,8 @@ pub const COMBINE_MAX: u32 = 1;
 pub const KERNEL_EXPONENTIAL: u32 = 0;
 /// [`RewardRecord::kernel`]: 1 up to `scale`, 0 beyond: the impulsive signal of Lee and Lee (2004), equation 2 and 6.
 pub const KERNEL_WITHIN: u32 = 1;
+/// [`RewardRecord::kernel`]: 1 - distance / scale, 0 from `scale` on.
+pub const KERNEL_LINEAR: u32 = 2;
 
 /// A reward as it is stored: how distances to samples become a number.
 #[repr(C)]
@@ -24,7 +26,7 @@ pub const KERNEL_WITHIN: u32 = 1;
 pub struct RewardRecord {
     /// [`COMBINE_SUM`] or [`COMBINE_MAX`].
     pub combine: u32,
-    /// [`KERNEL_EXPONENTIAL`] or [`KERNEL_WITHIN`].
+    /// [`KERNEL_EXPONENTIAL`], [`KERNEL_WITHIN`] or [`KERNEL_LINEAR`].
     pub kernel: u32,
     /// See the kernels (m, > 0).
     pub scale: f32,
@@ -65,8 +67,8 @@ impl Reward {
     /// # Errors
     /// [`throng_base::Error`] for an unknown `combine` or `kernel`, a scale that is not positive, or numbers out of range.
     pub fn new(record: RewardRecord) -> Result<Self> {
-        for (what, got) in [("reward combine", record.combine), ("reward kernel", record.kernel)] {
-            check_index(what, None, got as usize, 2)?;
+        for (what, got, kinds) in [("reward combine", record.combine, 2), ("reward kernel", record.kernel, 3)] {
+            check_index(what, None, got as usize, kinds)?;
         }
         let scale = record.scale;
         check("reward scale", None, scale, scale > 1e-6 && scale < 1e6, "between 1e-6 and 1e6")?;
@@ -90,12 +92,11 @@ impl Reward {
     #[inline(always)]
     pub fn kernel(&self, distance: f32) -> f32 {
         let ratio = (distance - self.record.offset).abs() * self.inverse_scale;
-        if self.record.kernel == KERNEL_EXPONENTIAL {
-            exp_neg(ratio)
-        } else if ratio <= 1.0 {
-            1.0
-        } else {
-            0.0
+        match self.record.kernel {
+            KERNEL_EXPONENTIAL => exp_neg(ratio),
+            KERNEL_LINEAR => greatest(1.0 - ratio, 0.0),
+            _ if ratio <= 1.0 => 1.0,
+            _ => 0.0,
         }
     }
 
@@ -107,6 +108,9 @@ impl Reward {
             return (distance * F::splat(self.exponent_per_metre)).exp2_neg();
         }
         let ratio = distance * F::splat(self.inverse_scale);
+        if self.record.kernel == KERNEL_LINEAR {
+            return (F::splat(1.0) - ratio).max(F::splat(0.0));
+        }
         F::select_lt(F::splat(1.0), ratio, F::splat(0.0), F::splat(1.0))
     }
 

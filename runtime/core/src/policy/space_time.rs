@@ -8,6 +8,7 @@ use super::reward::Reward;
 use super::table::{PolicyTable, SegmentRecord};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use throng_base::maths;
 
 /// Positions of a path.
 pub const PATH_POINTS: usize = 9;
@@ -53,7 +54,7 @@ impl PolicyTable {
         let left_s = target.y - path.duration_s;
         if left_s < 0.0 {
             // Within a segment, the discount is that of the time that has passed.
-            let discount = motion.discount.powf(target.y / path.duration_s);
+            let discount = maths::pow(motion.discount, target.y / path.duration_s);
             return discount * self.reward.of_event(path.at(target.y), target);
         }
         motion.discount * self.value_in(motion.end, &self.grid, after(motion, target, left_s))

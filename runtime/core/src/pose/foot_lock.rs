@@ -8,6 +8,7 @@ use super::hierarchy::ModelPose;
 use super::lanes::{Lane, Lane3, load, store};
 use super::leg::{Leg, NO_CORRECTION, move_leg};
 use super::placement::Placement;
+use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, V};
 
 /// How feet are locked.
@@ -102,7 +103,7 @@ fn update_correction<F: Lanes>(
     let weight = one / sum.max(one);
     let slide = (ankle - load(&lock.ankle)) * (hold_heel * weight) + (toe - load(&lock.toe)) * (hold_toe * weight);
     let old = load(&lock.correction);
-    let keep = |half_life_s: f32| (-std::f32::consts::LN_2 * dt_s / half_life_s).exp();
+    let keep = |half_life_s: f32| maths::exp(-std::f32::consts::LN_2 * dt_s / half_life_s);
     let held = (old - slide) * F::splat(keep(config.planted_half_life_s));
     let mut new = V::select_lt(sum, half, old * F::splat(keep(config.half_life_s)), held);
 

@@ -7,6 +7,7 @@ use crate::skeleton::{Joint, Skeleton};
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use throng_base::error::{check, check_index};
+use throng_base::maths;
 use throng_base::{Id, Result};
 
 /// Limit of positions, speeds and angles (m, m/s, rad).
@@ -93,7 +94,7 @@ impl Control {
             return position;
         }
         if let Some(rate) = self.turning_rate {
-            let (sin, cos) = (rate * dt_s).sin_cos();
+            let (sin, cos) = maths::sin_cos(rate * dt_s);
             let v = self.velocity;
             self.velocity = Vec2::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin);
             self.heading = self.heading.map(|heading| heading + rate * dt_s);

@@ -192,6 +192,6 @@ fn soft<F: Lanes>(distance: F, [l1, l2]: [F; 2]) -> F {
     let length = l1 + l2;
     let (from, room) = (length * F::splat(SOFT), length * F::splat(HARD - SOFT));
     let over = (distance - from).max(F::splat(0.0));
-    let soft = from + room * (F::splat(1.0) - (-(over / room)).exp());
+    let soft = from + room * (F::splat(1.0) - (-(over / room)).exp8());
     F::select_lt(from, distance, soft, distance).max((l1 - l2).abs() + F::splat(1e-3))
 }

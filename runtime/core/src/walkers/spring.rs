@@ -1,5 +1,6 @@
 //! Differences that fade smoothly: neither their value nor their rate ever jumps.
 
+use throng_base::maths;
 use throng_base::simd::Lanes;
 
 /// A critically damped spring over one tick.
@@ -18,7 +19,7 @@ impl Spring {
             return Self { keep: [0.0; 2], rate: [0.0; 2] };
         }
         let y = 2.0 * std::f32::consts::LN_2 / half_life_s;
-        let e = (-y * dt_s).exp();
+        let e = maths::exp(-y * dt_s);
         Self { keep: [e * (1.0 + y * dt_s), e * dt_s], rate: [-e * y * y * dt_s, e * (1.0 - y * dt_s)] }
     }
 

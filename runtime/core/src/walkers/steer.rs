@@ -9,6 +9,7 @@ use crate::blend::{AxisRecord, MAX_AXES, axis};
 use crate::planar::wrap_angle;
 use glam::Vec2;
 use std::f32::consts::{FRAC_PI_2, PI};
+use throng_base::maths;
 
 /// Least speed at which the direction of movement is used (m/s).
 const MOVING_MPS: f32 = 0.1;
@@ -90,7 +91,7 @@ impl<'a> Steering<'a> {
 
     /// Heading to turn to (rad).
     fn aim(&self, block: &Block, lane: usize, control: &Control, speed: f32) -> f32 {
-        let travel = control.velocity.x.atan2(control.velocity.y);
+        let travel = maths::atan2(control.velocity.x, control.velocity.y);
         match control.heading {
             Some(heading) if self.sideways || speed < MOVING_MPS => heading,
             // Without side steps, the body has to face along or against the movement.
@@ -125,7 +126,7 @@ impl<'a> Steering<'a> {
         speed: f32,
     ) -> [f32; MAX_AXES] {
         let pace = body.pace[lane];
-        let (sin, cos) = block.root[2][lane].sin_cos();
+        let (sin, cos) = maths::sin_cos(block.root[2][lane]);
         let v = control.velocity / pace;
         let (left, ahead) = (cos * v.x - sin * v.y, sin * v.x + cos * v.y);
         // Without side steps, all movement is ahead or back.
@@ -156,10 +157,10 @@ impl<'a> Steering<'a> {
 /// Angle between heading and movement of a blend; 0 if it stands or does not move ahead (rad).
 fn lean([left, ahead]: [[f32; 8]; 2], lane: usize) -> f32 {
     let v = Vec2::new(left[lane], ahead[lane]);
-    if v.y > STRIDING_MPS { v.x.atan2(v.y) } else { 0.0 }
+    if v.y > STRIDING_MPS { maths::atan2(v.x, v.y) } else { 0.0 }
 }
 
 /// Share of a difference that is left after a time; 0 for a half-life of 0.
 fn keep(dt_s: f32, half_life_s: f32) -> f32 {
-    if half_life_s > 0.0 { (-dt_s / half_life_s).exp2() } else { 0.0 }
+    if half_life_s > 0.0 { maths::exp2(-dt_s / half_life_s) } else { 0.0 }
 }

@@ -22,6 +22,7 @@ use crate::pose::{
 };
 use crate::skeleton::NUM_JOINTS;
 use glam::Vec2;
+use throng_base::maths;
 use throng_base::simd::{Functions, LANES, Lanes, Q, V, Work, dispatch};
 
 /// Blocks of a range: 128 characters, whose state and poses fit the cache of a core.
@@ -65,7 +66,7 @@ pub(crate) struct Tick<'a> {
 
 impl<'a> Tick<'a> {
     pub fn new(space: &'a BlendSpace, config: &'a WalkersConfig, dt_s: f32, ground: &'a HeightField) -> Self {
-        let keep = (-dt_s / config.foot_half_life_s).exp2();
+        let keep = maths::exp2(-dt_s / config.foot_half_life_s);
         let spring = |half_life_s| Spring::new(dt_s, half_life_s);
         Self {
             space,
@@ -262,7 +263,7 @@ fn release<F: Lanes>(foot: &mut Foot, bearing: &mut Bearing, stretched: F) {
 #[inline(always)]
 fn placement<F: Lanes>(block: &Block, ground: &HeightField) -> Placement<F> {
     let [x, z, heading] = &block.root;
-    let (sin, cos) = F::load(heading).sin_cos();
+    let (sin, cos) = F::load(heading).sin_cos8();
     let y = std::array::from_fn(|lane| ground.at(Vec2::new(x[lane], z[lane])).height);
     Placement { x: F::load(x), y: F::from_array(y), z: F::load(z), sin, cos }
 }

@@ -3,6 +3,7 @@
 use crate::Obstacle;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::f32::consts::TAU;
+use throng_base::maths;
 
 /// Something solid, from above.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,8 +81,8 @@ impl Outline {
         };
         // Larger circles need more points for the same detour.
         let num = if radius > clearance { 24 } else { 12 };
-        let out = (radius + clearance) * 1.002 / (0.5 * TAU / num as f32).cos();
-        let away = |i: i32| Vec2::from_angle(TAU * i as f32 / num as f32) * out;
+        let out = (radius + clearance) * 1.002 / maths::cos(0.5 * TAU / num as f32);
+        let away = |i: i32| maths::at_angle(TAU * i as f32 / num as f32) * out;
         corners.iter().flat_map(|&c| (0..num).map(move |i| c + away(i))).collect()
     }
 }

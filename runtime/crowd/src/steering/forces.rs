@@ -71,7 +71,8 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
     let driving = (me.desired * me.speed - me.velocity) * rate;
     // Room behind agents in front; none to step aside, or to get in between agents that stand at their goals.
     let room_kept = if me.retreats { 0.0 } else { (me.left / steering.pressing_m).min(1.0) };
-    let headway = field.headway_m * room_kept * heading.dot(me.desired).max(0.0).powi(2);
+    let ahead = heading.dot(me.desired).max(0.0);
+    let headway = field.headway_m * room_kept * ahead * ahead;
     let mut f = Forces { driving, safety: me.off_centre * -field.safety, ..Forces::default() };
     for interest in interests {
         let (toward, distance) = (interest.position - me.position).unit_and_length();

@@ -16,6 +16,7 @@ use crate::scene::{HappeningConfig, Motion, NearConfig, point};
 use crate::{Event, Happened};
 use followers::Followers;
 use glam::{Vec2, Vec3};
+use throng_base::maths;
 use throng_base::{Result, Run};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{Crowd, CrowdError, Event as CrowdEvent, EventKind, Go, Id, Route, Space};
@@ -300,7 +301,7 @@ impl<V: Space> Agents<V> {
         let (at, velocity) = (self.position(agent, now)?, self.velocity(agent, now)?);
         let ahead = self.crowd.smooth_velocity(self.ids[agent]).map_or(Vec2::ZERO, plan);
         let (centre, radius) = (in_world(at), self.layout.setup.agents[agent].radius);
-        let root = Planar { x: centre.x, z: centre.z, heading: ahead.x.atan2(ahead.y) };
+        let root = Planar { x: centre.x, z: centre.z, heading: maths::atan2(ahead.x, ahead.y) };
         Some(Disc { root, centre, velocity: in_world(velocity), radius, knows: self.knows[agent] > 0 })
     }
 

@@ -4,6 +4,7 @@ use crate::scene::{PlaceConfig, point};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::{PI, TAU};
+use throng_base::maths;
 use throng_crowd::Space;
 
 /// Turn between neighbours of a sunflower's seeds, (3 - sqrt 5) pi (rad).
@@ -32,7 +33,7 @@ fn block<V: Space>(from: V, to: V, jitter: f32, count: usize, radius: f32, rng: 
     let (low, size) = (from.coordinates(), (to - from).coordinates());
     let d = V::DIMENSIONS;
     let volume: f32 = size[..d].iter().product();
-    let side = (volume / count as f32).powf(1.0 / d as f32);
+    let side = maths::pow(volume / count as f32, 1.0 / d as f32);
     let mut cells = [1usize; 3];
     for i in 0..d {
         cells[i] = ((size[i] / side).round() as usize).max(1);
@@ -64,7 +65,7 @@ fn sunflower<V: Space>(count: usize, density: f32) -> Vec<V> {
     let seed = |i: usize| {
         let out = ((i as f32 + 0.5) / (PI * density)).sqrt();
         // In f64: the angle of the 100 000th is still exact.
-        let (sin, cos) = (i as f64 * GOLDEN_ANGLE).rem_euclid(f64::from(TAU)).sin_cos();
+        let (sin, cos) = maths::sin_cos((i as f64 * GOLDEN_ANGLE).rem_euclid(f64::from(TAU)));
         V::from_coordinates([out * cos as f32, out * sin as f32, 0.0])
     };
     (0..count).map(seed).collect()
@@ -72,7 +73,7 @@ fn sunflower<V: Space>(count: usize, density: f32) -> Vec<V> {
 
 /// The points of a cubic lattice that are nearest to the origin (density in 1/m^3).
 fn ball<V: Space>(count: usize, density: f32) -> Vec<V> {
-    let half = (0.63 * (count as f32).cbrt()).ceil() as i32 + 1;
+    let half = (0.63 * maths::cbrt(count as f32)).ceil() as i32 + 1;
     // Off the origin, so that few are equally far from it.
     let off = |c: &[i32; 3]| [c[0] as f32 + 0.11, c[1] as f32 + 0.23, c[2] as f32 + 0.37];
     let square = |c: &[i32; 3]| off(c).iter().map(|x| x * x).sum::<f32>();
@@ -80,7 +81,7 @@ fn ball<V: Space>(count: usize, density: f32) -> Vec<V> {
     let mut all: Vec<[i32; 3]> =
         side().flat_map(|x| side().flat_map(move |y| side().map(move |z| [x, y, z]))).collect();
     all.sort_by(|a, b| square(a).total_cmp(&square(b)).then(a.cmp(b)));
-    let spacing = density.recip().cbrt();
+    let spacing = maths::cbrt(density.recip());
     all.iter().take(count).map(|c| V::from_coordinates(off(c).map(|x| x * spacing))).collect()
 }
 
@@ -95,7 +96,7 @@ fn rings_about<V: Space>(centre: V, spacing: f32, rings: usize, count: usize) ->
         upto += radius(ring);
         let num = (n * upto / all).round() as usize - out.len();
         let turn = |i: usize| TAU * (i as f32 + 0.5 * (ring % 2) as f32) / num as f32;
-        let place = |i: usize| V::from_coordinates([turn(i).cos(), turn(i).sin(), 0.0]) * radius(ring);
+        let place = |i: usize| V::from_coordinates([maths::cos(turn(i)), maths::sin(turn(i)), 0.0]) * radius(ring);
         out.extend((0..num).map(|i| centre + place(i)));
     }
     out

@@ -3,6 +3,7 @@
 use crate::kind::{PART, refused};
 use glam::{Vec2, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
+use throng_base::maths;
 use throng_base::{Bytes, Error, Result, Run, run_each};
 use throng_core::walkers::{Control, WalkerStart, Walkers};
 use throng_core::{Bodies, Cast, Planar};
@@ -46,7 +47,7 @@ impl Troop {
         let motion = crowd.position(agent, now).zip(crowd.velocity(agent, now));
         let (at, velocity) = motion.map(|(at, v)| (at.xz(), v.xz())).ok_or(Error::Gone(agent))?;
         let ahead = if velocity.length() > SLOW_MPS { velocity } else { ahead };
-        let heading = ahead.x.atan2(ahead.y);
+        let heading = maths::atan2(ahead.x, ahead.y);
         let phase = (agent.index as f32 * 0.381_966).fract();
         let body = agent.index() % num_bodies;
         self.walkers.spawn(WalkerStart { body, root: Planar { x: at.x, z: at.y, heading }, phase })?;
@@ -138,6 +139,6 @@ fn steer(crowd: &Crowd, agent: Id, time_s: f64, control: &mut Control) {
     };
     (control.position, control.velocity) = (Some(at.xz()), velocity.xz());
     if control.velocity.length() > SLOW_MPS {
-        control.heading = Some(control.velocity.x.atan2(control.velocity.y));
+        control.heading = Some(maths::atan2(control.velocity.x, control.velocity.y));
     }
 }

@@ -24,6 +24,7 @@ pub use place::PlaceConfig;
 
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use throng_base::maths;
 use throng_base::text::Source;
 use throng_base::{Error, Result};
 
@@ -170,7 +171,7 @@ impl Scene {
         }
         if self.measure.grows {
             let stretch = characters as f64 / before.max(1) as f64;
-            scene.stretch(stretch.powf(1.0 / self.environment.space.dimensions() as f64) as f32);
+            scene.stretch(maths::pow(stretch, 1.0 / self.environment.space.dimensions() as f64) as f32);
         }
         scene
     }

@@ -3,6 +3,7 @@
 use super::config::within;
 use glam::{Vec2, Vec3};
 use throng_base::Result;
+use throng_base::maths;
 use throng_core::planar::Planar;
 use throng_core::pose::Mat3x4;
 use throng_core::skeleton::{Joint, NUM_JOINTS, Skeleton};
@@ -186,6 +187,11 @@ impl Body {
         pose.point(Joint::Head, self.head_centre)
     }
 
+    /// The middle of the head in the head joint's own frame (m).
+    pub fn head_centre(&self) -> Vec3 {
+        self.head_centre
+    }
+
     fn capsule(&self, i: usize, pose: &Posed<'_>) -> Capsule {
         let limb = &self.limbs[i];
         Capsule { ends: limb.ends.map(|(joint, offset)| pose.point(joint, offset)), radius: limb.radius }
@@ -204,7 +210,7 @@ pub struct Posed<'a> {
 impl<'a> Posed<'a> {
     /// - `pose`: in model space (NUM_JOINTS).
     pub fn new(pose: &'a [Mat3x4], root: Planar) -> Self {
-        let (sin, cos) = root.heading.sin_cos();
+        let (sin, cos) = maths::sin_cos(root.heading);
         Self { pose: &pose[..NUM_JOINTS], place: root.translation(), sin, cos }
     }
 

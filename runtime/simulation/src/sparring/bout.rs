@@ -10,7 +10,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind, run_each};
 use throng_core::characters::{Blow, Characters, MAX_BLOWS, MotionSet, Order, PolicyCharacters, SampleJob, Spawn};
-use throng_core::{Adopted, Bodies, Bundle, Cast, Mat3x4, NUM_JOINTS, Planar, Status};
+use throng_core::{Adopted, Bodies, Bundle, Cast, Joint, Mat3x4, NUM_JOINTS, Planar, Status};
 
 /// Pairs of characters that spar: those in rows 2i and 2i + 1 are opponents.
 ///
@@ -24,6 +24,8 @@ pub struct Sparring {
     boxers: PolicyCharacters,
     state: State,
     events: Vec<(Id, Landing)>,
+    /// Time from a choice to its first blow (s).
+    pub(super) lead_s: f32,
 }
 
 /// What the next steps depend on, beside the characters.
@@ -31,6 +33,8 @@ pub struct Sparring {
 pub(super) struct State {
     /// The opponent's head, for each character (m).
     pub heads: Vec<Vec3>,
+    /// Where it will be when a blow that is chosen now lands, for each character (m).
+    pub aims: Vec<Vec3>,
     /// The opponent's next blow, for each character: x, seconds, z.
     pub threats: Vec<Vec3>,
     pub pairs: Vec<Pair>,
@@ -64,13 +68,15 @@ impl Sparring {
         let boxers = PolicyCharacters::with_capacity(bundle, n, config.characters)?;
         let state = State {
             heads: Vec::with_capacity(n),
+            aims: Vec::with_capacity(n),
             threats: Vec::with_capacity(n),
             pairs: Vec::with_capacity(num_pairs),
             tallies: Vec::with_capacity(n),
             seconds: 0.0,
         };
         let events = Vec::with_capacity(if bundle.hits().is_empty() { 0 } else { n * MAX_BLOWS });
-        Ok(Self { body: Body::new(bundle.skeleton(), &config.body), config, boxers, state, events })
+        let lead_s = usual_lead_s(boxers.motion_set());
+        Ok(Self { body: Body::new(bundle.skeleton(), &config.body), config, boxers, state, events, lead_s })
     }
 
     /// Who spars, row by row as in [`Cast::bodies`].
@@ -122,9 +128,15 @@ impl Sparring {
         self.boxers.play(id, segment)
     }
 
-    /// The opponent's head, for each character: what behaviours about a place are about (m, row by row).
+    /// The opponent's head, for each character (m, row by row).
     pub fn heads(&self) -> &[Vec3] {
         &self.state.heads
+    }
+
+    /// Where the opponent's head will be when a blow that is chosen now lands, as far as the opponent's action is known:
+    /// what behaviours about a place are about (m, row by row).
+    pub fn aims(&self) -> &[Vec3] {
+        &self.state.aims
     }
 
     /// The opponent's next blow, for each character: what behaviours on space-time grids are about; x and z of the
@@ -204,7 +216,7 @@ impl Sparring {
     }
 
     fn snapshot_kind(&self) -> SnapshotKind {
-        SnapshotKind { what: "sparring", tag: *b"SPAR", version: 2, setup: self.config.hash() }
+        SnapshotKind { what: "sparring", tag: *b"SPAR", version: 3, setup: self.config.hash() }
     }
 }
 
@@ -228,6 +240,7 @@ impl Cast for Sparring {
         }
         let [own, other] = self.start_heads(pair)?;
         self.state.heads.extend([other, own]);
+        self.state.aims.extend([other, own]);
         self.state.threats.extend([NO_THREAT; 2]);
         self.state.pairs.push(Pair::default());
         self.state.tallies.extend([Tally::default(); 2]);
@@ -240,6 +253,7 @@ impl Cast for Sparring {
         for row in [first + 1, first] {
             self.boxers.despawn(self.boxers.ids()[row])?;
             self.state.heads.swap_remove(row);
+            self.state.aims.swap_remove(row);
             self.state.threats.swap_remove(row);
             self.state.tallies.swap_remove(row);
         }
@@ -252,8 +266,11 @@ impl Cast for Sparring {
         let row = self.boxers.row(id)?;
         let old = self.characters().root(row);
         self.boxers.place(id, root)?;
-        let head = &mut self.state.heads[row ^ 1];
-        *head = root.rotation() * (old.rotation().inverse() * (*head - old.translation())) + root.translation();
+        let moved =
+            |p: Vec3| root.rotation() * (old.rotation().inverse() * (p - old.translation())) + root.translation();
+        for at in [&mut self.state.heads[row ^ 1], &mut self.state.aims[row ^ 1]] {
+            *at = moved(*at);
+        }
         Ok(())
     }
 
@@ -264,15 +281,18 @@ impl Cast for Sparring {
     fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
         /// Pairs of one part.
         const PART: usize = 64;
-        self.boxers.aim_all(&self.state.heads, &self.state.threats)?;
+        self.boxers.aim_all(&self.state.aims, &self.state.threats)?;
         self.boxers.step(dt_s, run)?;
         let (s, boxers, body, config) = (&mut self.state, &self.boxers, &self.body, &self.config);
-        let parts = s.pairs.chunks_mut(PART).zip(s.heads.chunks_mut(2 * PART)).zip(s.threats.chunks_mut(2 * PART));
-        run_each(run, parts.enumerate(), |(part, ((pairs, heads), threats))| {
-            let of_pair = pairs.iter_mut().zip(heads.chunks_exact_mut(2)).zip(threats.chunks_exact_mut(2));
-            for (i, ((pair, heads), threats)) in of_pair.enumerate() {
-                let to = Observed { index: part * PART + i, pair, heads, threats };
-                observe(to, boxers.characters(), boxers.motion_set(), body, config, dt_s);
+        let lead_s = self.lead_s;
+        let places = s.heads.chunks_mut(2 * PART).zip(s.aims.chunks_mut(2 * PART));
+        let parts = s.pairs.chunks_mut(PART).zip(places).zip(s.threats.chunks_mut(2 * PART));
+        run_each(run, parts.enumerate(), |(part, ((pairs, (heads, aims)), threats))| {
+            let places = heads.chunks_exact_mut(2).zip(aims.chunks_exact_mut(2));
+            let of_pair = pairs.iter_mut().zip(places).zip(threats.chunks_exact_mut(2));
+            for (i, ((pair, (heads, aims)), threats)) in of_pair.enumerate() {
+                let to = Observed { index: part * PART + i, pair, heads, aims, threats };
+                observe(to, boxers, body, config, [dt_s, lead_s]);
             }
         });
         self.resolve(dt_s)
@@ -311,12 +331,24 @@ impl Cast for Sparring {
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
         let adopted = self.boxers.adopt(new)?;
         self.body = Body::new(new.skeleton(), &self.config.body);
+        self.lead_s = usual_lead_s(self.boxers.motion_set());
         Ok(adopted)
     }
 }
 
 /// What a character sees whose opponent strikes at nothing.
 const NO_THREAT: Vec3 = Vec3::new(0.0, NO_THREAT_S, 0.0);
+
+/// Median time from the start of a segment to its first blow; 0 where there is none (s).
+fn usual_lead_s(motion_set: &MotionSet) -> f32 {
+    let starts = motion_set.graph().segments.iter().map(|s| s.start);
+    let to_first = |(i, start): (usize, u32)| {
+        motion_set.hits_of(i as u32).next().map(|hit| motion_set.hits()[hit as usize].frame - start)
+    };
+    let mut frames: Vec<u32> = starts.enumerate().filter_map(to_first).collect();
+    frames.sort_unstable();
+    frames.get(frames.len() / 2).map_or(0.0, |&f| f as f32 / motion_set.rate_hz)
+}
 
 /// What is written of one pair after a step.
 struct Observed<'a> {
@@ -325,22 +357,26 @@ struct Observed<'a> {
     /// (2)
     heads: &'a mut [Vec3],
     /// (2)
+    aims: &'a mut [Vec3],
+    /// (2)
     threats: &'a mut [Vec3],
 }
 
 /// Takes the places of heads, the coming blows and the overlap of a pair from their poses.
 fn observe(
     to: Observed<'_>,
-    characters: &Characters,
-    motion_set: &MotionSet,
+    boxers: &PolicyCharacters,
     body: &Body,
     config: &SparringConfig,
-    dt_s: f32,
+    [dt_s, lead_s]: [f32; 2],
 ) {
+    let (characters, motion_set) = (boxers.characters(), boxers.motion_set());
     let pair = [2 * to.index, 2 * to.index + 1];
     let poses = pair.map(|c| Posed::new(characters.pose(c), characters.root(c)));
     for (k, opponent) in [1, 0].into_iter().enumerate() {
         to.heads[k] = body.head(&poses[opponent]);
+        let travel = characters.travel(motion_set, pair[opponent], Joint::Head, body.head_centre(), lead_s);
+        to.aims[k] = to.heads[k] + travel;
         to.threats[k] = match characters.next_blow(motion_set, pair[opponent]) {
             Some((blow, due_s)) => Vec3::new(blow.point.x, due_s, blow.point.z),
             None => NO_THREAT,

@@ -37,8 +37,8 @@ pub struct SparringConfig {
     pub body: BodyShape,
     /// How near to a body a blow must come to land (m, 0 to 1).
     pub reach_m: f32,
-    /// Last part of a blow's way on which arms can be in it (m, 0 to 1).
-    pub block_m: f32,
+    /// Last part of a blow's way on which it strikes what is in it (m, 0 to 1).
+    pub way_m: f32,
     /// Displacement of what is struck, for each metre a second of the blow (s, 0 to 1).
     pub push_m_per_mps: f32,
     /// How bodies are kept apart.
@@ -48,7 +48,7 @@ pub struct SparringConfig {
 impl SparringConfig {
     /// Content hash, but for how the characters move.
     pub(super) fn hash(&self) -> u128 {
-        let numbers = (self.body, self.reach_m, self.block_m, self.push_m_per_mps, self.separation);
+        let numbers = (self.body, self.reach_m, self.way_m, self.push_m_per_mps, self.separation);
         Hash128::of(format!("{numbers:?}").as_bytes())
     }
 
@@ -56,7 +56,7 @@ impl SparringConfig {
         self.body.check()?;
         for (what, got) in [
             ("reach_m", self.reach_m),
-            ("block_m", self.block_m),
+            ("way_m", self.way_m),
             ("push_m_per_mps", self.push_m_per_mps),
             ("separation.margin_m", self.separation.margin_m),
             ("separation.deep_m", self.separation.deep_m),
@@ -73,7 +73,7 @@ impl Default for SparringConfig {
             characters: CharactersConfig::default(),
             body: BodyShape::default(),
             reach_m: 0.06,
-            block_m: 0.15,
+            way_m: 0.15,
             push_m_per_mps: 0.012,
             separation: SeparationConfig::default(),
         }

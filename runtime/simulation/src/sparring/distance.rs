@@ -3,13 +3,6 @@
 use super::body::Capsule;
 use glam::Vec3;
 
-/// Distance of a point from a segment (m).
-pub(crate) fn point_to_segment(p: Vec3, [a, b]: [Vec3; 2]) -> f32 {
-    let (along, to) = (b - a, p - a);
-    let t = (to.dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
-    (to - along * t).length()
-}
-
 /// The nearest points of two segments (Ericson, *Real-Time Collision Detection*, 2005, section 5.1.9) (m).
 pub(crate) fn nearest_points([p1, q1]: [Vec3; 2], [p2, q2]: [Vec3; 2]) -> [Vec3; 2] {
     let (d1, d2, r) = (q1 - p1, q2 - p2, p1 - p2);
@@ -32,6 +25,13 @@ pub(crate) fn overlap(a: &Capsule, b: &Capsule) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Distance of a point from a segment (m).
+    fn point_to_segment(p: Vec3, [a, b]: [Vec3; 2]) -> f32 {
+        let (along, to) = (b - a, p - a);
+        let t = (to.dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+        (to - along * t).length()
+    }
     use proptest::prelude::*;
 
     fn point() -> impl Strategy<Value = Vec3> {

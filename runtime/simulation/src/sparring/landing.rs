@@ -2,7 +2,7 @@
 
 use super::body::{Body, NUM_CAPSULES, Part, Posed};
 use super::config::SparringConfig;
-use super::distance::{nearest_points, point_to_segment};
+use super::distance::nearest_points;
 use throng_base::Id;
 use throng_core::characters::Blow;
 use throng_core::skeleton::Joint;
@@ -29,28 +29,27 @@ impl Landing {
     }
 }
 
-/// The capsule that a blow meets, and how deep: an arm that lies in the last part of its way, else the capsule
-/// that is reached deepest.
+/// The capsule that a blow meets on the last part of its way, and how deep: an arm, else the capsule that is reached
+/// deepest. An opponent who stands nearer than the blow reaches is struck on its way.
 pub(crate) fn meet(config: &SparringConfig, body: &Body, pose: &Posed<'_>, blow: &Blow) -> Option<(usize, f32)> {
-    let way = [blow.point - blow.direction * config.block_m, blow.point];
+    let way = [blow.point - blow.direction * config.way_m, blow.point];
     let capsules = body.capsules(pose);
     let deepest = |found: Option<(usize, f32)>, (i, depth): (usize, f32)| match found {
         Some((_, deep)) if deep >= depth => found,
         _ if depth >= 0.0 => Some((i, depth)),
         _ => found,
     };
-    let arms = (0..NUM_CAPSULES).filter(|&i| body.part(i) == Part::Arm);
-    let caught = arms.map(|i| {
-        let [p, q] = nearest_points(way, capsules[i].ends);
-        (i, capsules[i].radius + config.body.hand_m - p.distance(q))
-    });
-    if let Some(arm) = caught.fold(None, deepest) {
+    let on_way = |reach_m: f32| {
+        let capsules = &capsules;
+        move |i: usize| {
+            let [p, q] = nearest_points(way, capsules[i].ends);
+            (i, capsules[i].radius + reach_m - p.distance(q))
+        }
+    };
+    let arms = (0..NUM_CAPSULES).filter(|&i| body.part(i) == Part::Arm).map(on_way(config.body.hand_m));
+    if let Some(arm) = arms.fold(None, deepest) {
         return Some(arm);
     }
-    let others = (0..NUM_CAPSULES).filter(|&i| body.part(i) != Part::Arm);
-    let reached = others.map(|i| {
-        let c = &capsules[i];
-        (i, c.radius + config.reach_m - point_to_segment(blow.point, c.ends))
-    });
+    let reached = (0..NUM_CAPSULES).filter(|&i| body.part(i) != Part::Arm).map(on_way(config.reach_m));
     reached.fold(None, deepest)
 }

@@ -5,6 +5,7 @@ use super::config::SeparationConfig;
 use super::distance::overlap;
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
+use throng_base::maths;
 use throng_core::contacts::Contacts;
 
 /// Time in which the speed of parting adapts (s).
@@ -58,7 +59,7 @@ impl Pair {
         self.apart = way.try_normalize().unwrap_or(Vec2::Y);
         let wanted =
             if config.enabled { ((overlap + config.margin_m) / PART_S).min(config.max_speed_mps) } else { 0.0 };
-        let adapt = 1.0 - (-dt_s / ADAPT_S).exp();
+        let adapt = 1.0 - maths::exp(-dt_s / ADAPT_S);
         self.speed_mps += (wanted - self.speed_mps) * adapt;
         for (share, c) in self.shares.iter_mut().zip(contacts) {
             let stands = c.any(Contacts::LEFT) && c.any(Contacts::RIGHT);
@@ -80,7 +81,7 @@ fn core_overlap(body: &Body, [a, b]: [&Posed<'_>; 2], margin_m: f32) -> f32 {
     /// No core is further from its pelvis than this (m).
     const REACH: f32 = 1.1;
     let hips = |p: &Posed<'_>| p.point(throng_core::Joint::Hips, Vec3::ZERO);
-    if hips(a).distance_squared(hips(b)) > (2.0 * REACH).powi(2) {
+    if hips(a).distance_squared(hips(b)) > 4.0 * REACH * REACH {
         return -margin_m;
     }
     let (a, b) = (body.core(a), body.core(b));

@@ -19,8 +19,8 @@ pub(super) trait Remembered: Serialize + DeserializeOwned {
 
 impl Remembered for bout::State {
     fn may_be(&self, n: usize) -> bool {
-        [self.heads.len(), self.threats.len(), 2 * self.pairs.len(), self.tallies.len()] == [n; 4]
-            && self.heads.iter().chain(&self.threats).all(may_be_aim)
+        [self.heads.len(), self.aims.len(), self.threats.len(), 2 * self.pairs.len(), self.tallies.len()] == [n; 5]
+            && self.heads.iter().chain(&self.aims).chain(&self.threats).all(may_be_aim)
             && self.pairs.iter().all(Pair::may_be)
             && Tally::may_be(&self.tallies)
             && (0.0..1e9).contains(&self.seconds)

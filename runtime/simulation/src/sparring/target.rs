@@ -4,6 +4,7 @@ use super::config::within;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
+use throng_base::maths;
 
 /// How a struck target moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +81,7 @@ impl StruckTarget {
         let rate = config.rate();
         let slope = self.velocity + self.offset * rate;
         let line = self.offset + slope * dt_s;
-        let keep = (-rate * dt_s).exp();
+        let keep = maths::exp(-rate * dt_s);
         self.velocity = (slope - line * rate) * keep;
         self.offset = line * keep;
         // Struck again on its way out, it stops at the limit.

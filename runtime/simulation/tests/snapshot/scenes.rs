@@ -28,7 +28,9 @@ pub fn boxing(further: f32) -> Bundle {
 fn folder() -> &'static Path {
     static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
     let made = FOLDER.get_or_init(|| {
-        let folder = tempfile::tempdir().expect("a temporary folder");
+        // WASI has no folder of its own for these.
+        let at = if cfg!(target_family = "wasm") { PathBuf::from("/tmp") } else { std::env::temp_dir() };
+        let folder = tempfile::tempdir_in(at).expect("a temporary folder");
         let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).expect("a file");
         let tables = made_up_world::tables();
         write("floor.throng", &made_up_world::bundle("made up"));

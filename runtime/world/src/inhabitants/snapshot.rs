@@ -6,6 +6,7 @@ use super::paths::SavedPaths;
 use super::reservations::Reservations;
 use super::{Inhabitants, State};
 use crate::{Node, Step, WorldGraph};
+use throng_base::maths;
 use throng_base::{Error, Hash128, Result, SnapshotKind};
 use throng_core::Roster;
 use throng_core::characters::CharactersSnapshot;
@@ -65,7 +66,7 @@ impl Inhabitants {
         check(states.iter().all(|s| is_sound(graph, s)), "a character is where the world has no place")?;
         for (c, (state, chain)) in states.iter().zip(chains).enumerate() {
             let (end, place) = (bodies.scheduled_end(world.motion_set(), c), graph.place(state.at));
-            check((end.x - place.x).hypot(end.z - place.z) < ASTRAY_M, "a character's motion leads elsewhere")?;
+            check(maths::hypot(end.x - place.x, end.z - place.z) < ASTRAY_M, "a character's motion leads elsewhere")?;
             check(
                 chain.len() <= MAX_CHAIN && are_steps(graph, state.at, chain),
                 "a character goes where no step leads",

@@ -165,7 +165,7 @@ impl Choosing {
 fn around(cast: &GroupCast) -> (Vec<Vec3>, Vec<Vec3>) {
     match cast {
         GroupCast::Policy(p) => (p.practice().targets().iter().map(|t| t.position()).collect(), Vec::new()),
-        GroupCast::Sparring(s) => (s.sparring().heads().to_vec(), s.sparring().threats().to_vec()),
+        GroupCast::Sparring(s) => (s.sparring().aims().to_vec(), s.sparring().threats().to_vec()),
         _ => Default::default(),
     }
 }

@@ -1,4 +1,7 @@
+use super::super::geometry::with_triangles;
 use super::*;
+use crate::environment::UnitSet;
+use crate::patch::PatchConfig;
 
 /// A square in the plane y = 0 as two triangles, moved by a node within a node.
 fn square(buffer: &str, indices: &str) -> String {
@@ -206,4 +209,31 @@ fn a_mesh_that_is_no_file_is_refused_at_once() {
     assert!(read(Path::new("/dev/zero")).unwrap_err().to_string().contains("is a device or a pipe, expected a mesh"));
     let folder = tempfile::tempdir().unwrap();
     assert!(read(folder.path()).unwrap_err().to_string().contains("is a folder, expected a mesh"));
+}
+
+#[test]
+fn what_is_wrong_with_a_mesh_is_told_with_the_line_of_its_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("bad.glb"), "no mesh").unwrap();
+    let path = folder.path().join("units.toml");
+    let text = "[[units]]\nname = \"floor\"\n\n[[units]]\nname = \"statue\"\n[[units.shapes]]\n\
+                box = { at = [0, 0, 0], size = [1, 1, 1] }\n[[units.shapes]]\nmesh = { file = \"bad.glb\" }\n";
+    std::fs::write(&path, text).unwrap();
+    let units = UnitSet::load(&path).unwrap();
+    let patches = PatchConfig { units: Some(path.clone()), ..PatchConfig::default() };
+    let e = crate::patch::scenes(&[], &patches, &units).unwrap_err().to_string();
+    assert!(e.contains("units.toml:9:10: units[1].shapes[1].mesh.file: ") && e.contains("bad.glb: expected"), "{e}");
+}
+
+#[test]
+fn the_triangles_of_all_units_are_counted_together() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.glb"), glb(&square("{\"byteLength\":76}", INDICES), &bytes())).unwrap();
+    let unit = |name: &str| format!("[[units]]\nname = \"{name}\"\nshapes = [{{ mesh = {{ file = \"a.glb\" }} }}]\n");
+    let text = [unit("one"), unit("two"), unit("three")].concat();
+    let units = UnitSet::parse(&text, &folder.path().join("units.toml")).unwrap();
+    // Two each: no mesh is too large, all of them are.
+    assert_eq!(with_triangles(&units, 6).unwrap().len(), 3);
+    let e = with_triangles(&units, 5).unwrap_err().to_string();
+    assert!(e.starts_with("units[2].shapes: the meshes of all units may have 5 triangles at most, found more"), "{e}");
 }

@@ -60,9 +60,13 @@ fn place(frame: Planar, p: Vec3) -> Vec3 {
 
 /// Throw blows that land on the target.
 ///
-/// An action's reward is the largest of `discount^t * force * I` over its effective hits, with I = 1 where the hit is
-/// within `scale` of the target (Lee and Lee 2004, equations 2 and 6), or their sum. An action keeps its two strongest
-/// hits.
+/// An action's reward is the largest of `discount^t * force * I` over its effective hits, or their sum, with
+/// I = 1 - distance / scale for a hit within `scale` of the target, else 0. In Lee and Lee (2004, equations 2 and 6) I is 1 within
+/// `scale` (`kernel = "within"`); values that are interpolated between cells then promise what no hit
+/// pays where blows are few. An action keeps its two strongest hits.
+///
+/// Lee and Lee activate the behaviour in the bounding volume of the hits alone. Here its region is wider by
+/// [`REACH_OUT`], so that a target which leaves the volume for a moment still counts.
 #[derive(Clone, Debug)]
 pub struct ThrowPunches {
     config: BehaviourConfig,
@@ -102,11 +106,12 @@ impl ThrowPunches {
             [0, 1].map(|k| all.get(k).copied().unwrap_or_default())
         };
         let reach = reach(hits.iter().flatten().filter(counts)).ok_or_else(|| nothing_counts(hits))?;
-        let grid = c.grid.make_cylinder(reach)?;
-        let default = region_of(&grid, reach);
+        let reward = c.make_reward(form, KernelConfig::Linear, SCALE, 1.0)?;
+        let scale = reward.record().scale;
+        let grid = c.grid.make_cylinder(widened(reach, scale), scale)?;
         Ok(Self {
-            region: c.region.make(false, default)?,
-            reward: c.make_reward(form, KernelConfig::Within, 0.15, 1.0)?,
+            region: c.region.make(false, region_of(&grid, reach))?,
+            reward,
             blows: hits.iter().map(strongest).collect(),
             config: config.clone(),
             grid,
@@ -115,6 +120,12 @@ impl ThrowPunches {
         })
     }
 }
+
+/// Distance from a target from which on a hit pays nothing, where the config has no `scale` (m).
+const SCALE: f64 = 0.3;
+
+/// How far beyond its grid the behaviour is active (m).
+const REACH_OUT: f32 = 1.0;
 
 /// The joints that count, by name.
 fn joints(c: &BehaviourConfig) -> Result<Vec<Joint>, BuildError> {
@@ -158,14 +169,23 @@ fn nothing_counts(hits: &[Vec<SegmentHit>]) -> BuildError {
     )
 }
 
-/// The volume that a cylinder grid covers; with one height, those of the hits.
+/// A volume that is wider in every direction: what a blow beside it still pays shows in its cells.
+fn widened([low, high]: [Vec3; 2], by: f32) -> [Vec3; 2] {
+    /// Widest angle that is added (rad).
+    const WIDEST: f32 = 0.5;
+    let angle = (by / (0.5 * (low.y + high.y)).max(by)).min(WIDEST);
+    let by = Vec3::new(angle, by, by);
+    [low - by, high + by]
+}
+
+/// Where the behaviour is active: all around, up to [`REACH_OUT`] beyond the grid, at its heights; with one height,
+/// at those of the hits.
 fn region_of(grid: &TargetGrid, reach: [Vec3; 2]) -> RegionRecord {
-    let last = grid.cell_coordinates(grid.num_cells() - 1);
-    let first = grid.cell_coordinates(0);
+    let [first, last] = [0, grid.num_cells() - 1].map(|cell| grid.cell_coordinates(cell));
     RegionRecord {
-        angle: [first.x, last.x],
-        distance: [first.y, last.y],
+        distance: [0.0, last.y + REACH_OUT],
         height: if last.z > first.z { [first.z, last.z] } else { reach.map(|r| r.z) },
+        ..RegionRecord::EVERYWHERE
     }
 }
 
@@ -230,12 +250,14 @@ mod tests {
         let weight = |force: f32, frame: i32| force * 0.985f64.powi(frame) as f32;
         assert_eq!(r.weights, [0.0, weight(1.0, 6), weight(0.9, 9), 0.0]);
         assert_eq!((r.inner, r.heights), ([0.2, 0.8, 0.3, 1.0], [1.5, 1.2]));
-        // The region covers all three, but for what rounding leaves out.
-        let r = b.spec().region;
-        let wide = |[low, high]: [f32; 2]| [low - 1e-4, high + 1e-4];
-        let wide = RegionRecord { distance: wide(r.distance), angle: wide(r.angle), height: wide(r.height) };
-        assert!(hits[0].iter().all(|h| wide.contains(h.place)), "{wide:?}");
-        assert!(!wide.contains(Vec3::new(0.0, 1.4, 0.4)) && !wide.contains(Vec3::new(0.0, 1.7, 0.7)));
+        // The region covers all three and what is around them.
+        let region = b.spec().region;
+        assert!(hits[0].iter().all(|h| region.contains(h.place)), "{region:?}");
+        for (place, inside) in
+            [((0.0, 1.4, -0.4), true), ((0.0, 1.7, 1.9), true), ((0.0, 1.9, 0.7), false), ((0.0, 1.4, 2.6), false)]
+        {
+            assert_eq!(region.contains(place.into()), inside, "{place:?}");
+        }
         // With one height, heights are those of the hits all the same.
         let mut flat = config();
         flat.grid.heights = Some(1);

@@ -3,7 +3,9 @@
 use super::{CentreConfig, GridConfig, RegionConfig};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use throng_core::policy::{COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_WITHIN, Reward, RewardRecord};
+use throng_core::policy::{
+    COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_LINEAR, KERNEL_WITHIN, Reward, RewardRecord,
+};
 use throng_motion::error::{BuildError, check_ranges};
 
 /// One behaviour: what is rewarded, over which cells of the target, and where it is active.
@@ -29,9 +31,9 @@ pub struct BehaviourConfig {
     /// How moments of an action become its reward; `integral` for `approach` and `max` for `throw_punches` where
     /// absent.
     pub reward: Option<RewardForm>,
-    /// How a distance is paid; `exponential` for `approach` and `evade`, `within` for `throw_punches` where absent.
+    /// How a distance is paid; `exponential` for `approach` and `evade`, `linear` for `throw_punches` where absent.
     pub kernel: Option<KernelConfig>,
-    /// Distance at which nearness has fallen to 1/e, or up to which it counts; 1.5 for `approach`, 0.15 for
+    /// Distance at which nearness has fallen to 1/e, or up to which it counts; 1.5 for `approach`, 0.3 for
     /// `throw_punches`, 0.2 for `evade` where absent (m, 0.001 to 1000).
     pub scale: Option<f64>,
     /// Distance that is paid best, in place of the target itself (m, 0 to 100).
@@ -115,6 +117,8 @@ pub enum KernelConfig {
     Exponential,
     /// 1 up to `scale`, 0 beyond.
     Within,
+    /// 1 - distance / scale, 0 from `scale` on.
+    Linear,
 }
 
 impl BehaviourKind {
@@ -188,6 +192,7 @@ impl BehaviourConfig {
         let kernel = match self.kernel.unwrap_or(kernel) {
             KernelConfig::Exponential => KERNEL_EXPONENTIAL,
             KernelConfig::Within => KERNEL_WITHIN,
+            KernelConfig::Linear => KERNEL_LINEAR,
         };
         let record = RewardRecord::new(combine, kernel, self.scale.unwrap_or(scale) as f32);
         let (offset, gain) = (self.offset as f32, self.gain.unwrap_or(gain) as f32);

@@ -12,7 +12,8 @@ pub enum CentreConfig {
     /// The character's planar root.
     #[default]
     Root,
-    /// The centroid of the effective hitting points, which is brought to the target (Lee and Lee 2004, section 6).
+    /// Where the effective hits land: at their median distance, in the middle of their directions. Lee and Lee (2004,
+    /// section 6) take the centroid of the hitting points, which is too near where hits lie to both sides.
     Hits,
     /// A place in the character's frame: to the left and ahead (m).
     #[serde(untagged)]

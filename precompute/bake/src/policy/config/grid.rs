@@ -14,7 +14,8 @@ use throng_motion::error::BuildError;
 /// Cells of the target. What is absent is taken from the behaviour's kind:
 ///
 /// - `approach`: polar, 16 rings x 32 angles over 8 m;
-/// - `throw_punches`: 10 rings x 10 angles x 4 heights over the bounding volume of the hits;
+/// - `throw_punches`: 10 rings x 10 angles over the bounding volume of the hits, `scale` wider, and 4 to 16 heights that
+///   are `scale` apart or less;
 /// - `evade`: polar, 8 rings x 16 angles over 1.2 m, at 9 times over 0.8 s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -38,7 +39,7 @@ pub struct GridConfig {
     pub horizon_s: Option<f64>,
     /// Distance beyond the grid over which values fall to about 1/e (m, 0.001 to 10000).
     pub falloff: Option<f64>,
-    /// For `throw_punches`, the volume covered in place of the bounding volume of the hits.
+    /// For `throw_punches`, the volume covered in place of that of the hits.
     pub bounds: BoundsConfig,
     /// For `approach` and `throw_punches`: a resolution for every state, in place of these counts for all.
     pub adaptive: Option<AdaptiveConfig>,
@@ -85,6 +86,10 @@ pub type Bounds = [Vec3; 2];
 
 /// Least extent of a volume along each axis: a grid needs some (rad, m, m).
 const LEAST_EXTENT: Vec3 = Vec3::new(0.1, 0.05, 0.05);
+
+/// Fewest and most heights where the config gives no number of them.
+const LEAST_LAYERS: u32 = 4;
+const MOST_LAYERS: u32 = 16;
 
 /// Least extent of a volume that is given, along each axis (rad or m).
 const LEAST_GIVEN_EXTENT: f64 = 0.01;
@@ -169,9 +174,11 @@ impl GridConfig {
 
     /// The cylinder sector it describes, over `bounds` where the config does not say otherwise.
     ///
+    /// - `layer`: largest distance between two heights where the config gives no number of them (m, > 0).
+    ///
     /// # Errors
     /// As [`Self::make_polar`].
-    pub fn make_cylinder(&self, bounds: Bounds) -> Result<TargetGrid, BuildError> {
+    pub fn make_cylinder(&self, bounds: Bounds, layer: f32) -> Result<TargetGrid, BuildError> {
         let keys = [
             ("times", self.times.is_some()),
             ("horizon_s", self.horizon_s.is_some()),
@@ -189,7 +196,11 @@ impl GridConfig {
             (low[axis], high[axis]) = (from as f32, to as f32);
         }
         (low.x, high.x, low.y) = (low.x.max(-PI), high.x.min(PI), low.y.max(0.0));
-        let counts = [self.angles.unwrap_or(10), self.rings.unwrap_or(10), self.heights.unwrap_or(4)];
+        let layers = (((high.z - low.z) / layer).ceil() as u32).clamp(LEAST_LAYERS - 1, MOST_LAYERS - 1) + 1;
+        let counts = [self.angles.unwrap_or(10), self.rings.unwrap_or(10), self.heights.unwrap_or(layers)];
+        if counts[2] == 1 {
+            low.z = 0.5 * (low.z + high.z);
+        }
         let falloff = self.falloff.unwrap_or(0.3) as f32;
         TargetGrid::cylinder(counts, low, high, falloff).map_err(|e| wrong(&e))
     }
@@ -244,7 +255,7 @@ mod tests {
     #[test]
     fn faults_name_the_key_what_is_expected_and_what_was_found() {
         let polar = |text: &str| read(text).make_polar().expect_err(text).to_string();
-        let cylinder = |text: &str| read(text).make_cylinder(HITS).expect_err(text).to_string();
+        let cylinder = |text: &str| read(text).make_cylinder(HITS, 0.2).expect_err(text).to_string();
         let space_time = |text: &str| read(text).make_space_time().expect_err(text).to_string();
         for (message, expected) in [
             (polar("rings = 0"), "grid.rings: expected 2 to 4096, found 0"),
@@ -304,9 +315,9 @@ mod tests {
             "rings = 4096\nbounds.distance_m = [0.0, 0.01]",
             "heights = 1\nbounds.height_m = [-1000.0, 1000.0]",
         ] {
-            read(text).make_cylinder(HITS).expect(text);
+            read(text).make_cylinder(HITS, 0.2).expect(text);
         }
         let behind = Vec3::new(PI, 0.5, 1.0);
-        GridConfig::default().make_cylinder([behind, behind]).expect("a blow straight behind");
+        GridConfig::default().make_cylinder([behind, behind], 0.2).expect("a blow straight behind");
     }
 }

@@ -9,6 +9,7 @@ use serde::Serialize;
 use std::hint::black_box;
 use throng_motion::error::BuildError;
 use throng_runtime::Bundle;
+use throng_runtime::base::limits::MEASURING_S;
 use trials::Scene;
 
 /// What is measured, and how the baseline is set.
@@ -116,6 +117,7 @@ pub fn matching(tables: &Bundle, config: &MatchingConfig) -> Result<MatchingFigu
     if config.characters == 0 || config.batch == 0 || config.queries == 0 {
         return Err(fail("numbers of characters and queries must be at least 1"));
     }
+    MEASURING_S.check("seconds", None, config.seconds).map_err(|e| fail(e.to_string()))?;
     let database = Database::new(tables, &config.weights);
     if database.rows().is_empty() {
         return Err(fail("no run of usable frames is long enough to be matched: 21 frames at least"));

@@ -2,6 +2,7 @@
 
 use super::track::{Poses, striking_points, velocities};
 use super::{MIN_SPEED, hit_at};
+use crate::annotate::sidecar::Place;
 use crate::clip::{Clip, FrameRange, Hit, HitKind};
 use crate::error::BuildError;
 use throng_core::{Joint, Skeleton};
@@ -15,18 +16,18 @@ pub struct HitMark {
     pub joint: Joint,
     /// Where the joint's fastest moment is looked for. Not empty, inside the clip.
     pub range: FrameRange,
-    /// File and key, as errors name them.
-    pub origin: String,
+    /// Where it is marked.
+    pub place: Place,
 }
 
 impl HitMark {
     /// The hit at the fastest moment of the range.
     ///
     /// # Errors
-    /// [`BuildError::Config`] where that frame is left out or the joint does not move.
+    /// Where that frame is left out or the joint does not move.
     pub(super) fn hit(&self, clip: &Clip, poses: &Poses, skeleton: &Skeleton) -> Result<Hit, BuildError> {
-        let (origin, joint) = (&self.origin, self.joint.name());
-        let refuse = |what: String| Err(BuildError::Config { message: format!("{origin}: {what}") });
+        let joint = self.joint.name();
+        let refuse = |what: String| Err(self.place.fault(what));
         let tips = striking_points(poses, skeleton, self.joint);
         let moving = velocities(&tips, clip.rate_hz);
         let usable = self.range.clone().filter(|&f| clip.is_usable(f));

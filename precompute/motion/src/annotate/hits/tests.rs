@@ -1,6 +1,7 @@
 //! Hand-made blows: where they are found, what changes nothing, what is none.
 
 use super::*;
+use crate::annotate::sidecar::Place;
 use crate::annotate::{AnnotateConfig, EndsConfig, Sidecars, annotate};
 use crate::clip::ClipSet;
 use crate::mirror::mirror;
@@ -258,7 +259,12 @@ fn forces_are_shares_of_the_fastest_of_their_kind() {
 fn marks_are_taken_as_they_are_and_replace_what_is_found_nearby() {
     let clip = boxer(30.0, |_| Vec3::ZERO);
     let found = hits(&clip, &HitConfig::default());
-    let mark = |kind: HitKind, joint: Joint, range: FrameRange| HitMark { kind, joint, range, origin: "a.toml".into() };
+    let mark = |kind: HitKind, joint: Joint, range: FrameRange| HitMark {
+        kind,
+        joint,
+        range,
+        place: Place { file: None, key: "hits[0]".into() },
+    };
     let with = |marks: &[HitMark], automatic: bool| {
         find(&clip, &Skeleton::default(), &HitConfig::default(), marks, automatic).map_err(|e| e.to_string())
     };
@@ -271,9 +277,9 @@ fn marks_are_taken_as_they_are_and_replace_what_is_found_nearby() {
     assert!(with(&[], false).unwrap().is_empty());
 
     let e = with(&[mark(HitKind::Punch, Joint::LeftHand, 40..41)], true).unwrap_err();
-    assert!(e.contains("a.toml: left_hand of clip `boxer` moves at 0.000 m/s"), "{e}");
+    assert!(e.contains("hits[0]: left_hand of clip `boxer` moves at 0.000 m/s"), "{e}");
     let mut cut = clip.clone();
     cut.excluded = vec![crate::clip::Exclusion { range: 0..30, reason: crate::clip::ExclusionReason::TPose }];
     let e = find(&cut, &Skeleton::default(), &HitConfig::default(), &[jab], true).unwrap_err().to_string();
-    assert!(e.contains("a.toml:") && e.contains("left out"), "{e}");
+    assert!(e.contains("hits[0]: ") && e.contains("left out"), "{e}");
 }

@@ -17,9 +17,9 @@ fn message(r: Result<impl std::fmt::Debug, BuildError>) -> String {
 fn reads_ranges_and_tags_in_seconds_and_frames() {
     let text = "exclude = [[0, 0.5], [2.0, inf]]\n[[tags]]\nname = \"punch\"\nstart = 1\nend = 1.5\n";
     let mut all = Sidecars::default();
-    all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 120.0, "a.toml").unwrap();
+    all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 120.0, Some(Path::new("a.toml"))).unwrap();
     let frames = "unit = \"frames\"\nexclude = [[4, 8]]";
-    all.insert("b", Sidecar::parse(frames, "b.toml").unwrap(), 120.0, "b.toml").unwrap();
+    all.insert("b", Sidecar::parse(frames, "b.toml").unwrap(), 120.0, Some(Path::new("b.toml"))).unwrap();
     let a = all.ranges(&clip("a~mirror", 90)).unwrap();
     assert_eq!(a.excluded.iter().map(|e| e.range.clone()).collect::<Vec<_>>(), [0..15, 60..90]);
     assert_eq!(a.tags, [Tag { name: "punch".into(), range: 30..45 }]);
@@ -42,7 +42,8 @@ fn errors_name_file_line_and_key() {
 #[test]
 fn refuses_unknown_clips_and_ranges_outside() {
     let mut all = Sidecars::default();
-    all.insert("walks", Sidecar { exclude: vec![[9.0, 10.0]], ..Sidecar::default() }, 30.0, "c.toml").unwrap();
+    all.insert("walks", Sidecar { exclude: vec![[9.0, 10.0]], ..Sidecar::default() }, 30.0, Some(Path::new("c.toml")))
+        .unwrap();
     let set = ClipSet { skeleton: Skeleton::default(), clips: vec![clip("walk", 30), clip("run", 30)] };
     let m = message(all.check_names(&set));
     assert!(m.contains("`walks`") && m.contains("`walk`"), "{m}");
@@ -55,13 +56,13 @@ fn hits_are_read_at_a_moment_or_over_a_range_and_change_sides_in_the_mirror() {
     let text = "automatic_hits = false\n[[hits]]\nname = \"punch\"\njoint = \"right_hand\"\nat = 1.01\n\
         [[hits]]\nname = \"head butt\"\njoint = \"head\"\nstart = 2.0\nend = 2.5\n";
     let mut all = Sidecars::default();
-    all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 120.0, "a.toml").unwrap();
+    all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 120.0, Some(Path::new("a.toml"))).unwrap();
     let marked = all.ranges(&clip("a", 90)).unwrap();
     assert!(!marked.automatic_hits);
     let found: Vec<_> = marked.hits.iter().map(|h| (h.kind.clone(), h.joint, h.range.clone())).collect();
     let butt = HitKind::Tag("head butt".into());
     assert_eq!(found, [(HitKind::Punch, Joint::RightHand, 30..31), (butt, Joint::Head, 60..75)]);
-    assert_eq!(marked.hits[1].origin, "a.toml: hits[1] `head butt`");
+    assert_eq!(marked.hits[1].place, Place { file: Some("a.toml".into()), key: "hits[1]".into() });
     let mirrored = all.ranges(&Clip { mirrored: true, ..clip("a~mirror", 90) }).unwrap();
     assert_eq!(mirrored.hits[0].joint, Joint::LeftHand);
     assert!(all.ranges(&clip("b", 90)).unwrap().automatic_hits);
@@ -94,8 +95,28 @@ fn what_is_wrong_with_a_hit_is_named_by_line() {
 fn hits_after_the_end_of_the_clip_are_refused() {
     let text = "unit = \"frames\"\n[[hits]]\nname = \"punch\"\njoint = \"left_hand\"\nat = 30";
     let mut all = Sidecars::default();
-    all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 30.0, "a.toml").unwrap();
+    all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 30.0, Some(Path::new("a.toml"))).unwrap();
     let m = message(all.ranges(&clip("a", 30)));
     assert!(m.contains("a.toml: hits[0]: starts at 30") && m.contains("after the end of clip `a`"), "{m}");
     assert_eq!(all.ranges(&clip("a", 31)).unwrap().hits[0].range, 30..31);
+}
+
+#[test]
+fn ranges_after_the_end_are_told_with_the_line_of_the_sidecar_or_the_key_of_the_config() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.toml");
+    let text = "\n\n[[hits]]\nname = \"punch\"\njoint = \"left_hand\"\nat = 9.0\n";
+    std::fs::write(&path, text).unwrap();
+    let mut all = Sidecars::default();
+    assert!(all.insert_beside("a", &path.with_extension("bvh"), 30.0).unwrap());
+    let m = message(all.ranges(&clip("a", 30)));
+    assert!(m.contains("a.toml:3:1: hits[0]: starts at 9"), "{m}");
+    let sidecar = Sidecar::parse(text, "config").unwrap();
+    all.insert("a", sidecar.clone(), 30.0, None).unwrap();
+    assert!(message(all.ranges(&clip("a", 30))).starts_with("clips.a.hits[0]: starts at 9"));
+    all.insert("c", sidecar, 30.0, None).unwrap();
+    let set = ClipSet { skeleton: Skeleton::default(), clips: vec![clip("a", 30)] };
+    assert!(message(all.check_names(&set)).starts_with("clips.c: there is no clip `c`"));
+    let backwards = Sidecar { exclude: vec![[2.0, 1.0]], ..Sidecar::default() };
+    assert!(message(all.insert("a", backwards, 30.0, None)).starts_with("clips.a.exclude[0]: expected 0 <= start"));
 }

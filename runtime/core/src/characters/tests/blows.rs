@@ -123,6 +123,38 @@ fn the_next_blow_is_the_one_that_comes_when_it_is_due() {
 }
 
 #[test]
+fn travel_is_where_the_motion_leads_until_its_action_ends() {
+    let tables = tables();
+    let r = MotionSet::new(&tables);
+    let targets = targets(9);
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
+    // A frame of the database a step, so that poses are its own.
+    let dt = 1.0 / r.rate_hz;
+    let head = |characters: &Characters, c: usize| characters.joint_positions(c)[Joint::Head.index()];
+    let mut checked = 0;
+    for _ in 0..120 {
+        characters.step(&r, dt, &goals).unwrap();
+        let now = |c: usize| (characters.segment(c), head(&characters, c));
+        let ahead: Vec<_> = (0..9).map(now).collect();
+        let travel: Vec<_> = (0..9).map(|c| characters.travel(&r, c, Joint::Head, Vec3::ZERO, 3.0 * dt)).collect();
+        let mut later = characters.clone();
+        (0..3).for_each(|_| later.step(&r, dt, &goals).unwrap());
+        for (c, &((segment, time), at)) in ahead.iter().enumerate() {
+            let settled = time > 15.0 && later.segment(c).0 == segment && later.segment(c).1 > time;
+            if settled {
+                let off = (at + travel[c]).distance(head(&later, c));
+                assert!(off < 0.02, "{off}");
+                checked += 1;
+            }
+        }
+        let whole = (0..9).map(|c| characters.travel(&r, c, Joint::Head, Vec3::ZERO, 1e3));
+        assert!(whole.into_iter().all(|t| t.is_finite() && t.length() < 10.0));
+    }
+    assert!(checked > 20, "{checked}");
+}
+
+#[test]
 fn no_more_blows_of_a_character_in_a_step_than_there_is_room_for() {
     let every: Vec<_> = (0..2 * FRAMES).map(hit).collect();
     let tables = tables_with(&every);

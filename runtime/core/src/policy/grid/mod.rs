@@ -10,6 +10,7 @@ pub(super) use place::{Place, Spot, interval};
 use std::f32::consts::{PI, TAU};
 use throng_base::Result;
 use throng_base::error::{check, check_index};
+use throng_base::maths;
 
 /// [`GridRecord::kind`] of a polar grid: angles cover the full circle, one height, farther targets clamp to the last
 /// ring.
@@ -249,13 +250,13 @@ impl TargetGrid {
     /// A cell's centre in the character's frame (m, cell < num_cells).
     pub fn cell_centre(&self, cell: usize) -> Vec3 {
         let c = self.cell_coordinates(cell);
-        Vec3::new(c.y * c.x.sin(), c.z, c.y * c.x.cos())
+        Vec3::new(c.y * maths::sin(c.x), c.z, c.y * maths::cos(c.x))
     }
 
     /// True if the grid contains a target, so that nothing is clamped.
     pub fn contains(&self, target: Vec3) -> bool {
         let r = &self.record;
-        let distance = target.x.hypot(target.z);
+        let distance = maths::hypot(target.x, target.z);
         let within = |v: f32, start: f32, spacing: f32, n: u32| v >= start && v <= start + spacing * (n - 1) as f32;
         let angle =
             self.is_polar() || within(angle_of(target.x, target.z), r.angle_start, r.angle_spacing, r.num_angles);
@@ -279,7 +280,7 @@ impl TargetGrid {
         let angle = middle + crate::planar::wrap_angle(angle_of(target.x, target.z) - middle);
         let angle = angle.clamp(r.angle_start, last(r.angle_start, r.angle_spacing, r.num_angles));
         let height = target.y.clamp(r.height_start, last(r.height_start, r.height_spacing, r.num_heights));
-        Vec3::new(distance * angle.sin(), height, distance * angle.cos())
+        Vec3::new(distance * maths::sin(angle), height, distance * maths::cos(angle))
     }
 
     /// The cell nearest to a target: nearest ring, angle and height, each clamped.

@@ -77,6 +77,44 @@ fn threats_are_the_opponents_next_blow() {
 }
 
 #[test]
+fn an_opponent_on_the_way_of_a_blow_is_struck() {
+    let tables = striking();
+    let mut s = spar(&tables, config(), &facing(1, 3.0)).unwrap();
+    s.step(0.0, &Inline).unwrap();
+    let (head, way) = (s.heads()[0], s.config().way_m);
+    let pose = Posed::new(s.characters().pose(1), s.characters().root(1));
+    let met = |beyond: f32| {
+        let blow = Blow { point: head + Vec3::Y * beyond, direction: Vec3::Y, ..Blow::NONE };
+        meet(s.config(), s.body(), &pose, &blow).map(|(i, depth)| (s.body().part(i), depth))
+    };
+    let (part, depth) = met(0.0).expect("in the middle of the head");
+    assert_eq!(part, Part::Head);
+    // Up to the whole way beyond it, it went through the middle.
+    assert!(met(way).is_some_and(|(p, d)| p == Part::Head && (d - depth).abs() < 0.02), "{:?}", met(way));
+    assert!(met(way + 0.4).is_none());
+}
+
+#[test]
+fn aims_lead_the_head_by_what_its_owner_is_about_to_do() {
+    let tables = striking();
+    let mut s = spar(&tables, config(), &facing(2, 3.0)).unwrap();
+    s.step(0.0, &Inline).unwrap();
+    let (mut nearer, mut further) = (0, 0);
+    for _ in 0..60 {
+        s.step(DT, &Inline).unwrap();
+        let mut later = s.clone();
+        (0..(s.lead_s / DT).round() as usize).for_each(|_| later.step(DT, &Inline).unwrap());
+        for c in 0..4 {
+            let (aim, head, then) = (s.aims()[c], s.heads()[c], later.heads()[c]);
+            if then.distance(head) > 0.02 {
+                *(if aim.distance(then) < head.distance(then) { &mut nearer } else { &mut further }) += 1;
+            }
+        }
+    }
+    assert!(nearer > 4 * further && nearer > 20, "{nearer} {further}");
+}
+
+#[test]
 fn a_blow_at_the_head_lands_there_and_pushes_it() {
     let tables = aimed(3.0);
     let separation = SeparationConfig { enabled: false, ..SeparationConfig::default() };

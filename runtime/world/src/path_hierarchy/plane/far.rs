@@ -7,6 +7,7 @@
 //! cycles, Lawler 1967); the highest price of any way is at one of its corners.
 
 use super::super::dial::Arcs;
+use throng_base::maths;
 
 /// Prices are never higher: where no cycle leads along a direction at all (frames/copy).
 const HIGHEST: f32 = 5e3;
@@ -56,7 +57,7 @@ pub(super) fn prices(back: &Back, num_cells: u32) -> Vec<[f32; 2]> {
 /// Corners, and prices on the sides between that are far from each other: ways that are not so far cost more by them,
 /// since less of those prices is left at the ends.
 fn between(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let length = |[u, v]: [f64; 2]| u.hypot(v);
+    let length = |[u, v]: [f64; 2]| maths::hypot(u, v);
     let longest = corners.iter().map(|&c| length(c)).fold(0.0, f64::max) * SIDE;
     let mut out = Vec::new();
     for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {

@@ -1,0 +1,84 @@
+//! Parts of a bundle that the motion may not allow: told and left out, or refused.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use throng_motion::error::BuildError;
+
+/// Which parts of a config a build must make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parts {
+    /// All: one that cannot be made ends the build.
+    All,
+    /// Those that the motion allows, each by itself: one that cannot be made is told.
+    Possible,
+}
+
+/// A part that a build could not make.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct NotMade {
+    /// What it would have been, such as `policy throw-punches` or `blend space ahead`.
+    pub part: String,
+    /// Why there is none, and the way out.
+    pub why: String,
+}
+
+/// Collects what could not be made.
+pub(crate) struct Attempts {
+    pub parts: Parts,
+    pub not_made: Vec<NotMade>,
+}
+
+impl Attempts {
+    pub fn new(parts: Parts) -> Self {
+        Self { parts, not_made: Vec::new() }
+    }
+
+    /// The pieces of a list that are made together: all of them, or each by itself.
+    pub fn pieces<'a, T>(&self, list: &'a [T]) -> impl Iterator<Item = &'a [T]> + use<'a, T> {
+        let together = match self.parts {
+            Parts::All => list.len(),
+            Parts::Possible => 1,
+        };
+        list.chunks(together.max(1))
+    }
+
+    /// A part that was made; nothing where the motion did not allow it and it may be missing.
+    ///
+    /// # Errors
+    /// What went wrong, where the part must be made or where it is not for the motion's sake.
+    pub fn made<T>(&mut self, part: impl Into<String>, made: Result<T, BuildError>) -> Result<Option<T>, BuildError> {
+        let why = match made {
+            Ok(made) => return Ok(Some(made)),
+            Err(e) if self.parts == Parts::All => return Err(e),
+            Err(BuildError::Key { why, .. }) => why,
+            Err(BuildError::Stage { message, help, .. }) => format!("{message}. {}", help.trim_end_matches('.')),
+            Err(BuildError::Config { message }) => message.trim_end_matches('.').to_owned(),
+            Err(e) => return Err(e),
+        };
+        let part = part.into();
+        // Messages of blend spaces begin with their keys.
+        let key = part.strip_prefix("blend space ").map_or_else(String::new, |space| format!("blend.{space}: "));
+        let why = why.strip_prefix(&key).unwrap_or(&why).to_owned();
+        self.not_made.push(NotMade { part, why });
+        Ok(None)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_motion_does_not_allow_is_told_and_what_else_goes_wrong_ends_the_build() {
+        let bad = || Err::<u8, _>(BuildError::key("a", "too little motion"));
+        assert!(Attempts::new(Parts::All).made("policy a", bad()).is_err());
+        let mut attempts = Attempts::new(Parts::Possible);
+        assert_eq!(attempts.made("policy a", bad()).unwrap(), None);
+        assert_eq!(attempts.made("policy b", Ok(3)).unwrap(), Some(3));
+        assert!(attempts.made::<u8>("policy c", Err(BuildError::Format("torn".into()))).is_err());
+        assert_eq!(attempts.not_made, [NotMade { part: "policy a".into(), why: "too little motion".into() }]);
+        assert_eq!(attempts.pieces(&[1, 2, 3]).count(), 3);
+        assert_eq!(Attempts::new(Parts::All).pieces(&[1, 2, 3]).collect::<Vec<_>>(), [[1, 2, 3]]);
+        assert_eq!(Attempts::new(Parts::All).pieces::<u8>(&[]).count(), 0);
+    }
+}

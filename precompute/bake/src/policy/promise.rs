@@ -1,0 +1,242 @@
+//! What a policy promises, and what it keeps: values are interpolated between cells, and may promise what no action
+//! pays.
+
+use super::compare::random_target;
+use super::search::{Follow, Situation, collect};
+use glam::Vec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use throng_core::policy::{KERNEL_EXPONENTIAL, MAX_ACTIONS, PolicyTable};
+
+/// Roll-outs of a policy.
+const ROLLOUTS: usize = 800;
+/// Rewards are collected until the discount is below this.
+const NEGLIGIBLE: f64 = 1e-3;
+/// Promises below this share of the greatest one say nothing about a ratio.
+const LEAST_SHARE: f64 = 0.05;
+/// Fewest roll-outs of a part.
+const LEAST_ROLLOUTS: usize = 20;
+/// Kept share from which on a policy is trusted.
+const ENOUGH: f64 = 0.8;
+/// Parts of the grid's distances.
+const RINGS: usize = 3;
+
+/// Reward that a greedy policy collects from random states and targets, over the value that it promises there.
+///
+/// Where values are negative, for what is to be avoided, it is the promised loss over the real one. Ratios are of sums,
+/// so that no small promise counts for much; the percentile is of single roll-outs.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct Promise {
+    /// Roll-outs whose promise is not next to nothing.
+    pub rollouts: usize,
+    /// Kept of all that was promised; none where nothing is.
+    pub kept: Option<f64>,
+    /// 5th percentile of what a roll-out kept; none where nothing is promised.
+    pub kept_p05: Option<f64>,
+    /// The same by distance and direction of the target at the start; parts with few roll-outs are left out.
+    pub parts: Vec<PromisePart>,
+    /// Where less is kept than can be trusted: what, where, and what to change.
+    pub warning: Option<String>,
+}
+
+/// What is kept for targets in one part of the grid.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct PromisePart {
+    /// Distances of the targets: from, to (m).
+    pub distance_m: [f64; 2],
+    /// `ahead`, `left`, `right` or `behind`.
+    pub direction: String,
+    /// Roll-outs.
+    pub rollouts: usize,
+    /// See [`Promise::kept`].
+    pub kept: f64,
+    /// See [`Promise::kept_p05`].
+    pub kept_p05: f64,
+}
+
+/// One roll-out.
+#[derive(Clone, Copy)]
+struct Rollout {
+    ring: usize,
+    direction: usize,
+    promised: f64,
+    realised: f64,
+}
+
+const DIRECTIONS: [&str; 4] = ["ahead", "left", "behind", "right"];
+
+/// Rolls a greedy policy out in the exact model. The same table gives the same figures.
+///
+/// - `name`: of the policy, for the warning.
+pub fn promise(table: &PolicyTable, name: &str) -> Promise {
+    let mut rng = Pcg64::seed_from_u64(1);
+    let num_states = table.actions().num_states() as u32;
+    let starts: Vec<Situation> = (0..ROLLOUTS)
+        .map(|_| Situation { state: rng.random_range(0..num_states), target: random_target(table, &mut rng) })
+        .collect();
+    let realised = collect(table, &starts, Follow::LookAhead { temperature: 0.0 }, NEGLIGIBLE, &mut rng);
+    let mut rollouts: Vec<Rollout> = starts
+        .iter()
+        .zip(realised)
+        .map(|(s, realised)| Rollout { promised: promised(table, *s), realised, ..part_of(table, s.target) })
+        .collect();
+    let greatest = rollouts.iter().map(|r| r.promised.abs()).fold(0.0, f64::max);
+    rollouts.retain(|r| r.promised.abs() > LEAST_SHARE * greatest);
+    let [first, last] = [table.grid().record().ring_start, table.grid().radius()].map(f64::from);
+    let edge = |ring: usize| first + (last - first) * ring as f64 / RINGS as f64;
+    let mut parts = Vec::new();
+    for ring in 0..RINGS {
+        for (direction, name) in DIRECTIONS.iter().enumerate() {
+            let of: Vec<Rollout> =
+                rollouts.iter().filter(|r| (r.ring, r.direction) == (ring, direction)).copied().collect();
+            if let (Some((kept, kept_p05)), true) = (kept(&of), of.len() >= LEAST_ROLLOUTS) {
+                let (distance_m, direction) = ([edge(ring), edge(ring + 1)], (*name).to_owned());
+                parts.push(PromisePart { distance_m, direction, rollouts: of.len(), kept, kept_p05 });
+            }
+        }
+    }
+    let (kept, kept_p05) = kept(&rollouts).unzip();
+    let promise = Promise { rollouts: rollouts.len(), kept, kept_p05, parts, warning: None };
+    Promise { warning: promise.warning(name, table), ..promise }
+}
+
+/// What the best action is worth, as the runtime sees it.
+fn promised(table: &PolicyTable, from: Situation) -> f64 {
+    let mut scores = [0.0; MAX_ACTIONS];
+    let n = table.action_scores(from.state, from.target, &mut scores);
+    let n = n.unwrap_or_else(|e| unreachable!("the state exists and the target is finite: {e}"));
+    scores[..n].iter().copied().fold(f32::NEG_INFINITY, f32::max).into()
+}
+
+/// The part of the grid that a target is in.
+fn part_of(table: &PolicyTable, target: Vec3) -> Rollout {
+    let place = target - table.centre();
+    let (first, last) = (table.grid().record().ring_start, table.grid().radius());
+    let share = (place.x.hypot(place.z) - first) / (last - first).max(1e-6);
+    let quarter = (place.x.atan2(place.z) / std::f32::consts::FRAC_PI_2).round() as i32;
+    let ring = ((share * RINGS as f32) as usize).min(RINGS - 1);
+    Rollout { ring, direction: quarter.rem_euclid(4) as usize, promised: 0.0, realised: 0.0 }
+}
+
+/// Kept of the sum of promises, and the 5th percentile of single roll-outs; none of none.
+fn kept(rollouts: &[Rollout]) -> Option<(f64, f64)> {
+    /// What is kept beyond the promise does not make up for what is not.
+    const MOST: f64 = 10.0;
+    let ratio = |promised: f64, realised: f64| {
+        let ratio = if promised > 0.0 { realised / promised } else { promised / realised.min(-1e-9) };
+        ratio.clamp(-MOST, MOST)
+    };
+    let [promised, realised] =
+        [|r: &Rollout| r.promised, |r: &Rollout| r.realised].map(|of| rollouts.iter().map(of).sum::<f64>());
+    let mut ratios: Vec<f64> = rollouts.iter().map(|r| ratio(r.promised, r.realised)).collect();
+    ratios.sort_by(f64::total_cmp);
+    let p05 = *ratios.get(ratios.len() / 20)?;
+    Some((ratio(promised, realised), p05))
+}
+
+impl Promise {
+    fn warning(&self, name: &str, table: &PolicyTable) -> Option<String> {
+        let kept = self.kept.filter(|&kept| kept < ENOUGH)?;
+        let worst = self.parts.iter().min_by(|a, b| a.kept.total_cmp(&b.kept));
+        let at = worst.map_or(String::new(), |p| {
+            let [from, to] = p.distance_m;
+            format!(", least for targets {from:.1} to {to:.1} m away, {}: {:.0} %", p.direction, 100.0 * p.kept)
+        });
+        Some(format!(
+            "policy \"{name}\": what it collects is {:.0} % of what its values promise{at}; {}",
+            100.0 * kept,
+            why(table)
+        ))
+    }
+}
+
+/// The widest step between cells beside the width of the reward, which tells what to refine.
+fn why(table: &PolicyTable) -> String {
+    let (r, reward) = (table.grid().record(), table.reward().record());
+    let rings = table.grid().radius() - r.ring_start;
+    let middle = r.ring_start + 0.5 * rings;
+    let steps = [
+        ("rings", rings / (r.num_rings.max(2) - 1) as f32),
+        ("angles", r.angle_spacing * middle),
+        ("heights", if r.num_heights > 1 && !table.grid().is_space_time() { r.height_spacing } else { 0.0 }),
+    ];
+    let (axis, step) = steps.into_iter().fold(("", 0.0), |widest, s| if s.1 > widest.1 { s } else { widest });
+    if step > reward.scale {
+        let kernel = if reward.kernel == KERNEL_EXPONENTIAL { "" } else { ", or `kernel = \"linear\"`" };
+        return format!(
+            "its cells are {step:.2} m apart where a reward reaches {:.2} m: set more `grid.{axis}`, a larger `scale`{kernel}",
+            reward.scale
+        );
+    }
+    "few actions lead near enough to such targets: add motion of the kind, or make the grid smaller".into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::policy::config::{BehaviourConfig, GridConfig};
+    use crate::policy::made_up::MadeUp;
+    use crate::policy::{PolicyConfig, solve_behaviours};
+    use throng_motion::progress::Silent;
+
+    fn of(small: &MadeUp, edit: impl FnOnce(&mut BehaviourConfig)) -> Promise {
+        let mut config = BehaviourConfig::default();
+        config.grid = GridConfig { rings: Some(small.rings), angles: Some(small.angles), ..config.grid };
+        edit(&mut config);
+        let behaviour = crate::policy::Approach::new(&config, 30.0, None).expect("a valid behaviour");
+        let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
+        let mut rng = Pcg64::seed_from_u64(1);
+        let tables = solve_behaviours(small.model(), &[&behaviour], &cfg, &mut rng, &Silent).expect("it converges");
+        promise(&tables.table(0).expect("sound tables"), "approach")
+    }
+
+    #[test]
+    fn fine_grids_keep_what_they_promise_and_coarse_ones_are_told() {
+        let fine = MadeUp { states: 6, actions: 5, rings: 40, angles: 48, seed: 4 };
+        let promise = of(&fine, |_| {});
+        let kept = promise.kept.expect("something is promised");
+        assert!((0.95..1.05).contains(&kept) && promise.warning.is_none(), "{promise:?}");
+        assert!(promise.parts.len() >= 8 && promise.rollouts > 400, "{promise:?}");
+        // Rewards within 0.2 m on cells that are metres apart: interpolation promises what is not there.
+        let coarse = MadeUp { rings: 4, angles: 5, ..fine };
+        let promise = of(&coarse, |c| {
+            c.scale = Some(0.2);
+            c.reward = Some(crate::policy::RewardForm::Max);
+        });
+        let text = promise.warning.as_deref().expect("little is kept");
+        assert!(promise.kept.is_some_and(|k| k < ENOUGH) && text.contains("grid."), "{promise:?}");
+    }
+
+    #[test]
+    fn losses_are_kept_where_no_more_is_lost() {
+        let rollout = |promised, realised| Rollout { ring: 0, direction: 0, promised, realised };
+        let many = |r: Rollout| vec![r; 40];
+        assert_eq!(kept(&many(rollout(-0.5, -0.5))), Some((1.0, 1.0)));
+        let (more, _) = kept(&many(rollout(-0.5, -1.0))).unwrap();
+        assert!((more - 0.5).abs() < 1e-9);
+        let (less, _) = kept(&many(rollout(2.0, 1.0))).unwrap();
+        assert!((less - 0.5).abs() < 1e-9);
+        assert_eq!(kept(&[]), None);
+        let mut mixed = many(rollout(1.0, 1.0));
+        mixed[7].realised = 0.2;
+        mixed[8].realised = 0.2;
+        mixed[9].realised = 0.2;
+        assert_eq!(kept(&mixed).map(|(_, p05)| p05), Some(0.2));
+    }
+
+    #[test]
+    fn directions_are_quarters() {
+        let small = MadeUp { states: 3, actions: 2, rings: 4, angles: 5, seed: 1 };
+        let behaviour = small.behaviour().expect("a valid grid");
+        let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
+        let mut rng = Pcg64::seed_from_u64(1);
+        let tables = solve_behaviours(small.model(), &[&behaviour], &cfg, &mut rng, &Silent).expect("it converges");
+        let table = tables.table(0).expect("sound tables");
+        let direction = |x: f32, z: f32| DIRECTIONS[part_of(&table, Vec3::new(x, 0.0, z)).direction];
+        assert_eq!(direction(0.1, 1.0), "ahead");
+        assert_eq!(direction(1.0, 0.1), "left");
+        assert_eq!(direction(0.1, -1.0), "behind");
+        assert_eq!(direction(-0.1, -1.0), "behind");
+        assert_eq!(direction(-1.0, -0.1), "right");
+    }
+}

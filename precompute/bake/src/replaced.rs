@@ -1,0 +1,123 @@
+//! A config whose motion is replaced by other files: what it says of its own clips does not hold for them.
+
+use crate::config::BuildConfig;
+use crate::examples::{AxisKind, BlendConfig, FindConfig};
+use crate::patch::TileConfig;
+use std::path::PathBuf;
+use throng_motion::error::BuildError;
+use throng_motion::import::{self, matches};
+
+impl BuildConfig {
+    /// Puts other motion in place of the config's, and leaves out what it says of clips that are not there any more.
+    ///
+    /// - returns what was left out, and what stands in for it, one sentence each.
+    ///
+    /// # Errors
+    /// As [`import::find`].
+    pub fn replace_motion(&mut self, inputs: Vec<PathBuf>) -> Result<Vec<String>, BuildError> {
+        let names: Vec<String> = import::find(&inputs)?.into_iter().map(|f| f.name).collect();
+        let mut told = Vec::new();
+        self.inputs = inputs;
+        self.synth = None;
+        let there = |pattern: &str| names.iter().any(|n| matches(pattern, n));
+        let before = self.clips.len();
+        self.clips.retain(|name, _| there(name));
+        if self.clips.len() < before {
+            told.push(format!("what it says of {} clip(s) is left out: they are not there", before - self.clips.len()));
+        }
+        self.blend.retain(|name, space| {
+            let (kept, what) = replace_examples(space, &there);
+            told.extend(what.map(|w| format!("blend.{name}: {w}")));
+            kept
+        });
+        self.replace_surroundings(&there, &mut told);
+        Ok(told)
+    }
+
+    fn replace_surroundings(&mut self, there: &impl Fn(&str) -> bool, told: &mut Vec<String>) {
+        if self.patches.units.is_none() {
+            return;
+        }
+        if !self.patches.environments.is_empty() {
+            self.patches.environments.clear();
+            // The clips stood at the heights of their environment.
+            self.retarget.align_ground = true;
+            told.push("patches.environments: left out, as the clips were not captured in them".into());
+        }
+        for TileConfig { unit, clips, .. } in &mut self.patches.tiles {
+            if !clips.is_empty() && !clips.iter().any(|c| there(c)) {
+                told.push(format!("patches.tiles: `{unit}` takes all clips, as those it names are not there"));
+                clips.clear();
+            }
+        }
+        if self.patches.tiles.is_empty() {
+            self.patches.units = None;
+            told.push("patches: none, as nothing is known of what the clips were captured on".into());
+        }
+    }
+}
+
+/// Keeps the examples that are there. Where none is, steady stretches of all clips stand in for them, if the axes of
+/// the space can be measured.
+///
+/// - returns false for a space that cannot be, and what was done.
+fn replace_examples(space: &mut BlendConfig, there: &impl Fn(&str) -> bool) -> (bool, Option<String>) {
+    let words = match space.for_each.is_empty() {
+        true => vec![String::new()],
+        false => space.for_each.clone(),
+    };
+    let known = |pattern: &str| words.iter().all(|w| there(&pattern.replace("{}", w)));
+    let before = (space.examples.len(), space.find.len());
+    space.examples.retain(|e| known(&e.clip));
+    space.find.iter_mut().for_each(|f| f.clips.retain(|c| known(c)));
+    space.find.retain(|f| !f.clips.is_empty());
+    if (space.examples.len(), space.find.len()) == before {
+        return (true, None);
+    }
+    if !(space.examples.is_empty() && space.find.is_empty()) {
+        return (true, Some("examples that are not there are left out".into()));
+    }
+    if space.axes.iter().any(|a| a.kind == AxisKind::Style) {
+        return (false, Some("left out, as its examples are not there and nothing else tells their style".into()));
+    }
+    space.for_each.clear();
+    space.find = vec![FindConfig { clips: vec!["*".into()], mirror: true, ..FindConfig::default() }];
+    (true, Some("steady stretches of all clips stand in for its examples, which are not there".into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    const CONFIG: &str = "inputs = ['old']\n\
+        [clips.walk_1]\nexclude = [[0, 1]]\n[clips.run]\nexclude = [[0, 1]]\n\
+        [patches]\nunits = 'u.toml'\n[[patches.environments]]\nfile = 'e.toml'\nclips = ['walk_*']\n\
+        [[patches.tiles]]\nunit = 'ground'\nclips = ['stroll_*']\n\
+        [retarget]\nalign_ground = false\n\
+        [blend.named]\naxes = [{ kind = 'speed' }]\nexamples = [{ clip = 'walk_*' }, { clip = 'jog' }]\n\
+        [blend.all]\naxes = [{ kind = 'speed' }]\nexamples = [{ clip = 'jog' }]\n\
+        [blend.manner]\nfor_each = ['sad']\naxes = [{ kind = 'speed' }]\nfind = [{ clips = ['jog_{}'] }]\n\
+        [blend.style]\naxes = [{ kind = 'style' }]\nexamples = [{ clip = 'jog', style = { style = 1 } }]\n";
+
+    #[test]
+    fn what_is_said_of_clips_that_are_not_there_is_left_out_and_told() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("walk_1.bvh"), "").unwrap();
+        let mut config = BuildConfig::parse(CONFIG, Path::new("x.toml")).unwrap();
+        let told = config.replace_motion(vec![folder.path().to_path_buf()]).unwrap();
+        assert_eq!(config.clips.keys().collect::<Vec<_>>(), ["walk_1"]);
+        assert_eq!(config.blend.keys().collect::<Vec<_>>(), ["all", "manner", "named"]);
+        assert_eq!(config.blend["named"].examples.len(), 1);
+        for space in ["all", "manner"] {
+            assert!(config.blend[space].find[0].clips == ["*"] && config.blend[space].for_each.is_empty());
+        }
+        assert!(config.patches.environments.is_empty() && config.retarget.align_ground);
+        assert!(config.patches.tiles[0].clips.is_empty() && config.patches.units.is_some());
+        assert_eq!(told.len(), 7, "{told:?}");
+        assert!(config.check().is_ok());
+        // Told once: nothing is left that does not hold.
+        assert!(config.replace_motion(vec![folder.path().to_path_buf()]).unwrap().is_empty());
+        assert!(config.replace_motion(vec![folder.path().join("nowhere")]).is_err());
+    }
+}

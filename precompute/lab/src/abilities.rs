@@ -1,0 +1,231 @@
+//! What motion shows that characters need to go where they are sent: walking, stopping, turning to both sides.
+
+use crate::matching::runs;
+use std::f64::consts::PI;
+use throng_motion::clip::{ClipSet, runs as runs_where};
+use throng_runtime::format::ClipRecord;
+use throng_runtime::{Bundle, Planar};
+
+/// Slower than this, nobody walks (m/s).
+const WALKING_MPS: f64 = 0.5;
+/// Slower than this, somebody stands (m/s).
+const STANDING_MPS: f64 = 0.15;
+/// Shortest time that counts as standing (s).
+const STANDING_S: f64 = 0.3;
+/// Time over which a speed is measured (s).
+const SPEED_S: f64 = 0.4;
+/// Time over which a turn is measured: about two steps, so that the hips' swing does not count (s).
+const TURN_S: f64 = 1.0;
+/// A stop comes to stand within this time after walking (s).
+const STOP_S: f64 = 2.5;
+/// Turns below this are slow (deg/s).
+const SLOW_TURN: f64 = 45.0;
+/// Less walking than this is little (s).
+const LITTLE_WALKING_S: f64 = 30.0;
+
+/// What some motion shows, mirrored copies not counted.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct Abilities {
+    /// Usable motion (s).
+    pub usable_s: f64,
+    /// Of it, going over ground at half a metre a second or more (s).
+    pub walking_s: f64,
+    /// Of it, standing (s).
+    pub standing_s: f64,
+    /// Fastest speed over ground (m/s).
+    pub fastest_mps: f64,
+    /// Times that somebody begins to walk from standing.
+    pub starts: usize,
+    /// Times that somebody comes from walking to stand.
+    pub stops: usize,
+    /// Fastest turn to the left while walking, over a second (deg/s).
+    pub turn_left_deg_per_s: f64,
+    /// Fastest turn to the right (deg/s).
+    pub turn_right_deg_per_s: f64,
+    /// Effective hits.
+    pub blows: usize,
+}
+
+impl Abilities {
+    /// Of annotated clips.
+    pub fn of_clips(set: &ClipSet) -> Self {
+        let mut out = Self::default();
+        for clip in set.clips.iter().filter(|c| !c.mirrored) {
+            out.blows += clip.hits.len();
+            for run in clip.usable_ranges() {
+                out.add(&run.map(|f| clip.planar(f)).collect::<Vec<_>>(), clip.rate_hz);
+            }
+        }
+        out
+    }
+
+    /// Of the clips of a bundle.
+    pub fn of_bundle(tables: &Bundle) -> Self {
+        Self::of_frames(tables, |_| true)
+    }
+
+    /// Of what the actions of a bundle's motion graph play.
+    pub fn of_played(tables: &Bundle) -> Self {
+        let played = played_frames(tables);
+        Self::of_frames(tables, |f| played[f])
+    }
+
+    fn of_frames(tables: &Bundle, counts: impl Fn(usize) -> bool) -> Self {
+        let (mut out, rate_hz) = (Self::default(), tables.meta().rate_hz);
+        let clips = tables.clips();
+        let is_original =
+            |frame: u32| clips[clips.partition_point(|c| c.first_frame <= frame).saturating_sub(1)].mirrored == 0;
+        out.blows = tables.hits().iter().filter(|h| is_original(h.frame) && counts(h.frame as usize)).count();
+        let root = |f: usize| {
+            let [x, z, heading] = tables.frames()[f].planar;
+            Planar::new(x, z, heading)
+        };
+        for run in runs(tables).into_iter().filter(|r| is_original(r.start)) {
+            for run in runs_where(run.start as usize..run.end as usize, &counts) {
+                out.add(&run.map(root).collect::<Vec<_>>(), rate_hz);
+            }
+        }
+        out
+    }
+
+    /// Adds a run of usable frames.
+    fn add(&mut self, roots: &[Planar], rate_hz: f64) {
+        let frames = |s: f64| (s * rate_hz).round().max(1.0) as usize;
+        let speeds = speeds(roots, frames(0.5 * SPEED_S), rate_hz);
+        let walks = |f: usize| speeds[f] >= WALKING_MPS;
+        let standing: Vec<_> = runs_where(0..roots.len(), |f| speeds[f] < STANDING_MPS);
+        let standing: Vec<_> = standing.into_iter().filter(|r| r.len() >= frames(STANDING_S)).collect();
+        let near = frames(STOP_S);
+        for r in &standing {
+            self.stops += usize::from((r.start.saturating_sub(near)..r.start).any(walks));
+            self.starts += usize::from((r.end..(r.end + near).min(roots.len())).any(walks));
+        }
+        self.usable_s += roots.len() as f64 / rate_hz;
+        self.walking_s += (0..roots.len()).filter(|&f| walks(f)).count() as f64 / rate_hz;
+        self.standing_s += standing.iter().map(ExactSizeIterator::len).sum::<usize>() as f64 / rate_hz;
+        self.fastest_mps = speeds.iter().copied().fold(self.fastest_mps, f64::max);
+        for walk in runs_where(0..roots.len(), walks).into_iter().filter(|r| r.len() > frames(TURN_S)) {
+            let mut headings = vec![0.0];
+            for f in walk.start + 1..walk.end {
+                let by = f64::from(roots[f].heading - roots[f - 1].heading);
+                headings.push(headings[headings.len() - 1] + (by + PI).rem_euclid(2.0 * PI) - PI);
+            }
+            let window = frames(TURN_S);
+            for f in 0..headings.len() - window {
+                let rate = (headings[f + window] - headings[f]).to_degrees() * rate_hz / window as f64;
+                self.turn_left_deg_per_s = self.turn_left_deg_per_s.max(rate);
+                self.turn_right_deg_per_s = self.turn_right_deg_per_s.max(-rate);
+            }
+        }
+    }
+
+    /// What is missing for which behaviour, and the clips that would mend it.
+    ///
+    /// - `mirrored`: mirrored copies are made, so that a turn to one side is one to the other side too.
+    pub fn missing(&self, mirrored: bool) -> Vec<String> {
+        let mut out = Vec::new();
+        if self.walking_s < 1.0 {
+            out.push("no walking: characters cannot go to a target; add walks of at least a minute".to_owned());
+            return out;
+        }
+        if self.walking_s < LITTLE_WALKING_S {
+            let s = self.walking_s;
+            out.push(format!("only {s:.0} s of walking: characters have few ways to a target; add a minute of walks"));
+        }
+        if self.stops == 0 {
+            out.push("no stop: characters will circle their targets; add a clip that walks, then stands".into());
+        } else if self.starts == 0 {
+            out.push("no start: who stands will stay there; add a clip that stands, then walks".into());
+        }
+        let [left, right] = [self.turn_left_deg_per_s, self.turn_right_deg_per_s];
+        for (side, rate, other) in [("left", left, right), ("right", right, left)] {
+            if rate < SLOW_TURN && (!mirrored || other < SLOW_TURN) {
+                out.push(format!("turns {side} {rate:.0} deg/s at most: add a {side} turn"));
+            } else if rate < SLOW_TURN {
+                let side = format!("turns {side} {rate:.0} deg/s at most");
+                out.push(format!("{side}; mirrored copies of the other side's {other:.0} deg/s make up for it"));
+            }
+        }
+        out
+    }
+}
+
+/// True for every frame that some action of a bundle plays.
+fn played_frames(tables: &Bundle) -> Vec<bool> {
+    let mut played = vec![false; tables.frames().len()];
+    for s in tables.graph().segments.iter() {
+        let first = s.start as usize + 1;
+        played[first..first + s.num_frames as usize].fill(true);
+    }
+    played
+}
+
+/// Names of the clips of which no action plays a frame, mirrored copies not counted.
+pub fn unused_clips(tables: &Bundle) -> Vec<&str> {
+    let played = played_frames(tables);
+    let unused = |c: &ClipRecord| {
+        let first = c.first_frame as usize;
+        c.mirrored == 0 && !played[first..first + c.num_frames as usize].contains(&true)
+    };
+    let all = tables.clips().iter().zip(&tables.meta().clips);
+    all.filter(|(c, _)| unused(c)).map(|(_, meta)| meta.name.as_str()).collect()
+}
+
+/// Speed over ground at every frame, over so many frames before and after (m/s).
+fn speeds(roots: &[Planar], half: usize, rate_hz: f64) -> Vec<f64> {
+    let speed = |f: usize| {
+        let (from, to) = (f.saturating_sub(half), (f + half).min(roots.len() - 1));
+        let [a, b] = [roots[from], roots[to]];
+        f64::from((b.x - a.x).hypot(b.z - a.z)) * rate_hz / (to - from).max(1) as f64
+    };
+    (0..roots.len()).map(speed).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Walks at 1 m/s, turning by so much a second, for some seconds; stands where the speed is 0.
+    fn course(parts: &[(f32, f32, f32)]) -> Vec<Planar> {
+        let (mut at, mut out) = (Planar::default(), Vec::new());
+        for &(seconds, mps, deg_per_s) in parts {
+            for _ in 0..(seconds * 30.0) as usize {
+                at.heading += deg_per_s.to_radians() / 30.0;
+                at.x += mps / 30.0 * at.heading.sin();
+                at.z += mps / 30.0 * at.heading.cos();
+                out.push(at);
+            }
+        }
+        out
+    }
+
+    fn of(parts: &[(f32, f32, f32)]) -> Abilities {
+        let mut out = Abilities::default();
+        out.add(&course(parts), 30.0);
+        out
+    }
+
+    #[test]
+    fn a_walk_that_stops_and_turns_lacks_nothing() {
+        let a = of(&[(20.0, 1.0, 0.0), (2.0, 0.0, 0.0), (10.0, 1.2, 60.0), (10.0, 1.0, -70.0)]);
+        assert_eq!((a.stops, a.starts), (1, 1));
+        assert!((a.walking_s - 40.0).abs() < 0.5 && (a.standing_s - 2.0).abs() < 0.5, "{a:?}");
+        assert!((a.turn_left_deg_per_s - 60.0).abs() < 1.0 && (a.turn_right_deg_per_s - 70.0).abs() < 1.0, "{a:?}");
+        assert!((a.fastest_mps - 1.2).abs() < 0.02);
+        assert!(a.missing(false).is_empty(), "{:?}", a.missing(false));
+    }
+
+    #[test]
+    fn what_is_missing_is_said_with_the_clip_that_mends_it() {
+        let straight = of(&[(40.0, 1.0, 0.0), (5.0, 1.0, 50.0)]);
+        let told = straight.missing(false);
+        assert!(told.iter().any(|t| t.starts_with("no stop")), "{told:?}");
+        assert!(told.iter().any(|t| t == "turns right 0 deg/s at most: add a right turn"), "{told:?}");
+        let mirrored = straight.missing(true);
+        assert!(mirrored.iter().any(|t| t.contains("mirrored copies of the other side's 50 deg/s")), "{mirrored:?}");
+        assert!(of(&[(60.0, 0.1, 0.0)]).missing(true)[0].starts_with("no walking"));
+        assert!(of(&[(40.0, 1.0, 0.0), (2.0, 0.0, 0.0)]).missing(true)[0].starts_with("no start"));
+        assert!(of(&[(10.0, 1.0, 0.0)]).missing(true)[0].starts_with("only 10 s of walking"));
+        assert_eq!(of(&[]), Abilities::default());
+    }
+}

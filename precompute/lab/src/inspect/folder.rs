@@ -1,0 +1,193 @@
+//! What is in many motion files: one line each, and what is missing for which behaviour.
+
+use super::ClipReport;
+use crate::abilities::Abilities;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::PathBuf;
+use throng_bake::config::BuildConfig;
+use throng_bake::pipeline;
+use throng_bake::report::Performer;
+use throng_motion::clip::{Clip, ClipSet};
+use throng_motion::error::{BuildError, ImportError, Warnings};
+use throng_motion::import::{self, Imported, ImportedSet};
+use throng_motion::progress::Progress;
+use throng_motion::{annotate, retarget};
+
+/// Of a foot, less of the time on the ground than this makes a clip odd.
+const LITTLE_CONTACT: f32 = 0.05;
+
+/// What is in many motion files. The names of the fields are keys of the JSON report.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct FolderReport {
+    /// One entry a file, sorted by path.
+    pub files: Vec<FileLine>,
+    /// Whose motion it is: files of one source skeleton together.
+    pub performers: Vec<Performer>,
+    /// Files that hold the motion of another one, number by number: the file, and that other one.
+    pub repeated: Vec<[String; 2]>,
+    /// What the motion shows.
+    pub motion: Abilities,
+    /// What is missing for which behaviour, and the clips that would mend it.
+    pub missing: Vec<String>,
+    /// What is odd but tolerable.
+    pub warnings: Vec<String>,
+}
+
+/// One motion file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct FileLine {
+    /// The file.
+    pub file: String,
+    /// `good`, `odd` or `skipped`.
+    pub verdict: &'static str,
+    /// Why it is odd or skipped; empty where it is good.
+    pub why: String,
+    /// What import found; absent for a file that is skipped.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clip: Option<ClipReport>,
+    /// Usable motion (s).
+    pub usable_s: f64,
+}
+
+/// Reads motion files as a build with this config would, and says what is in them.
+///
+/// # Errors
+/// A path that yields no file; a bad profile; as the retarget, resample and annotate stages.
+pub fn inspect_all(
+    paths: &[PathBuf],
+    config: &BuildConfig,
+    progress: &dyn Progress,
+) -> Result<FolderReport, BuildError> {
+    let set = import::read_by(&|_, read| read(), paths, &config.import, progress)?;
+    let mut warnings = Warnings::default();
+    let clips = match set.clips.is_empty() {
+        true => ClipSet { skeleton: Default::default(), clips: Vec::new() },
+        false => pipeline::clips_of(&set.clips, config, &mut warnings)?,
+    };
+    let motion = Abilities::of_clips(&clips);
+    let missing = if clips.clips.is_empty() { Vec::new() } else { missing(&motion, config.resample.mirror) };
+    let path = |i: usize| set.clips[i].clip.path.display().to_string();
+    Ok(FolderReport {
+        files: lines(&set, &clips),
+        performers: performers(&set.clips, &clips),
+        repeated: set.repeated().into_iter().map(|[first, i]| [path(i), path(first)]).collect(),
+        motion,
+        missing,
+        warnings: warnings.messages,
+    })
+}
+
+fn missing(motion: &Abilities, mirrored: bool) -> Vec<String> {
+    let mut all = motion.missing(mirrored);
+    if motion.blows == 0 {
+        all.push("no blows: nobody can box; add punches or kicks where they should".into());
+    }
+    all
+}
+
+fn performers(imported: &[Imported], clips: &ClipSet) -> Vec<Performer> {
+    let performer = |indices: Vec<usize>| Performer {
+        height_m: imported[indices[0]].height,
+        clips: indices.iter().map(|&i| clips.clips[i].name.clone()).collect(),
+    };
+    retarget::performers(imported).into_iter().map(performer).collect()
+}
+
+/// A line a file, sorted by path.
+fn lines(set: &ImportedSet, clips: &ClipSet) -> Vec<FileLine> {
+    let copies: BTreeMap<usize, usize> = set.repeated().into_iter().map(|[first, i]| (i, first)).collect();
+    let read = set.clips.iter().zip(&clips.clips).enumerate().map(|(i, (imported, clip))| {
+        let usable_s = clip.usable_ranges().iter().map(ExactSizeIterator::len).sum::<usize>() as f64 / clip.rate_hz;
+        let report = ClipReport::of(imported, clip, &clips.skeleton);
+        let original =
+            copies.get(&i).map(|&first| format!("the same motion as {}", set.clips[first].clip.path.display()));
+        let why = original.or_else(|| oddity(clip, &clips.skeleton, usable_s, &report)).unwrap_or_default();
+        let verdict = if why.is_empty() { "good" } else { "odd" };
+        FileLine { file: report.file.clone(), verdict, why, clip: Some(report), usable_s }
+    });
+    let skipped = set.skipped.iter().map(|e| {
+        let (file, why) = told_apart(e);
+        FileLine { file, verdict: "skipped", why, ..FileLine::default() }
+    });
+    let mut all: Vec<FileLine> = read.chain(skipped).collect();
+    all.sort_by(|a, b| PathBuf::from(&a.file).cmp(&PathBuf::from(&b.file)));
+    all
+}
+
+/// What is odd about a clip, if anything.
+fn oddity(clip: &Clip, skeleton: &throng_runtime::Skeleton, usable_s: f64, report: &ClipReport) -> Option<String> {
+    let contact = annotate::sanity(clip, skeleton);
+    if usable_s < 0.5 {
+        let parts: Vec<String> =
+            report.excluded.iter().map(|(why, from, to)| format!("{why} {from} to {to}")).collect();
+        return Some(format!(
+            "hardly a usable frame: {}",
+            if parts.is_empty() { "it is short".into() } else { parts.join(", ") }
+        ));
+    }
+    if contact.left_share < LITTLE_CONTACT || contact.right_share < LITTLE_CONTACT {
+        return Some("feet hardly touch the ground".into());
+    }
+    report.warnings.first().map(|w| w.strip_prefix(&format!("{}: ", report.file)).unwrap_or(w).to_owned())
+}
+
+/// The file of an error, and the rest of its message.
+fn told_apart(e: &ImportError) -> (String, String) {
+    let (text, path) = (e.to_string(), e.path().map_or_else(String::new, |p| p.display().to_string()));
+    let why = text.strip_prefix(&path).map_or(&*text, |rest| rest.trim_start_matches([':', ' ']));
+    (path, why.to_owned())
+}
+
+impl fmt::Display for FolderReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let width = self.files.iter().map(|l| l.file.chars().count()).max().unwrap_or(0).min(60);
+        for line in &self.files {
+            let why = if line.why.is_empty() { String::new() } else { format!(": {}", line.why) };
+            let Some(c) = &line.clip else {
+                writeln!(f, "{:width$}  {}{why}", line.file, line.verdict)?;
+                continue;
+            };
+            writeln!(
+                f,
+                "{:width$}  {:6.1} s  {:5.1} Hz  {:.4} m/unit  {} up  {:.2} m, {} joints, {}  {}{why}",
+                line.file,
+                c.duration_s,
+                c.rate_hz,
+                c.metres_per_unit,
+                c.up,
+                c.height_m,
+                c.joints,
+                c.profile,
+                line.verdict
+            )?;
+        }
+        let count = |verdict: &str| self.files.iter().filter(|l| l.verdict == verdict).count();
+        writeln!(f)?;
+        writeln!(f, "files       {} good, {} odd, {} skipped", count("good"), count("odd"), count("skipped"))?;
+        for p in &self.performers {
+            let some: Vec<&str> = p.clips.iter().take(3).map(String::as_str).collect();
+            let more = if p.clips.len() > some.len() { ", ..." } else { "" };
+            writeln!(
+                f,
+                "performer   {:.2} m tall, in {} file(s): {}{more}",
+                p.height_m,
+                p.clips.len(),
+                some.join(", ")
+            )?;
+        }
+        let m = &self.motion;
+        writeln!(
+            f,
+            "motion      {:.0} s usable: {:.0} s walking up to {:.1} m/s, {:.0} s standing, {} start(s), {} stop(s)",
+            m.usable_s, m.walking_s, m.fastest_mps, m.standing_s, m.starts, m.stops
+        )?;
+        let [left, right] = [m.turn_left_deg_per_s, m.turn_right_deg_per_s];
+        writeln!(f, "turns       left {left:.0} deg/s, right {right:.0} deg/s at most, while walking")?;
+        writeln!(f, "blows       {}", m.blows)?;
+        self.repeated.iter().try_for_each(|[one, other]| writeln!(f, "twice       {one} is {other}"))?;
+        self.missing.iter().try_for_each(|what| writeln!(f, "missing     {what}"))?;
+        self.warnings.iter().try_for_each(|what| writeln!(f, "warning     {what}"))
+    }
+}

@@ -1,0 +1,278 @@
+//! Looks for glitches in the tracks of a body: place of the hips, turns of all joints, lengths of segments.
+
+use super::signal::{Away, Value, spikes, steps};
+use super::{Glitch, GlitchKind};
+use crate::clip::runs;
+use crate::import::roles::RoleMap;
+use crate::raw::RawClip;
+use glam::{Quat, Vec3};
+use throng_core::Joint;
+
+/// Away and back within this time is a fault (s).
+const MAX_POP: f64 = 0.1;
+/// A flip that is not taken back within this time is two (s).
+const MAX_FLIP: f64 = 1.0;
+/// What stands apart from the motion at an end is no longer (s).
+const MAX_EDGE: f64 = 0.25;
+/// A body that stops dead for at least so long is frozen (s).
+const MIN_FREEZE: f64 = 0.08;
+/// No joint of a frozen body moves or turns more from frame to frame (m, rad).
+const FROZEN: (f32, f32) = (1e-5, 3e-4);
+/// A body that moves this fast does not stop within a frame (m/s, rad/s).
+const MOVING: (f32, f32) = (0.15, 1.2);
+/// At the ends of a clip, this share of it.
+const AT_ENDS: f32 = 0.15;
+
+/// The tracks of one clip.
+struct Tracks {
+    /// Joint, its turns against the one that it hangs on, and where it is as seen from there. The hips' are the
+    /// world's.
+    joints: Vec<(Joint, Vec<Quat>, Vec<Vec3>)>,
+    rate_hz: f64,
+    num_frames: usize,
+}
+
+/// All glitches, in order, none overlapping.
+pub fn find(clip: &RawClip, roles: &RoleMap) -> Vec<Glitch> {
+    if clip.num_frames < 4 {
+        return Vec::new();
+    }
+    let mut tracks = Tracks::of(clip, roles);
+    let mut all = drop_outs(clip);
+    for g in &all {
+        tracks.lay_past(g.frames.start, g.frames.end);
+    }
+    all.extend(tracks.freezes());
+    all.extend(tracks.edges());
+    for g in &all {
+        tracks.lay_past(g.frames.start, g.frames.end);
+    }
+    all.extend(tracks.pops(clip, roles));
+    all.extend(tracks.jumps(clip, roles));
+    merge(all)
+}
+
+/// The least turn that is a fault, given that of limbs (degrees); head, hands and toes shake more.
+/// (rad)
+fn least_turn(j: Joint, degrees: f32) -> f32 {
+    if carries_nothing(j) { degrees.max(75.0) } else { degrees }.to_radians()
+}
+
+fn carries_nothing(j: Joint) -> bool {
+    use Joint::*;
+    matches!(j, Head | LeftHand | RightHand | LeftToe | RightToe)
+}
+
+fn glitch(kind: GlitchKind, start: usize, end: usize, what: String) -> Glitch {
+    Glitch { kind, frames: start..end, joints: Vec::new(), what, is_cut: false }
+}
+
+/// The joints of the file that lead to a role from the one above it.
+fn path(clip: &RawClip, roles: &RoleMap, j: Joint) -> Vec<usize> {
+    let above = above(roles, j);
+    let up = std::iter::successors(roles.get(j), |&k| clip.joints[k].parent);
+    up.take_while(|&k| Some(k) != above).collect()
+}
+
+/// The joint of the nearest role above.
+fn above(roles: &RoleMap, j: Joint) -> Option<usize> {
+    std::iter::successors(j.parent(), |p| p.parent()).find_map(|p| roles.get(p))
+}
+
+/// Sorted, and those that overlap or touch in one; the first one's words stay.
+fn merge(mut all: Vec<Glitch>) -> Vec<Glitch> {
+    all.retain(|g| !g.frames.is_empty());
+    all.sort_by_key(|g| (g.frames.start, g.kind, g.frames.end));
+    let mut out: Vec<Glitch> = Vec::new();
+    for g in all {
+        match out.last_mut() {
+            Some(last) if g.frames.start <= last.frames.end => {
+                last.frames.end = last.frames.end.max(g.frames.end);
+                last.kind = last.kind.max(g.kind);
+                // None are all of them.
+                if last.joints.is_empty() || g.joints.is_empty() {
+                    last.joints.clear();
+                } else {
+                    last.joints.extend(g.joints);
+                }
+            }
+            _ => out.push(g),
+        }
+    }
+    out
+}
+
+/// Frames in which every number of the file is zero, in a clip where that is not the rule.
+fn drop_outs(clip: &RawClip) -> Vec<Glitch> {
+    let n = clip.joints.len();
+    let roots: Vec<usize> = (0..n).filter(|&j| clip.joints[j].parent.is_none()).collect();
+    let at_zero = |f: usize| roots.iter().all(|&j| clip.translations[f * n + j].length() < 1e-6);
+    let unturned = |f: usize| clip.rotations[f * n..(f + 1) * n].iter().all(|r| r.w.abs() > 1.0 - 1e-9);
+    let zero: Vec<bool> = (0..clip.num_frames).map(|f| at_zero(f) && unturned(f)).collect();
+    let count = zero.iter().filter(|z| **z).count();
+    if count == 0 || count * 2 > clip.num_frames {
+        return Vec::new();
+    }
+    let all = runs(0..clip.num_frames, |f| zero[f]);
+    all.into_iter().map(|r| glitch(GlitchKind::DropOut, r.start, r.end, "all numbers are zero".into())).collect()
+}
+
+impl Tracks {
+    fn of(clip: &RawClip, roles: &RoleMap) -> Self {
+        let mut joints: Vec<(Joint, Vec<Quat>, Vec<Vec3>)> = Joint::ALL
+            .into_iter()
+            .filter(|&j| roles.get(j).is_some())
+            .map(|j| (j, Vec::with_capacity(clip.num_frames), Vec::with_capacity(clip.num_frames)))
+            .collect();
+        for f in 0..clip.num_frames {
+            let world = clip.world(f);
+            for (j, turns, places) in &mut joints {
+                let Some((at, turn)) = roles.get(*j).map(|k| world[k]) else { continue };
+                let (origin, axes) = above(roles, *j).map_or((Vec3::ZERO, Quat::IDENTITY), |a| world[a]);
+                turns.push((axes.inverse() * turn).normalize());
+                places.push(axes.inverse() * (at - origin));
+            }
+        }
+        Self { joints, rate_hz: clip.rate_hz, num_frames: clip.num_frames }
+    }
+
+    fn frames(&self, seconds: f64) -> usize {
+        (seconds * self.rate_hz).round() as usize
+    }
+
+    /// Lays all tracks on the way past some frames, so that they are not found again.
+    fn lay_past(&mut self, start: usize, end: usize) {
+        let n = self.num_frames;
+        let (before, after) = (start.checked_sub(1), Some(end).filter(|&f| f < n));
+        let (Some(a), Some(b)) = (before.or(after), after.or(before)) else { return };
+        for (_, turns, places) in &mut self.joints {
+            for f in start..end {
+                let ratio = (f + 1 - start) as f32 / (end - start + 1) as f32;
+                turns[f] = turns[a].towards(turns[b], ratio);
+                places[f] = places[a].towards(places[b], ratio);
+            }
+        }
+    }
+
+    /// Distance that the hips travel, and the largest turn of a joint, from the frame before to this one.
+    fn step(&self, f: usize) -> (f32, f32) {
+        let turn = |(_, turns, _): &(Joint, Vec<Quat>, Vec<Vec3>)| turns[f].apart(turns[f - 1]);
+        let travel = self.joints.first().map_or(0.0, |(_, _, p)| p[f].apart(p[f - 1]));
+        (travel, self.joints.iter().map(turn).fold(0.0, f32::max))
+    }
+
+    /// Nothing moves from one frame to the next, in the middle of motion.
+    fn freezes(&self) -> Vec<Glitch> {
+        let steps: Vec<(f32, f32)> =
+            (0..self.num_frames).map(|f| if f == 0 { (1.0, 1.0) } else { self.step(f) }).collect();
+        let rate = self.rate_hz as f32;
+        let still = |f: usize| steps[f].0 < FROZEN.0 && steps[f].1 < FROZEN.1;
+        let moves = |f: usize, share: f32| {
+            steps.get(f).is_some_and(|s| s.0 * rate > share * MOVING.0 || s.1 * rate > share * MOVING.1)
+        };
+        let long = self.frames(MIN_FREEZE).max(3);
+        // Where the data stop at an end, even who stands swayed a little before.
+        let dead = |r: &std::ops::Range<usize>| {
+            let share = if r.start == 1 || r.end == self.num_frames { AT_ENDS } else { 1.0 };
+            r.len() >= long && ((r.start > 1 && moves(r.start - 1, share)) || moves(r.end, share))
+        };
+        let found = runs(1..self.num_frames, still).into_iter().filter(dead);
+        found
+            .map(|r| glitch(GlitchKind::Freeze, r.start, r.end, "nothing moves in the middle of motion".into()))
+            .collect()
+    }
+
+    /// A pose at the start or end that the motion does not lead to.
+    fn edges(&self) -> Vec<Glitch> {
+        let n = self.num_frames;
+        // Sum of the turns of all joints, and the largest.
+        let total = |f: usize| self.joints.iter().map(|(_, turns, _)| turns[f].apart(turns[f - 1])).sum::<f32>();
+        let edge = self.frames(MAX_EDGE).max(1);
+        let mut out = Vec::new();
+        for k in (1..=edge.min(n.saturating_sub(6))).rev() {
+            let pace = (k + 1..k + 5).map(total).fold(0.0, f32::max);
+            if total(k) > 4.0 * pace + 1.0 && self.step(k).1 > 0.45 {
+                out.push(glitch(GlitchKind::Apart, 0, k, "a pose apart from the motion".into()));
+                break;
+            }
+        }
+        for k in (n.saturating_sub(edge).max(6)..n).filter(|&k| k > 5) {
+            let pace = (k - 4..k).map(total).fold(0.0, f32::max);
+            if total(k) > 4.0 * pace + 1.0 && self.step(k).1 > 0.45 {
+                out.push(glitch(GlitchKind::Apart, k, n, "a pose apart from the motion".into()));
+                break;
+            }
+        }
+        out
+    }
+
+    /// What is away from its path for a few frames. It is laid onto it.
+    fn pops(&mut self, clip: &RawClip, roles: &RoleMap) -> Vec<Glitch> {
+        let longest = self.frames(MAX_POP).clamp(1, 12);
+        let rate = self.rate_hz as f32;
+        let (far, turned) = (0.03 + 1.5 / rate, 20.0 + 1200.0 / rate);
+        let mut out = Vec::new();
+        for (j, turns, places) in &mut self.joints {
+            let name = roles.get(*j).map_or("", |k| clip.joints[k].name.as_str());
+            let joints = path(clip, roles, *j);
+            let mut add = |kind, away: Away, what| {
+                out.push(Glitch { joints: joints.clone(), ..glitch(kind, away.start, away.end, what) });
+            };
+            for away in spikes(places, longest, far) {
+                add(GlitchKind::Pop, away, format!("`{name}` is {:.2} m away and back again", away.by));
+            }
+            for away in spikes(turns, longest, least_turn(*j, turned)) {
+                add(GlitchKind::Flip, away, format!("`{name}` turns by {:.0} degrees and back", away.by.to_degrees()));
+            }
+        }
+        out
+    }
+
+    /// What is elsewhere from one frame to the next: the two frames, or all up to where it is back.
+    fn jumps(&self, clip: &RawClip, roles: &RoleMap) -> Vec<Glitch> {
+        let rate = self.rate_hz as f32;
+        let (far, turned) = (0.1 + 3.0 / rate, 20.0 + 2100.0 / rate);
+        let mut out = Vec::new();
+        for (j, turns, places) in &self.joints {
+            let name = roles.get(*j).map_or("", |k| clip.joints[k].name.as_str());
+            for step in steps(places, far) {
+                let what = format!("`{name}` jumps by {:.2} m", step.by);
+                out.push(self.at_step(step.start, GlitchKind::Jump, what));
+            }
+            let mut leaps = steps(turns, least_turn(*j, turned)).into_iter().peekable();
+            while let Some(step) = leaps.next() {
+                let what = format!("`{name}` turns by {:.0} degrees in a frame", step.by.to_degrees());
+                let back = leaps.peek().filter(|b| {
+                    let near = turns[step.start - 1].apart(turns[b.start]) < 0.5 * step.by;
+                    near && b.start - step.start <= self.frames(MAX_FLIP)
+                });
+                match back {
+                    Some(back) => {
+                        let joints = path(clip, roles, *j);
+                        out.push(Glitch { joints, ..glitch(GlitchKind::Flip, step.start, back.start, what) });
+                        leaps.next();
+                    }
+                    // Nothing hangs on it: its turn can be spread over a few frames.
+                    None if carries_nothing(*j) => {
+                        let joints = path(clip, roles, *j);
+                        out.push(Glitch { joints, ..self.at_step(step.start, GlitchKind::Flip, what) });
+                    }
+                    None => out.push(self.at_step(step.start, GlitchKind::Jump, what)),
+                }
+            }
+        }
+        out
+    }
+
+    /// The two frames around a step, or all up to the end of the clip where that is near.
+    fn at_step(&self, f: usize, kind: GlitchKind, what: String) -> Glitch {
+        let edge = self.frames(MAX_EDGE);
+        if f <= edge {
+            glitch(GlitchKind::Apart, 0, f, what)
+        } else if f + edge >= self.num_frames {
+            glitch(GlitchKind::Apart, f, self.num_frames, what)
+        } else {
+            glitch(kind, f - 1, f + 1, what)
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! Frames that are no motion: jumps, flips, freezes, drop-outs. Found by what bodies cannot do, cut out or bridged.
+//!
+//! A body turns and travels smoothly: what leaves its path for a frame or a few and comes back, what is elsewhere from
+//! one frame to the next, and what stops dead while in motion is a fault of the recording. Every measure is held
+//! against its surroundings in the clip, so that fast motion is not taken for a fault.
+
+mod find;
+mod mend;
+mod signal;
+
+use super::roles::RoleMap;
+use crate::clip::FrameRange;
+use crate::error::Warnings;
+use crate::raw::RawClip;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What becomes of glitches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Glitches {
+    /// Left out like a range that a sidecar excludes: nothing that was not captured gets into the database, but each one
+    /// parts the clip.
+    Cut,
+    /// A few frames, up to 0.12 s, that the body comes back from are filled with what leads past them; all else is cut
+    /// out: longer ones, jumps, freezes, and the ends of clips.
+    #[default]
+    Bridge,
+    /// Left as they are, and told.
+    Keep,
+}
+
+/// What is wrong with some frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum GlitchKind {
+    /// Away and back again within a few frames.
+    Pop,
+    /// Elsewhere from one frame to the next.
+    Jump,
+    /// A joint turns away and back again within a few frames, or stays turned.
+    Flip,
+    /// Nothing at all moves, in the middle of motion.
+    Freeze,
+    /// A pose that is not part of the motion, at the start or end.
+    Apart,
+    /// All numbers are zero.
+    DropOut,
+}
+
+/// Frames that are no motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Glitch {
+    /// What is wrong.
+    pub kind: GlitchKind,
+    /// The frames of the file, from 0.
+    pub frames: FrameRange,
+    /// The joints of the file that are wrong; none are all of them.
+    pub joints: Vec<usize>,
+    /// What was found, as warnings print it.
+    pub what: String,
+    /// Left out of what follows; else it was bridged, or is kept.
+    pub is_cut: bool,
+}
+
+/// Longest run of frames that is bridged (s).
+const MAX_BRIDGE: f64 = 0.12;
+
+/// Most glitches that a warning lists.
+const MAX_LISTED: usize = 8;
+
+/// Finds the glitches of a clip in metres and mends them as told. What is cut is bridged, too: a joint that is
+/// elsewhere for a frame must not move the ground of the whole clip.
+pub(super) fn treat(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings: &mut Warnings) -> Vec<Glitch> {
+    let mut all = find::find(clip, roles);
+    if all.is_empty() {
+        return all;
+    }
+    for glitch in &mut all {
+        let inside = glitch.frames.start > 0 && glitch.frames.end < clip.num_frames;
+        let short = glitch.frames.len() as f64 <= MAX_BRIDGE * clip.rate_hz;
+        let back = !matches!(glitch.kind, GlitchKind::Jump | GlitchKind::Freeze);
+        let bridged = how == Glitches::Bridge && inside && short && back;
+        glitch.is_cut = how != Glitches::Keep && !bridged;
+    }
+    if how != Glitches::Keep {
+        all.iter().filter(|g| g.kind != GlitchKind::Jump).for_each(|g| mend::bridge(clip, g));
+    }
+    let done = match how {
+        Glitches::Cut => "cut out",
+        Glitches::Bridge => "bridged or cut out",
+        Glitches::Keep => "kept",
+    };
+    let mut list: Vec<String> = all.iter().take(MAX_LISTED).map(describe).collect();
+    if all.len() > MAX_LISTED {
+        list.push(format!("{} more", all.len() - MAX_LISTED));
+    }
+    let frames: usize = all.iter().map(|g| g.frames.len()).sum();
+    warnings.push(format!(
+        "{}: {frames} of {} frames are no motion and are {done} (`import.glitches`): {}.",
+        clip.path.display(),
+        clip.num_frames,
+        list.join("; ")
+    ));
+    all
+}
+
+fn describe(glitch: &Glitch) -> String {
+    let (first, last) = (glitch.frames.start, glitch.frames.end - 1);
+    let frames = if first == last { format!("frame {first}") } else { format!("frames {first} to {last}") };
+    format!("{frames}, {}", glitch.what)
+}

@@ -1,0 +1,140 @@
+//! Reads AMASS and other SMPL motion: `.npz` files of NumPy arrays.
+//!
+//! Such a file holds turns of the joints and the way of the pelvis, but no body: lengths are those of an adult. Its
+//! world has Z up and is turned to Y up here, because the body at rest has Y up.
+
+mod array;
+
+use super::source::{FrameSink, MAX_JOINTS, SourceClip, content_error};
+use crate::error::{ImportError, Warnings};
+use crate::raw::{RawJoint, SourceFormat};
+use array::{Array, Arrays};
+use glam::{DQuat, DVec3, Quat, Vec3};
+use std::path::Path;
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
+
+/// The joints of a body without hands, in the order of the files, and the role of each.
+const JOINTS: [(&str, Joint); NUM_JOINTS] = {
+    use Joint::*;
+    [
+        ("Pelvis", Hips),
+        ("L_Hip", LeftThigh),
+        ("R_Hip", RightThigh),
+        ("Spine1", Spine),
+        ("L_Knee", LeftShin),
+        ("R_Knee", RightShin),
+        ("Spine2", Chest),
+        ("L_Ankle", LeftFoot),
+        ("R_Ankle", RightFoot),
+        ("Spine3", UpperChest),
+        ("L_Foot", LeftToe),
+        ("R_Foot", RightToe),
+        ("Neck", Neck),
+        ("L_Collar", LeftClavicle),
+        ("R_Collar", RightClavicle),
+        ("Head", Head),
+        ("L_Shoulder", LeftUpperArm),
+        ("R_Shoulder", RightUpperArm),
+        ("L_Elbow", LeftForearm),
+        ("R_Elbow", RightForearm),
+        ("L_Wrist", LeftHand),
+        ("R_Wrist", RightHand),
+    ]
+};
+/// Names that frame rates go by.
+const RATES: [&str; 4] = ["mocap_framerate", "mocap_frame_rate", "fps", "frame_rate"];
+const HELP: &str = "Save the motion anew with `numpy.savez`: `poses`, `trans` and `mocap_framerate`";
+
+/// Reads a clip from the bytes of an `.npz` file; `path` is what errors and the clip's name are made from.
+///
+/// # Errors
+/// [`ImportError::Content`] naming the array that is missing, damaged or of another shape.
+pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
+    let fail = |message: String| content_error(path, message, HELP);
+    let mut arrays = Arrays::open(bytes).map_err(fail)?;
+    let trans = arrays.get("trans").map_err(fail)?;
+    let poses = poses(&mut arrays).map_err(fail)?;
+    let frames = trans.rows(3).map_err(|e| fail(format!("`trans`: {e}")))?;
+    let width = poses.iter().map(|p| p.width).sum::<usize>();
+    if poses.iter().any(|p| p.array.shape.first() != Some(&frames))
+        || !(3 * NUM_JOINTS..=3 * MAX_JOINTS).contains(&width)
+    {
+        let message =
+            format!("expected {frames} rows of {} numbers or more of poses, found {width} a row", 3 * NUM_JOINTS);
+        return Err(fail(message));
+    }
+    if frames == 0 {
+        return Err(fail("it has no frames".into()));
+    }
+    let (rate_hz, name) = rate(&mut arrays).map_err(fail)?;
+    let mut sink = FrameSink::new(joints(), bytes.len());
+    let upright = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
+    for frame in 0..frames {
+        let numbers: Vec<f64> = poses.iter().flat_map(|p| p.array.row(frame, p.width)).take(3 * NUM_JOINTS).collect();
+        let way: Vec<f64> = trans.row(frame, 3).collect();
+        if numbers.iter().chain(&way).any(|v| !v.is_finite() || v.abs() > 1e6) {
+            return Err(fail(format!("frame {frame}: expected numbers, found one that is none or too large")));
+        }
+        sink.begin_frame();
+        for j in 0..NUM_JOINTS {
+            sink.rotations[j] = DQuat::from_scaled_axis(DVec3::from_slice(&numbers[3 * j..3 * j + 3]));
+        }
+        sink.rotations[0] = upright * sink.rotations[0];
+        sink.translations[0] = upright * DVec3::from_slice(&way);
+        if !sink.end_frame() {
+            return Err(fail("the file is too short for its frames".into()));
+        }
+    }
+    let findings = vec![
+        format!("{rate_hz} frames a second: the file says so in `{name}`."),
+        "SMPL motion has no lengths of its own: those of an adult are taken.".into(),
+    ];
+    let clip = sink.into_clip(path, SourceFormat::Npz, rate_hz);
+    Ok(SourceClip { clip, declared_metres_per_unit: Some(1.0), findings, warnings: Warnings::default() })
+}
+
+/// An array of turns and how many numbers of a row it has.
+struct Turns {
+    array: Array,
+    width: usize,
+}
+
+/// `poses`, or what newer files part it into.
+fn poses(arrays: &mut Arrays<'_>) -> Result<Vec<Turns>, String> {
+    let parted = !arrays.has("poses") && arrays.has("pose_body");
+    let mut of = |name: &str| -> Result<Turns, String> {
+        let array = arrays.get(name)?;
+        let width = array.shape.get(1).copied().filter(|_| array.shape.len() == 2);
+        let width = width.ok_or_else(|| format!("`{name}`: expected a table, found the shape {:?}", array.shape))?;
+        Ok(Turns { array, width })
+    };
+    if !parted {
+        return Ok(vec![of("poses")?]);
+    }
+    Ok(vec![of("root_orient")?, of("pose_body")?])
+}
+
+fn rate(arrays: &mut Arrays<'_>) -> Result<(f64, &'static str), String> {
+    let Some(name) = RATES.into_iter().find(|n| arrays.has(n)) else {
+        return Err(format!("no frame rate is there: expected `{}`", RATES.join("` or `")));
+    };
+    let rate_hz = arrays.get(name)?.row(0, 1).next().unwrap_or(0.0);
+    match (0.1..=1e5).contains(&rate_hz) {
+        true => Ok((rate_hz, name)),
+        false => Err(format!("`{name}`: expected 0.1 to 100000 Hz, found {rate_hz}")),
+    }
+}
+
+/// The body: a T-pose of the default skeleton, parents first as the files have them.
+fn joints() -> Vec<RawJoint> {
+    let skeleton = Skeleton::default();
+    let index = |j: Joint| JOINTS.iter().position(|(_, role)| *role == j);
+    let joint = |(name, role): &(&str, Joint)| RawJoint {
+        name: (*name).into(),
+        parent: role.parent().and_then(index),
+        offset: if role.parent().is_some() { skeleton.offsets[role.index()] } else { Vec3::ZERO },
+        rest_rotation: Quat::IDENTITY,
+        is_end: false,
+    };
+    JOINTS.iter().map(joint).collect()
+}

@@ -1,0 +1,113 @@
+//! NumPy arrays in a zip file, as `numpy.savez` and `numpy.savez_compressed` write them.
+
+use std::io::{Cursor, Read};
+use throng_base::file::MAX_MOTION_BYTES;
+use zip::ZipArchive;
+
+/// Longest header of an array.
+const MAX_HEADER: usize = 1 << 16;
+/// Most dimensions of an array.
+const MAX_DIMENSIONS: usize = 8;
+
+/// The arrays of a zip file, by name.
+pub struct Arrays<'a> {
+    zip: ZipArchive<Cursor<&'a [u8]>>,
+}
+
+/// Numbers and their shape, read as 64-bit floats.
+pub struct Array {
+    pub shape: Vec<usize>,
+    numbers: Vec<f64>,
+}
+
+impl Array {
+    /// Number of rows of a table with `width` columns.
+    pub fn rows(&self, width: usize) -> Result<usize, String> {
+        match self.shape.as_slice() {
+            [rows, columns] if *columns == width => Ok(*rows),
+            shape => Err(format!("expected a table of {width} columns, found the shape {shape:?}")),
+        }
+    }
+
+    /// The numbers of one row.
+    pub fn row(&self, row: usize, width: usize) -> impl Iterator<Item = f64> + '_ {
+        self.numbers.iter().copied().skip(row * width).take(width)
+    }
+}
+
+fn number(bytes: &[u8], at: usize, length: usize) -> Result<usize, String> {
+    let part = at.checked_add(length).and_then(|end| bytes.get(at..end));
+    let part = part.ok_or("the file ends too early: it is cut short")?;
+    Ok(part.iter().rev().fold(0, |v, &b| v << 8 | usize::from(b)))
+}
+
+impl<'a> Arrays<'a> {
+    /// Reads the list of files at the end of a zip file.
+    pub fn open(bytes: &'a [u8]) -> Result<Self, String> {
+        let zip = ZipArchive::new(Cursor::new(bytes));
+        Ok(Self { zip: zip.map_err(|e| format!("this is no .npz file, or it is damaged: {e}"))? })
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.zip.index_for_name(&format!("{name}.npy")).is_some()
+    }
+
+    /// The array of a name.
+    pub fn get(&mut self, name: &str) -> Result<Array, String> {
+        let Some(index) = self.zip.index_for_name(&format!("{name}.npy")) else {
+            let names: Vec<_> =
+                self.zip.file_names().flatten().map(|n| n.trim_end_matches(".npy").to_owned()).take(40).collect();
+            return Err(format!("there is no array `{name}`, only: {}", names.join(", ")));
+        };
+        let mut bytes = Vec::new();
+        // What an archive says of lengths need not be true; the checksum is looked at where the file ends.
+        let read = self
+            .zip
+            .by_index(index)
+            .map_err(|e| e.to_string())
+            .and_then(|file| file.take(MAX_MOTION_BYTES).read_to_end(&mut bytes).map_err(|e| e.to_string()));
+        read.and_then(|_| array(&bytes)).map_err(|e| format!("`{name}`: {e}"))
+    }
+}
+
+/// Reads one array.
+fn array(bytes: &[u8]) -> Result<Array, String> {
+    if bytes.get(..6) != Some(b"\x93NUMPY") {
+        return Err("it is no NumPy array".into());
+    }
+    let wide = bytes.get(6).is_some_and(|&v| v > 1);
+    let length = number(bytes, 8, if wide { 4 } else { 2 })?;
+    let start: usize = if wide { 12 } else { 10 };
+    let header = bytes.get(start..start.saturating_add(length.min(MAX_HEADER))).ok_or("its header is cut short")?;
+    let header = String::from_utf8_lossy(header);
+    let field = |name: &str| {
+        let after = header.split_once(&format!("'{name}':")).map(|(_, after)| after.trim_start());
+        after.ok_or_else(|| format!("its header has no `{name}`"))
+    };
+    if field("fortran_order")?.starts_with("True") {
+        return Err("it is stored by columns: save it with `numpy.ascontiguousarray`".into());
+    }
+    let kind = field("descr")?.trim_start_matches('\'').split('\'').next().unwrap_or_default().to_owned();
+    let read: fn(&[u8]) -> f64 = match kind.as_str() {
+        "<f8" => |b| f64::from_le_bytes(std::array::from_fn(|i| b[i])),
+        "<f4" => |b| f64::from(f32::from_le_bytes(std::array::from_fn(|i| b[i]))),
+        "<i8" => |b| i64::from_le_bytes(std::array::from_fn(|i| b[i])) as f64,
+        "<i4" => |b| f64::from(i32::from_le_bytes(std::array::from_fn(|i| b[i]))),
+        _ => return Err(format!("expected numbers (f4, f8, i4 or i8, little-endian), found `{kind}`")),
+    };
+    let size = if kind.ends_with('8') { 8 } else { 4 };
+    let list = field("shape")?.trim_start_matches('(').split(')').next().unwrap_or_default();
+    let shape: Vec<usize> = list
+        .split(',')
+        .map(str::trim)
+        .filter(|n| !n.is_empty())
+        .take(MAX_DIMENSIONS)
+        .map(|n| n.parse().map_err(|_| format!("expected whole numbers in its shape, found `{n}`")))
+        .collect::<Result<_, _>>()?;
+    let count = shape.iter().try_fold(1usize, |all, n| all.checked_mul(*n)).and_then(|n| n.checked_mul(size));
+    let data = bytes.get(start + length..).unwrap_or_default();
+    if count != Some(data.len()) {
+        return Err(format!("its shape {shape:?} does not fit its {} bytes", data.len()));
+    }
+    Ok(Array { shape, numbers: data.chunks_exact(size).map(read).collect() })
+}

@@ -1,0 +1,117 @@
+//! Refuses what is no person: four legs, sizes that no person has.
+
+use super::roles::RoleMap;
+use super::source::content_error;
+use super::units::{body_height, sample_frames};
+use crate::ImportError;
+use crate::raw::RawClip;
+use glam::Vec3;
+use throng_core::Joint;
+
+/// Frames looked at.
+const MAX_FRAMES: usize = 48;
+/// Heights of people, small children and giants of legends included (m).
+const HEIGHTS: std::ops::RangeInclusive<f32> = 0.6..=3.5;
+/// Legs shorter than this are none (m).
+const SHORTEST_LEG_M: f32 = 0.1;
+/// A height that the offered unit would make (m).
+const TYPICAL_HEIGHT: f32 = 1.75;
+/// Arms of people are shorter than this share of their legs.
+const LONGEST_ARMS: f32 = 0.95;
+/// Arms and legs point the same way, square to the trunk, in more than this share of the frames of a quadruped.
+const MOST_FRAMES: f32 = 0.8;
+
+/// Refuses a body on four legs: arms as long as the legs point the same way as these, square to the trunk.
+///
+/// People who crawl have shorter arms, and are on their knees.
+///
+/// # Errors
+/// [`ImportError::Content`] naming the four limbs.
+pub(super) fn check_shape(clip: &RawClip, roles: &RoleMap) -> Result<(), ImportError> {
+    use Joint::*;
+    let (mut seen, mut on_fours) = (0usize, 0usize);
+    for f in sample_frames(clip.num_frames, MAX_FRAMES) {
+        let world = clip.world(f);
+        let at = |j: Joint| roles.get(j).map(|j| world[j].0);
+        let Some(four) = stands_on_fours(at) else { continue };
+        seen += 1;
+        on_fours += usize::from(four);
+    }
+    if seen == 0 || on_fours as f32 <= MOST_FRAMES * seen as f32 {
+        return Ok(());
+    }
+    let name = |j: Joint| roles.get(j).map_or("", |j| clip.joints[j].name.as_str());
+    let message = format!(
+        "no person was found: it goes on four legs (`{}`, `{}`, `{}`, `{}`), its trunk level and its forelegs as long as \
+         the hind ones",
+        name(LeftThigh),
+        name(RightThigh),
+        name(LeftUpperArm),
+        name(RightUpperArm)
+    );
+    Err(content_error(&clip.path, message, "Only people are read: leave the file out"))
+}
+
+/// True where all four limbs point the same way, square to the trunk, and are about equally long.
+fn stands_on_fours(at: impl Fn(Joint) -> Option<Vec3>) -> Option<bool> {
+    use Joint::*;
+    let middle = |a: Joint, b: Joint| Some((at(a)? + at(b)?) * 0.5);
+    let (hips, shoulders) = (middle(LeftThigh, RightThigh)?, middle(LeftUpperArm, RightUpperArm)?);
+    let (knees, elbows) = (middle(LeftShin, RightShin)?, middle(LeftForearm, RightForearm)?);
+    let feet = middle(LeftFoot, RightFoot)?;
+    let hands = middle(LeftHand, RightHand).unwrap_or(elbows + (elbows - shoulders));
+    let trunk = (shoulders - hips).try_normalize()?;
+    let (legs, arms) = ((feet - hips).try_normalize()?, (hands - shoulders).try_normalize()?);
+    let length = |a: Vec3, b: Vec3, c: Vec3| a.distance(b) + b.distance(c);
+    let long = length(shoulders, elbows, hands) > LONGEST_ARMS * length(hips, knees, feet);
+    Some(long && legs.dot(arms) > 0.75 && legs.dot(trunk).abs() < 0.6 && arms.dot(trunk).abs() < 0.6)
+}
+
+/// Refuses a clip in metres that is no person by its size, and offers the unit that would make it one.
+///
+/// # Errors
+/// [`ImportError::Content`] naming the height or the joint.
+pub(super) fn check_size(clip: &RawClip, roles: &RoleMap, metres_per_unit: f64) -> Result<(), ImportError> {
+    use Joint::*;
+    let world = clip.world(0);
+    for (thigh, shin, foot) in [(LeftThigh, LeftShin, LeftFoot), (RightThigh, RightShin, RightFoot)] {
+        let at = |role| roles.get(role).map(|j| (world[j].0, &clip.joints[j].name));
+        let (Some((hip, name)), Some((knee, _)), Some((ankle, _))) = (at(thigh), at(shin), at(foot)) else { continue };
+        let length = hip.distance(knee) + knee.distance(ankle);
+        if length.is_nan() || length < SHORTEST_LEG_M {
+            let message = format!("joint {name}: expected a leg longer than {SHORTEST_LEG_M} m, found {length} m");
+            let help = "Check `metres_per_unit` and which joints the profile names as thighs, shins and feet";
+            return Err(content_error(&clip.path, message, help));
+        }
+    }
+    let height = body_height(clip, roles);
+    if HEIGHTS.contains(&height) {
+        return Ok(());
+    }
+    let unit = metres_per_unit * f64::from(TYPICAL_HEIGHT / height);
+    let message = format!("at {metres_per_unit} m a unit the body is {height:.2} m tall, which no person is");
+    let help = format!(
+        "With `metres_per_unit = {}` in `import` of the config it is {TYPICAL_HEIGHT} m tall; for a pet or a giant, leave \
+         the file out",
+        rounded(unit)
+    );
+    Err(content_error(&clip.path, message, &help))
+}
+
+/// Three significant digits.
+fn rounded(value: f64) -> f64 {
+    let digits = 10f64.powf(2.0 - value.abs().log10().floor());
+    (value * digits).round() / digits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_offered_with_three_digits() {
+        for (value, want) in [(0.0123456, 0.0123), (1.0 / 3.0, 0.333), (254.49, 254.0)] {
+            assert!((rounded(value) - want).abs() < 1e-9 * want, "{}", rounded(value));
+        }
+    }
+}

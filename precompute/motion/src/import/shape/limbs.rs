@@ -1,0 +1,184 @@
+//! Pairs of limbs: chains of equal lengths that hang on one joint, and where on them the limb's three joints are.
+
+use super::names::Part::{self, Foot, Forearm, Hand, Shin, Thigh, UpperArm};
+use super::names::Side;
+use super::tree::Tree;
+
+/// Segments of a left and a right limb differ by less than this share.
+const MAX_ASYMMETRY: f32 = 0.22;
+/// Deepest chain looked at.
+const MAX_DEPTH: usize = 14;
+/// Most branches of a joint that are compared, the longest first.
+const MAX_BRANCHES: usize = 48;
+/// Limbs shorter than this share of the longest pair's are no arms or legs.
+const MIN_SHARE: f32 = 0.3;
+/// A joint in the middle of a segment makes it this much less likely to be one.
+const BETWEEN: f32 = 0.65;
+/// And the end of a chain is this much less likely a hand or foot than a joint.
+const END: f32 = 0.8;
+/// The upper and lower segment of a limb differ by less than this factor.
+const MIN_RATIO: f32 = 0.4;
+
+/// The three joints of a limb on both sides: `[upper, middle, end][side]`, sides in the order of the file.
+#[derive(Clone, Debug)]
+pub struct Limb {
+    /// Joints on the way from the first below the meeting to the limb's end.
+    pub paths: [Vec<usize>; 2],
+    /// Where on the path the upper segment starts, where it bends, and where the lower segment ends.
+    pub at: [usize; 3],
+    /// Length of upper and lower segment.
+    pub length: f32,
+    /// How well it is a limb: length, weighted by how equal its segments are and what the names say.
+    pub score: f32,
+    /// How far the names agree: 1 for all, negative where they speak against it.
+    pub names: f32,
+}
+
+impl Limb {
+    /// The joint of a part (0 upper, 1 middle, 2 end) on a side of the file.
+    pub fn joint(&self, part: usize, side: usize) -> usize {
+        self.paths[side][self.at[part]]
+    }
+
+    /// The side that the names give to the first of the two, where they are of one mind.
+    pub fn named_side(&self, tree: &Tree) -> Option<Side> {
+        let mut votes = 0;
+        for part in 0..3 {
+            for (side, sign) in [(0, 1), (1, -1)] {
+                votes += sign * side_vote(tree, self.joint(part, side));
+            }
+        }
+        match votes {
+            2.. => Some(Side::Left),
+            ..=-2 => Some(Side::Right),
+            _ => None,
+        }
+    }
+}
+
+fn side_vote(tree: &Tree, joint: usize) -> i32 {
+    match tree.labels[joint].side {
+        Some(Side::Left) => 1,
+        Some(Side::Right) => -1,
+        None => 0,
+    }
+}
+
+/// Two chains that mirror each other: what may be a pair of legs, and what may be a pair of arms.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    /// The joint that both hang on.
+    pub parent: usize,
+    /// The first joints of the two.
+    pub first: [usize; 2],
+    pub leg: Limb,
+    pub arm: Limb,
+}
+
+/// All pairs of limbs of a skeleton, none much shorter than the longest.
+pub fn pairs(tree: &Tree) -> Vec<Pair> {
+    let mut all = Vec::new();
+    for parent in 0..tree.children.len() {
+        let mut below: Vec<usize> = tree.below(parent).filter(|&c| tree.heights[c] > 0.0).collect();
+        below.sort_by(|&a, &b| tree.heights[b].total_cmp(&tree.heights[a]));
+        below.truncate(MAX_BRANCHES);
+        below.sort_unstable();
+        for (i, &a) in below.iter().enumerate() {
+            for &b in &below[i + 1..] {
+                all.extend(pair(tree, parent, a, b));
+            }
+        }
+    }
+    let longest = all.iter().map(|p| p.leg.length).fold(0.0, f32::max);
+    all.retain(|p| p.leg.length.max(p.arm.length) >= MIN_SHARE * longest);
+    all
+}
+
+fn pair(tree: &Tree, parent: usize, a: usize, b: usize) -> Option<Pair> {
+    if !alike(tree, a, b) {
+        return None;
+    }
+    let mut paths = Vec::new();
+    walk(tree, &mut vec![[a, b]], &mut paths);
+    let best = |parts: [Part; 3]| {
+        let limbs = paths.iter().filter_map(|path| limb(tree, path, parts));
+        limbs.max_by(|x, y| x.score.total_cmp(&y.score))
+    };
+    Some(Pair { parent, first: [a, b], leg: best([Thigh, Shin, Foot])?, arm: best([UpperArm, Forearm, Hand])? })
+}
+
+/// True where two joints are as far from their parents; those that are named left and right may differ by more.
+fn alike(tree: &Tree, a: usize, b: usize) -> bool {
+    let (x, y) = (tree.lengths[a], tree.lengths[b]);
+    let size = tree.heights[a].max(tree.heights[b]) + x.max(y);
+    let named = tree.labels[a].side.is_some_and(|s| tree.labels[b].side == Some(s.other()));
+    let slack = if named { 2.0 } else { 1.0 };
+    (x - y).abs() <= slack * (MAX_ASYMMETRY * x.max(y) + 0.02 * size)
+}
+
+/// All ways down two chains at once, as far as they are alike.
+fn walk(tree: &Tree, path: &mut Vec<[usize; 2]>, out: &mut Vec<Vec<[usize; 2]>>) {
+    let [a, b] = path[path.len() - 1];
+    let matched = if path.len() < MAX_DEPTH { match_children(tree, a, b) } else { Vec::new() };
+    if matched.is_empty() {
+        out.push(path.clone());
+    }
+    for next in matched {
+        path.push(next);
+        walk(tree, path, out);
+        path.pop();
+    }
+}
+
+/// Children of two joints that mirror each other, each once, the most alike first.
+fn match_children(tree: &Tree, a: usize, b: usize) -> Vec<[usize; 2]> {
+    let mut all = Vec::new();
+    for x in tree.below(a) {
+        for y in tree.below(b).filter(|&y| alike(tree, x, y)) {
+            let difference = (tree.lengths[x] - tree.lengths[y]).abs() + (tree.heights[x] - tree.heights[y]).abs();
+            all.push((difference, [x, y]));
+        }
+    }
+    all.sort_by(|x, y| x.0.total_cmp(&y.0));
+    let mut out: Vec<[usize; 2]> = Vec::new();
+    for (_, [x, y]) in all {
+        if !out.iter().any(|[p, q]| *p == x || *q == y) {
+            out.push([x, y]);
+        }
+    }
+    out
+}
+
+/// The three joints of a limb on one way down.
+fn limb(tree: &Tree, path: &[[usize; 2]], parts: [Part; 3]) -> Option<Limb> {
+    let mut along = vec![0f32; path.len()];
+    for k in 1..path.len() {
+        along[k] = along[k - 1] + 0.5 * (tree.lengths[path[k][0]] + tree.lengths[path[k][1]]);
+    }
+    let turns = |k: usize| path[k].iter().all(|&j| tree.is_candidate(j));
+    let ends = |k: usize| path[k].iter().all(|&j| tree.clip.joints[j].is_end || tree.is_candidate(j));
+    let agreement = |k: usize, part: Part| 0.5 * path[k].iter().map(|&j| tree.labels[j].agreement(part)).sum::<f32>();
+    let mut best: Option<([usize; 3], f32, f32)> = None;
+    for upper in (0..path.len()).rev().filter(|&k| turns(k)) {
+        for middle in (upper + 1..path.len()).filter(|&k| turns(k)) {
+            for end in (middle + 1..path.len()).filter(|&k| ends(k)) {
+                let (first, second) = (along[middle] - along[upper], along[end] - along[middle]);
+                let ratio = first.min(second) / first.max(second);
+                if ratio.is_nan() || ratio < MIN_RATIO {
+                    continue;
+                }
+                let at = [upper, middle, end];
+                let names = at.iter().zip(parts).map(|(&k, part)| agreement(k, part)).sum::<f32>() / 3.0;
+                let between = (upper + 1..end).filter(|&k| k != middle && turns(k)).count() as i32;
+                let whole = BETWEEN.powi(between) * if turns(end) { 1.0 } else { END };
+                let score = whole * ratio * ratio * (first + second) * (1.0 + 0.9 * names);
+                if best.is_none_or(|(_, s, _)| score > s * 1.0001) {
+                    best = Some((at, score, names));
+                }
+            }
+        }
+    }
+    let (at, score, names) = best?;
+    let paths = [0, 1].map(|side| path.iter().map(|p| p[side]).collect());
+    Some(Limb { paths, at, length: along[at[2]] - along[at[0]], score, names })
+}

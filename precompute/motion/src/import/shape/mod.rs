@@ -1,0 +1,169 @@
+//! Finds which joint plays which role from the shape of a skeleton.
+//!
+//! Legs and arms are pairs of chains of equal lengths. Legs are the longer ones, nearer to the root, and point away
+//! from the arms; the spine lies between where the two pairs meet; neck and head go on from where the arms meet.
+//! Toes and knees say which way the body looks, and so which side is left. Lengths and places are those of the
+//! motion: rest poses follow many rules. Names confirm, and decide between what the shape leaves open.
+
+mod limbs;
+mod names;
+mod none;
+mod sides;
+mod tree;
+mod trunk;
+
+use super::roles::RoleMap;
+use crate::raw::RawClip;
+use glam::Vec3;
+use limbs::{Limb, Pair};
+use names::Part;
+pub(super) use sides::of_roles;
+use throng_core::{Joint, NUM_JOINTS};
+pub(super) use tree::Tree;
+
+/// Why a skeleton is no person: what it is instead, and the way out.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct NoPerson {
+    pub message: String,
+    pub help: String,
+}
+
+/// What was found of a body.
+struct Body {
+    legs: Limb,
+    arms: Limb,
+    /// Where the legs meet.
+    hips: usize,
+    /// Where the arms meet.
+    chest: usize,
+}
+
+/// Maps the joints of a skeleton to roles by its shape.
+///
+/// # Errors
+/// [`NoPerson`] where there is no body with two arms, two legs and a head, or left cannot be told from right.
+pub(super) fn recognise(clip: &RawClip) -> Result<RoleMap, NoPerson> {
+    let tree = Tree::new(clip);
+    let pairs = limbs::pairs(&tree);
+    let Some(body) = best_body(&tree, &pairs) else { return Err(none::explain(&tree, &pairs)) };
+    let mut map = RoleMap { joints: [None; NUM_JOINTS], profile: RoleMap::BY_SHAPE.into(), warnings: Vec::new() };
+    let sides = sides::decide(&tree, &body)?;
+    map.warnings.extend(sides.warnings);
+    set_limbs(&tree, &body, [sides.left_leg, sides.left_arm], &mut map);
+    trunk::set(&tree, &body, &mut map);
+    if map.get(Joint::Neck).is_none() && map.get(Joint::Head).is_none() {
+        return Err(none::no_head(&tree, &body));
+    }
+    let named = map.joints.iter().flatten().filter(|&&j| tree.labels[j].names_a_part()).count();
+    if named * 2 < map.joints.iter().flatten().count() {
+        let pairs: Vec<_> = map.pairs(&clip.joints).map(|(role, joint)| format!("{}={joint}", role.name())).collect();
+        map.warnings.push(format!(
+            "the names of the joints say little, so roles were found by the shape of the skeleton alone: {}. Check them; \
+             a profile decides where they are wrong (data/skeletons/README.md).",
+            pairs.join(" ")
+        ));
+    }
+    Ok(map)
+}
+
+/// The two pairs that make the best body.
+fn best_body(tree: &Tree, pairs: &[Pair]) -> Option<Body> {
+    let longest = pairs.iter().map(|p| p.leg.length).fold(0.0, f32::max);
+    let mut best: Option<(f32, Body)> = None;
+    for legs in pairs {
+        for arms in pairs {
+            let Some(score) = score(tree, legs, arms, longest) else { continue };
+            if best.as_ref().is_none_or(|(s, _)| score > *s) {
+                let (hips, chest) = (legs.parent, arms.parent);
+                best = Some((score, Body { legs: legs.leg.clone(), arms: arms.arm.clone(), hips, chest }));
+            }
+        }
+    }
+    best.map(|(_, body)| body)
+}
+
+/// How well two pairs are the legs and the arms of one body; `None` where they cannot be.
+fn score(tree: &Tree, legs: &Pair, arms: &Pair, longest: f32) -> Option<f32> {
+    let inside = |a: &Pair, b: &Pair| a.first.iter().any(|&f| tree.is_above(f, b.parent));
+    let apart = legs.first.iter().all(|f| !arms.first.contains(f)) && !inside(legs, arms) && !inside(arms, legs);
+    let is_hand = legs.parent == arms.parent && none::is_hand(tree, legs.parent);
+    if !apart || is_hand || tree.meeting(legs.parent, arms.parent).is_none() {
+        return None;
+    }
+    let ratio = legs.leg.length / arms.arm.length;
+    if !(0.5..=4.0).contains(&ratio) {
+        return None;
+    }
+    let nearer_root = match (tree.is_above(legs.parent, arms.parent), tree.is_above(arms.parent, legs.parent)) {
+        (true, true) => 0.0,
+        (true, false) => 1.0,
+        (false, true) => -1.0,
+        (false, false) => 0.5,
+    };
+    // 1.5 is a person's.
+    let proportion = 1.0 - (ratio / 1.5).ln().abs();
+    let away = pointing_away(tree, legs, arms) - pointing_away(tree, arms, legs);
+    let names = legs.leg.names + arms.arm.names;
+    let size = (legs.leg.score + arms.arm.score) / longest;
+    let head = if trunk::has_head(tree, arms, legs.parent) { 1.0 } else { 0.0 };
+    Some(2.0 * names + nearer_root + proportion + 0.5 * away + size + head)
+}
+
+/// How far the limbs of one pair point away from where the other one meets: -1 to 1, the mean over the frames.
+fn pointing_away(tree: &Tree, pair: &Pair, other: &Pair) -> f32 {
+    let of = |frame: &[Vec3]| {
+        let ends = (frame[pair.leg.joint(2, 0)] + frame[pair.leg.joint(2, 1)]) * 0.5;
+        let limb = (ends - frame[pair.parent]).try_normalize()?;
+        Some(-limb.dot((frame[other.parent] - frame[pair.parent]).try_normalize()?))
+    };
+    tree.mean(of).unwrap_or(0.0)
+}
+
+/// Roles of the limbs; `left` has which of the two legs and of the two arms is the left one.
+fn set_limbs(tree: &Tree, body: &Body, left: [usize; 2], map: &mut RoleMap) {
+    use Joint::*;
+    for right in [false, true] {
+        let role = |j: Joint| if right { j.mirrored().index() } else { j.index() };
+        let (leg, arm) = (left[0] ^ usize::from(right), left[1] ^ usize::from(right));
+        for (part, j) in [LeftThigh, LeftShin, LeftFoot].into_iter().enumerate() {
+            map.joints[role(j)] = Some(body.legs.joint(part, leg));
+        }
+        map.joints[role(LeftToe)] = toe(tree, body.legs.joint(2, leg));
+        for (part, j) in [LeftUpperArm, LeftForearm].into_iter().enumerate() {
+            map.joints[role(j)] = Some(body.arms.joint(part, arm));
+        }
+        // The end of a chain does not turn: the hand is one with the forearm.
+        map.joints[role(LeftHand)] = Some(body.arms.joint(2, arm)).filter(|&h| tree.is_candidate(h));
+        let before = &body.arms.paths[arm][..body.arms.at[0]];
+        map.joints[role(LeftClavicle)] = clavicle(tree, before);
+    }
+    for (l, r) in [(LeftToe, RightToe), (LeftHand, RightHand), (LeftClavicle, RightClavicle)] {
+        if map.get(l).is_none() || map.get(r).is_none() {
+            (map.joints[l.index()], map.joints[r.index()]) = (None, None);
+        }
+    }
+}
+
+/// The joint below a foot that is called a toe, or else starts the longest chain.
+fn toe(tree: &Tree, foot: usize) -> Option<usize> {
+    let mut chain = Vec::new();
+    let mut at = foot;
+    while let Some(next) = longest_below(tree, at) {
+        chain.extend(Some(next).filter(|&j| tree.is_candidate(j)));
+        at = next;
+    }
+    let named = chain.iter().copied().find(|&j| tree.labels[j].may_be(Part::Toe));
+    named.or(chain.first().copied())
+}
+
+/// The joint below one that turns and starts the longest chain.
+fn longest_below(tree: &Tree, joint: usize) -> Option<usize> {
+    let reach = |j: usize| tree.lengths[j] + tree.heights[j];
+    tree.below(joint).filter(|&j| tree.turns(j)).max_by(|&a, &b| reach(a).total_cmp(&reach(b)).then(b.cmp(&a)))
+}
+
+/// The joint before an upper arm that carries the shoulder: by name, or else the one farthest from the arm.
+fn clavicle(tree: &Tree, before: &[usize]) -> Option<usize> {
+    let candidates = || before.iter().copied().filter(|&j| tree.is_candidate(j));
+    candidates().find(|&j| tree.labels[j].may_be(Part::Clavicle)).or(candidates().next())
+}

@@ -1,0 +1,432 @@
+//! What the name of a joint says: its side, the part of the body, or that it plays no role.
+//!
+//! Names are in the conventions of many tools and languages. They confirm what the shape of a skeleton says, and
+//! decide where it says nothing.
+
+use super::super::profile::plain;
+
+/// A side of the body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    Left,
+    Right,
+}
+
+impl Side {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Left => "left",
+            Self::Right => "right",
+        }
+    }
+
+    pub fn other(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
+}
+
+/// A part of the body that a name may mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Part {
+    Hips,
+    Spine,
+    Neck,
+    Head,
+    Clavicle,
+    UpperArm,
+    Forearm,
+    Hand,
+    Thigh,
+    Shin,
+    Foot,
+    Toe,
+}
+
+use Part::*;
+
+/// Words for the parts, without sides and separators. Many mean one part in one convention and its neighbour in
+/// another: then they name both.
+const WORDS: [(&str, &[Part]); 112] = [
+    ("hips", &[Hips]),
+    ("pelvis", &[Hips]),
+    ("hip", &[Hips, Thigh]),
+    ("becken", &[Hips]),
+    ("huefte", &[Hips, Thigh]),
+    ("hüfte", &[Hips, Thigh]),
+    ("下半身", &[Hips]),
+    ("腰", &[Hips]),
+    ("spine", &[Spine]),
+    ("chest", &[Spine]),
+    ("thorax", &[Spine]),
+    ("torso", &[Spine]),
+    ("waist", &[Spine]),
+    ("abdomen", &[Spine]),
+    ("ab", &[Spine]),
+    ("lowerback", &[Spine]),
+    ("upperback", &[Spine]),
+    ("back", &[Spine]),
+    ("ribs", &[Spine]),
+    ("wirbelsaeule", &[Spine]),
+    ("wirbelsäule", &[Spine]),
+    ("ruecken", &[Spine]),
+    ("rücken", &[Spine]),
+    ("bauch", &[Spine]),
+    ("brust", &[Spine]),
+    ("brustkorb", &[Spine]),
+    ("上半身", &[Spine]),
+    ("neck", &[Neck]),
+    ("hals", &[Neck]),
+    ("nacken", &[Neck]),
+    ("首", &[Neck]),
+    ("head", &[Head]),
+    ("skull", &[Head]),
+    ("kopf", &[Head]),
+    ("頭", &[Head]),
+    ("clavicle", &[Clavicle]),
+    ("clav", &[Clavicle]),
+    ("collar", &[Clavicle]),
+    ("collarbone", &[Clavicle]),
+    ("scapula", &[Clavicle]),
+    ("shoulder", &[Clavicle, UpperArm]),
+    ("schluesselbein", &[Clavicle]),
+    ("schlüsselbein", &[Clavicle]),
+    ("schulter", &[Clavicle, UpperArm]),
+    ("肩", &[Clavicle]),
+    ("upperarm", &[UpperArm]),
+    ("uparm", &[UpperArm]),
+    ("uarm", &[UpperArm]),
+    ("armupper", &[UpperArm]),
+    ("humerus", &[UpperArm]),
+    ("shldr", &[UpperArm]),
+    ("bicep", &[UpperArm]),
+    ("oberarm", &[UpperArm]),
+    ("arm", &[UpperArm]),
+    ("腕", &[UpperArm]),
+    ("forearm", &[Forearm]),
+    ("lowerarm", &[Forearm]),
+    ("lowarm", &[Forearm]),
+    ("farm", &[Forearm]),
+    ("larm", &[Forearm]),
+    ("armlower", &[Forearm]),
+    ("radius", &[Forearm]),
+    ("elbow", &[Forearm]),
+    ("unterarm", &[Forearm]),
+    ("ellbogen", &[Forearm]),
+    ("ひじ", &[Forearm]),
+    ("肘", &[Forearm]),
+    ("hand", &[Hand]),
+    ("wrist", &[Hand]),
+    ("palm", &[Hand]),
+    ("handgelenk", &[Hand]),
+    ("手首", &[Hand]),
+    ("手", &[Hand]),
+    ("thigh", &[Thigh]),
+    ("femur", &[Thigh]),
+    ("upleg", &[Thigh]),
+    ("upperleg", &[Thigh]),
+    ("uleg", &[Thigh]),
+    ("legupper", &[Thigh]),
+    ("oberschenkel", &[Thigh]),
+    ("leg", &[Thigh, Shin]),
+    ("bein", &[Thigh, Shin]),
+    ("shin", &[Shin]),
+    ("calf", &[Shin]),
+    ("tibia", &[Shin]),
+    ("lowerleg", &[Shin]),
+    ("lowleg", &[Shin]),
+    ("lleg", &[Shin]),
+    ("leglower", &[Shin]),
+    ("knee", &[Shin]),
+    ("crus", &[Shin]),
+    ("unterschenkel", &[Shin]),
+    ("knie", &[Shin]),
+    ("ひざ", &[Shin]),
+    ("膝", &[Shin]),
+    ("foot", &[Foot, Toe]),
+    ("ankle", &[Foot]),
+    ("fuss", &[Foot, Toe]),
+    ("fuß", &[Foot, Toe]),
+    ("knoechel", &[Foot]),
+    ("knöchel", &[Foot]),
+    ("足首", &[Foot]),
+    ("足", &[Thigh]),
+    ("toe", &[Toe]),
+    ("toes", &[Toe]),
+    ("toebase", &[Toe]),
+    ("ball", &[Toe]),
+    ("zehe", &[Toe]),
+    ("zehen", &[Toe]),
+    ("fussballen", &[Toe]),
+    ("つま先", &[Toe]),
+    ("足先", &[Toe]),
+];
+
+/// Words of joints that play no role, wherever they stand in a name.
+const LEFT_OUT: [&str; 44] = [
+    "twist",
+    "thumb",
+    "index",
+    "finger",
+    "dummy",
+    "nub",
+    "helper",
+    "pinky",
+    "weapon",
+    "sword",
+    "prop",
+    "effector",
+    "eye",
+    "jaw",
+    "teeth",
+    "tongue",
+    "hair",
+    "brow",
+    "eyelid",
+    "breast",
+    "pectoral",
+    "skirt",
+    "daumen",
+    "zeige",
+    "mittelfinger",
+    "ringfinger",
+    "auge",
+    "kiefer",
+    "share",
+    "metacarpal",
+    "捩",
+    "指",
+    "髪",
+    "目",
+    "スカート",
+    "ＩＫ",
+    "buttock",
+    "gluteus",
+    "camera",
+    "holster",
+    "shield",
+    "staff",
+    "waffe",
+    "muscle",
+];
+/// Words of joints that play no role where they stand alone between separators.
+const LEFT_OUT_ALONE: [&str; 27] = [
+    "roll", "ik", "ring", "middle", "little", "end", "site", "tip", "top", "pole", "target", "ctrl", "gun", "rifle",
+    "lip", "cheek", "ear", "nose", "bust", "cape", "bag", "klein", "attach", "socket", "marker", "goal", "face",
+];
+/// Words of tools and rigs that say nothing.
+const NOISE: [&str; 18] = [
+    "bip",
+    "def",
+    "bone",
+    "cc",
+    "base",
+    "jnt",
+    "joint",
+    "mch",
+    "org",
+    "rig",
+    "skel",
+    "sk",
+    "bn",
+    "jt",
+    "mixamorig",
+    "character",
+    "bend",
+    "biped",
+];
+
+/// What a name says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Label {
+    /// The side it names.
+    pub side: Option<Side>,
+    /// The parts it may mean, by bit; 0 where it names none.
+    parts: u16,
+    /// The name is the word of the part and nothing else.
+    pub exact: bool,
+    /// It names a finger, a twist joint, a prop or another thing that plays no role.
+    pub left_out: bool,
+}
+
+impl Label {
+    /// Takes a name apart.
+    pub fn of(name: &str) -> Self {
+        let name = plain(name);
+        let words = split_words(name);
+        let lower = words.concat();
+        let left_out = (words.iter().any(|w| LEFT_OUT_ALONE.contains(&w.as_str())) && !lower.contains("spine"))
+            || LEFT_OUT.iter().any(|l| lower.contains(&l.to_lowercase()) || name.contains(l));
+        let (mut side, mut rest) = (None, String::new());
+        for w in words {
+            match side_of(&w) {
+                Some(s) if side.is_none() => side = Some(s),
+                _ if NOISE.contains(&w.as_str()) => {}
+                _ => rest.push_str(&w),
+            }
+        }
+        if side.is_none() {
+            (side, rest) = glued_side(rest);
+        }
+        let found = find_word(&rest);
+        let parts = found.map_or(0, |(_, parts)| parts.iter().fold(0, |bits, &p| bits | 1 << p as u8));
+        // Necks of two joints are called twist joints, too.
+        let left_out = left_out && !(lower.contains("neck") && lower.contains("twist"));
+        Self { side, parts, exact: found.is_some_and(|(word, _)| word == rest), left_out }
+    }
+
+    /// True where the name may mean the part.
+    pub fn may_be(self, part: Part) -> bool {
+        self.parts & (1 << part as u8) != 0
+    }
+
+    /// True where the name means some part of the body.
+    pub fn names_a_part(self) -> bool {
+        self.parts != 0
+    }
+
+    /// How far the name agrees with a part: 1 yes, -0.5 no, 0 says nothing.
+    pub fn agreement(self, part: Part) -> f32 {
+        match (self.may_be(part), self.names_a_part()) {
+            (true, _) => 1.0,
+            (false, true) => -0.5,
+            (false, false) => 0.0,
+        }
+    }
+}
+
+/// The longest word that a name is or contains.
+fn find_word(rest: &str) -> Option<(&'static str, &'static [Part])> {
+    let known = |(word, _): &&(&str, &[Part])| word.chars().count() > 2 || !word.is_ascii();
+    let exact = WORDS.iter().find(|(word, _)| *word == rest);
+    let within = || WORDS.iter().filter(known).filter(|(word, _)| rest.contains(word)).max_by_key(|(w, _)| w.len());
+    exact.or_else(within).copied()
+}
+
+fn side_of(word: &str) -> Option<Side> {
+    match word {
+        "left" | "l" | "lt" | "lft" | "links" | "linke" | "linker" | "linkes" | "li" | "左" => Some(Side::Left),
+        "right" | "r" | "rt" | "rgt" | "rechts" | "rechte" | "rechter" | "rechtes" | "re" | "右" => Some(Side::Right),
+        _ => None,
+    }
+}
+
+/// A side that is written without a break: `lfemur`, `leftarm`, `左腕`.
+fn glued_side(part: String) -> (Option<Side>, String) {
+    const PREFIXES: [(&str, Side); 12] = [
+        ("left", Side::Left),
+        ("right", Side::Right),
+        ("linker", Side::Left),
+        ("linkes", Side::Left),
+        ("linke", Side::Left),
+        ("links", Side::Left),
+        ("rechter", Side::Right),
+        ("rechtes", Side::Right),
+        ("rechte", Side::Right),
+        ("rechts", Side::Right),
+        ("左", Side::Left),
+        ("右", Side::Right),
+    ];
+    for (word, side) in PREFIXES {
+        if let Some(rest) = part.strip_prefix(word).or_else(|| part.strip_suffix(word)) {
+            return (Some(side), rest.to_owned());
+        }
+    }
+    for (letter, side) in [("l", Side::Left), ("r", Side::Right)] {
+        let Some(rest) = part.strip_prefix(letter) else { continue };
+        // `larm` may be a lower arm as well; `lradius` has a side.
+        if WORDS.iter().any(|(word, _)| *word == rest) && !WORDS.iter().any(|(word, _)| *word == part && word.len() > 4)
+        {
+            return (Some(side), rest.to_owned());
+        }
+    }
+    (None, part)
+}
+
+/// Words at separators, digits and changes from lower to upper case, in lower case.
+fn split_words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut was_lower = false;
+    for c in name.chars() {
+        let breaks = !c.is_alphabetic();
+        if breaks || (c.is_uppercase() && was_lower) {
+            words.push(String::new());
+        }
+        if let Some(word) = words.last_mut().filter(|_| !breaks) {
+            word.extend(c.to_lowercase());
+        }
+        was_lower = c.is_lowercase();
+    }
+    words.retain(|w| !w.is_empty());
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_many_conventions_come_apart_into_side_and_part() {
+        let (l, r) = (Some(Side::Left), Some(Side::Right));
+        for (name, side, part) in [
+            ("LeftUpLeg", l, Thigh),
+            ("Bip01 R Thigh", r, Thigh),
+            ("upperarm_l", l, UpperArm),
+            ("thigh.R", r, Thigh),
+            ("lfemur", l, Thigh),
+            ("lradius", l, Forearm),
+            ("RKnee", r, Shin),
+            ("rig:Spine2", None, Spine),
+            ("CC_Base_L_Upperarm", l, UpperArm),
+            ("CC_Base_R_Calf", r, Shin),
+            ("lShldr", l, UpperArm),
+            ("rCollar", r, Clavicle),
+            ("lShldrBend", l, UpperArm),
+            ("LUArm", l, UpperArm),
+            ("RFArm", r, Forearm),
+            ("DEF-upper_arm.L", l, UpperArm),
+            ("左腕", l, UpperArm),
+            ("右ひざ", r, Shin),
+            ("左足首", l, Foot),
+            ("左足", l, Thigh),
+            ("上半身2", None, Spine),
+            ("Oberschenkel_L", l, Thigh),
+            ("RechterUnterarm", r, Forearm),
+            ("linke Hüfte", l, Hips),
+            ("mixamorig:LeftToeBase", l, Toe),
+            ("HEad", None, Head),
+        ] {
+            let n = Label::of(name);
+            assert!(n.side == side && n.may_be(part) && !n.left_out, "{name}: {n:?}");
+        }
+    }
+
+    #[test]
+    fn fingers_twists_props_and_ends_play_no_role() {
+        for name in [
+            "LeftForeArmTwist",
+            "Bip01 L Finger0",
+            "LeftHandIndex1",
+            "CC_Base_L_ThighTwist01",
+            "ik_foot_l",
+            "HeadTop_End",
+            "Bip01 Prop1",
+            "左親指１",
+            "左足ＩＫ",
+            "腕捩",
+            "LeftUpLegRoll",
+            "rButtock",
+            "lThumb1",
+            "sword",
+        ] {
+            assert!(Label::of(name).left_out, "{name}");
+        }
+        for name in ["Bone00", "joint12", "Hips", "LeftHand", "Spine1", "Reference", "LeftToeBase", "Ringo"] {
+            assert!(!Label::of(name).left_out, "{name}");
+        }
+        assert!(!Label::of("Bone00").names_a_part() && Label::of("Bone_L.003").side == Some(Side::Left));
+    }
+}

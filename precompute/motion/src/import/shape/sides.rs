@@ -1,0 +1,235 @@
+//! Which side is left: toes point and knees bend ahead; the arms lie as the legs do. Names are held against it.
+
+use super::names::Side;
+use super::tree::Tree;
+use super::{Body, NoPerson};
+use crate::import::roles::RoleMap;
+use glam::Vec3;
+use throng_core::Joint;
+
+/// Toes this far ahead of the ankles, as a share of the way, say which way the body looks.
+const CLEAR_TOES: f32 = 0.35;
+/// Knees this far before the line from hip to ankle, as a share of its length, do so too.
+const CLEAR_KNEES: f32 = 0.015;
+/// Shoulders this much along the line of the hips say on which side an arm is (cosine).
+const CLEAR_ARMS: f32 = 0.3;
+
+/// Shoulders are wider than this share of the hips.
+const MIN_SHOULDERS: f32 = 0.5;
+
+/// Which of the two legs and arms, in the order of the file, are the left ones.
+pub struct Sides {
+    pub left_leg: usize,
+    pub left_arm: usize,
+    pub warnings: Vec<String>,
+}
+
+/// What the shape says about a body's sides.
+struct Shown {
+    /// Above 0 where the first leg is the left one; 0 where nothing tells.
+    legs: f32,
+    /// Toes and knees are of one mind and clear.
+    is_certain: bool,
+    /// Above 0 where the first arm is on the first leg's side; 0 where that is not clear.
+    arms: f32,
+}
+
+/// The joints that tell the sides: `[part][side]`.
+#[derive(Clone, Copy)]
+struct Legs {
+    thighs: [usize; 2],
+    shins: [usize; 2],
+    feet: [usize; 2],
+    arms: [usize; 2],
+    top: usize,
+}
+
+/// Finds the sides of a body.
+pub(super) fn decide(tree: &Tree, body: &Body) -> Result<Sides, NoPerson> {
+    let two = |limb: &super::Limb, part: usize| [limb.joint(part, 0), limb.joint(part, 1)];
+    let joints = Legs {
+        thighs: two(&body.legs, 0),
+        shins: two(&body.legs, 1),
+        feet: two(&body.legs, 2),
+        arms: two(&body.arms, 0),
+        top: body.chest,
+    };
+    let shown = show(tree, joints);
+    let named = [body.legs.named_side(tree), body.arms.named_side(tree)];
+    let first_leg = match (of_sign(shown.legs), named[0]) {
+        (Some(shape), Some(name)) if shape != name && !shown.is_certain => name,
+        (Some(shape), _) => shape,
+        (None, Some(name)) => name,
+        (None, None) => match (named[1], of_sign(shown.arms)) {
+            (Some(arm), Some(same)) => {
+                if same == Side::Left {
+                    arm
+                } else {
+                    arm.other()
+                }
+            }
+            _ => return Err(unknown(tree, &joints)),
+        },
+    };
+    let first_arm = match (of_sign(shown.arms), named[1]) {
+        (Some(Side::Left), _) => first_leg,
+        (Some(Side::Right), _) => first_leg.other(),
+        (None, Some(name)) => name,
+        (None, None) => return Err(unknown(tree, &joints)),
+    };
+    let wrong = [named[0].filter(|&n| n != first_leg), named[1].filter(|&n| n != first_arm)];
+    if let [Some(leg), Some(arm)] = wrong {
+        return Err(swapped(tree, joints, leg, arm));
+    }
+    let mut warnings = Vec::new();
+    for (joints, side) in [(joints.thighs, wrong[0]), (joints.arms, wrong[1])] {
+        if let Some(side) = side {
+            warnings.extend(conflicts(tree, joints, side));
+        }
+    }
+    let index = |first: Side| usize::from(first == Side::Right);
+    Ok(Sides { left_leg: index(first_leg), left_arm: index(first_arm), warnings })
+}
+
+/// What names have put on the wrong side.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wrong {
+    legs: bool,
+    arms: bool,
+    warnings: Vec<String>,
+}
+
+impl Wrong {
+    /// Exchanges the sides of legs or arms that are on the other one, and tells it.
+    pub fn correct(self, map: &mut RoleMap) {
+        let all = Joint::ALL;
+        let (arms, legs) = (Joint::LeftClavicle.index(), Joint::LeftThigh.index());
+        for (first, wrong) in [(arms, self.arms), (legs, self.legs)] {
+            for j in all[first..first + 4].iter().filter(|_| wrong) {
+                map.joints.swap(j.index(), j.mirrored().index());
+            }
+        }
+        map.warnings.extend(self.warnings);
+    }
+}
+
+/// Holds the sides of roles that names have given against the shape.
+pub fn of_roles(tree: &Tree, map: &RoleMap) -> Result<Wrong, NoPerson> {
+    use Joint::*;
+    let both = |j: Joint| Some([map.get(j)?, map.get(j.mirrored())?]);
+    let (Some(thighs), Some(shins), Some(feet), Some(arms), Some(top)) = (
+        both(LeftThigh),
+        both(LeftShin),
+        both(LeftFoot),
+        both(LeftUpperArm),
+        map.get(UpperChest).or(map.get(Neck)).or(map.get(Head)),
+    ) else {
+        return Ok(Wrong::default());
+    };
+    let joints = Legs { thighs, shins, feet, arms, top };
+    let shown = show(tree, joints);
+    let legs_wrong = shown.is_certain && shown.legs < 0.0;
+    match (legs_wrong, shown.arms < 0.0) {
+        (true, false) => Err(swapped(tree, joints, Side::Left, Side::Left)),
+        (true, true) => Ok(Wrong { legs: true, arms: false, warnings: conflicts(tree, thighs, Side::Left) }),
+        (false, true) => Ok(Wrong { legs: false, arms: true, warnings: conflicts(tree, arms, Side::Left) }),
+        (false, false) => Ok(Wrong::default()),
+    }
+}
+
+fn of_sign(value: f32) -> Option<Side> {
+    match value {
+        v if v > 0.0 => Some(Side::Left),
+        v if v < 0.0 => Some(Side::Right),
+        _ => None,
+    }
+}
+
+/// Looks at toes, knees and shoulders in all frames.
+fn show(tree: &Tree, joints: Legs) -> Shown {
+    // Of a body whose first leg is the left one, this is ahead.
+    let ahead = |frame: &[Vec3]| {
+        let middle = (frame[joints.thighs[0]] + frame[joints.thighs[1]]) * 0.5;
+        let across = (frame[joints.thighs[0]] - frame[joints.thighs[1]]).try_normalize()?;
+        across.cross((frame[joints.top] - middle).try_normalize()?).try_normalize()
+    };
+    let tips = joints.feet.map(|foot| toe_tip(tree, foot));
+    let toes = tree.mean(|frame| {
+        let ahead = ahead(frame)?;
+        let part = |side: usize| {
+            let to = frame[tips[side]?] - frame[joints.feet[side]];
+            Some(to.try_normalize()?.dot(ahead))
+        };
+        Some(0.5 * (part(0)? + part(1)?))
+    });
+    let knees = tree.mean(|frame| {
+        let ahead = ahead(frame)?;
+        let part = |side: usize| {
+            let [hip, knee, ankle] = [joints.thighs, joints.shins, joints.feet].map(|j| frame[j[side]]);
+            let leg = hip.distance(knee) + knee.distance(ankle);
+            let along = (ankle - hip).try_normalize()?;
+            let bend = (knee - hip).reject_from_normalized(along);
+            // Seen from the side: legs that are spread do not count.
+            (leg > 0.0).then(|| bend.dot(ahead) / leg)
+        };
+        Some(0.5 * (part(0)? + part(1)?))
+    });
+    let (toes, knees) = (toes.unwrap_or(0.0), knees.unwrap_or(0.0));
+    let clear = (toes.abs() > CLEAR_TOES, knees.abs() > CLEAR_KNEES);
+    let legs = match clear {
+        (true, _) => toes,
+        (false, true) => knees,
+        _ => 0.0,
+    };
+    let arms = tree.mean(|frame| {
+        let across = |pair: [usize; 2]| frame[pair[0]] - frame[pair[1]];
+        let (arms, thighs) = (across(joints.arms), across(joints.thighs));
+        // Shoulders in one place, as in broken frames, say nothing.
+        let apart = arms.length() > MIN_SHOULDERS * thighs.length();
+        Some(arms).filter(|_| apart)?.try_normalize().map(|a| a.dot(thighs.normalize_or_zero()))
+    });
+    let is_certain = clear.0 && (knees * toes > 0.0 || knees.abs() <= CLEAR_KNEES);
+    Shown { legs, is_certain, arms: arms.filter(|a| a.abs() > CLEAR_ARMS).unwrap_or(0.0) }
+}
+
+/// The joint or end below a foot that is farthest from it.
+fn toe_tip(tree: &Tree, foot: usize) -> Option<usize> {
+    let reach = |j: usize| tree.lengths[j] + tree.heights[j];
+    let next = |j: &usize| tree.below(*j).max_by(|&a, &b| reach(a).total_cmp(&reach(b)));
+    std::iter::successors(Some(foot), next).last().filter(|&tip| tip != foot && tree.heights[foot] > 0.0)
+}
+
+/// `LeftArm` is named left, but is to the right of the spine.
+fn conflicts(tree: &Tree, joints: [usize; 2], first: Side) -> Vec<String> {
+    [(joints[0], first), (joints[1], first.other())]
+        .map(|(joint, side)| {
+            format!(
+                "`{}` is named {}, but is to the {} of the spine; its place decides.",
+                tree.name(joint),
+                side.name(),
+                side.other().name()
+            )
+        })
+        .to_vec()
+}
+
+fn swapped(tree: &Tree, joints: Legs, leg: Side, arm: Side) -> NoPerson {
+    let of = |pair: [usize; 2], first: Side| tree.name(pair[usize::from(first == Side::Right)]).to_owned();
+    let message = format!(
+        "left and right are swapped: by toes, knees and shoulders, `{}` and `{}` are on the right of the body",
+        of(joints.thighs, leg),
+        of(joints.arms, arm)
+    );
+    let help = "The file was mirrored, or written with a left-handed coordinate system: export it right-handed, or name \
+                the sides as they are in a profile";
+    NoPerson { message, help: help.into() }
+}
+
+fn unknown(tree: &Tree, joints: &Legs) -> NoPerson {
+    let message = format!(
+        "left cannot be told from right: neither the names of the joints (`{}`, `{}`) nor toes or bent knees tell",
+        tree.name(joints.thighs[0]),
+        tree.name(joints.thighs[1])
+    );
+    NoPerson { message, help: "Write a profile for the skeleton (data/skeletons/README.md says how)".into() }
+}

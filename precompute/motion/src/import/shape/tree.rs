@@ -1,0 +1,103 @@
+//! A skeleton as a tree of lengths: who hangs on whom, how long each segment is in the motion, where joints are.
+
+use super::super::units::sample_frames;
+use super::names::Label;
+use crate::raw::RawClip;
+use glam::Vec3;
+
+/// Frames looked at.
+const MAX_FRAMES: usize = 48;
+
+/// A skeleton and where its joints are in some frames of the motion; lengths in units of the file.
+///
+/// Lengths are those of the motion, not of the rest pose: files whose rest offsets follow some other rule are
+/// bodies in their motion alone.
+pub struct Tree<'a> {
+    pub clip: &'a RawClip,
+    /// What each joint's name says.
+    pub labels: Vec<Label>,
+    pub children: Vec<Vec<usize>>,
+    /// Distance of each joint to its parent, the median over the frames; 0 for roots.
+    pub lengths: Vec<f32>,
+    /// Longest way along joints below each one.
+    pub heights: Vec<f32>,
+    /// True where neither the joint nor any below it may play a role, by name.
+    pub pruned: Vec<bool>,
+    /// World positions of all joints, frame by frame.
+    pub frames: Vec<Vec<Vec3>>,
+}
+
+impl<'a> Tree<'a> {
+    pub fn new(clip: &'a RawClip) -> Self {
+        let n = clip.joints.len();
+        let sampled: Vec<usize> = sample_frames(clip.num_frames, MAX_FRAMES).collect();
+        let mut children = vec![Vec::new(); n];
+        for (j, joint) in clip.joints.iter().enumerate() {
+            if let Some(p) = joint.parent {
+                children[p].push(j);
+            }
+        }
+        let length = |j: usize| {
+            let mut all: Vec<f32> = sampled.iter().map(|&f| clip.translations[f * n + j].length()).collect();
+            all.sort_by(f32::total_cmp);
+            if clip.joints[j].parent.is_none() { 0.0 } else { all.get(all.len() / 2).copied().unwrap_or(0.0) }
+        };
+        let lengths: Vec<f32> = (0..n).map(length).collect();
+        let labels: Vec<Label> = clip.joints.iter().map(|j| Label::of(&j.name)).collect();
+        let (mut heights, mut pruned) = (vec![0f32; n], vec![true; n]);
+        for j in (0..n).rev() {
+            let is_end = clip.joints[j].is_end;
+            // The end of a chain is as its joint is; what hangs below a joint that plays no role may play one.
+            let parent_is_out = clip.joints[j].parent.is_some_and(|p| labels[p].left_out);
+            pruned[j] &= if is_end { parent_is_out } else { labels[j].left_out };
+            if let (false, Some(p)) = (pruned[j], clip.joints[j].parent) {
+                if !is_end {
+                    pruned[p] = false;
+                }
+                heights[p] = heights[p].max(heights[j] + lengths[j]);
+            }
+        }
+        let frames = sampled.iter().map(|&f| clip.world(f).into_iter().map(|(p, _)| p).collect()).collect();
+        Self { clip, labels, children, lengths, heights, pruned, frames }
+    }
+
+    /// Joints below one that may play roles, or lead to such.
+    pub fn below(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
+        self.children[joint].iter().copied().filter(|&c| !self.pruned[c])
+    }
+
+    /// True for a joint that is not the end of a chain.
+    pub fn turns(&self, joint: usize) -> bool {
+        !self.clip.joints[joint].is_end
+    }
+
+    /// True for a joint that may play a role: it turns, and its name does not speak against it.
+    pub fn is_candidate(&self, joint: usize) -> bool {
+        self.turns(joint) && !self.labels[joint].left_out
+    }
+
+    /// A joint and its ancestors, nearest first.
+    pub fn path_up(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
+        std::iter::successors(Some(joint), |&j| self.clip.joints[j].parent)
+    }
+
+    /// True where `above` is `joint` or one of its ancestors.
+    pub fn is_above(&self, above: usize, joint: usize) -> bool {
+        self.path_up(joint).any(|j| j == above)
+    }
+
+    /// The nearest joint that is above both.
+    pub fn meeting(&self, a: usize, b: usize) -> Option<usize> {
+        self.path_up(b).find(|&j| self.is_above(j, a))
+    }
+
+    pub fn name(&self, joint: usize) -> &str {
+        &self.clip.joints[joint].name
+    }
+
+    /// Mean over the frames of a number that not every frame has; `None` where no frame has.
+    pub fn mean(&self, of: impl Fn(&[Vec3]) -> Option<f32>) -> Option<f32> {
+        let all: Vec<f32> = self.frames.iter().filter_map(|f| of(f)).filter(|v| v.is_finite()).collect();
+        (!all.is_empty()).then(|| all.iter().sum::<f32>() / all.len() as f32)
+    }
+}

@@ -1,0 +1,97 @@
+//! Legs that reach: ankles and toes where the source has them, so that what stands there stands here.
+//!
+//! Legs of other proportions that turn as the source's do put the feet elsewhere at every step, and feet that stand
+//! slide. The knee stays in the plane that the source bends it in; the foot turns as the source's does.
+
+use super::body::RolePose;
+use glam::{Quat, Vec3};
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
+
+/// Thigh, shin, foot and toe of both sides.
+const LEGS: [[Joint; 4]; 2] = {
+    use Joint::*;
+    [[LeftThigh, LeftShin, LeftFoot, LeftToe], [RightThigh, RightShin, RightFoot, RightToe]]
+};
+/// A foot stands on its toe where its heel is raised by more than the second of these, on the heel below the first
+/// (sine of the angle).
+const RAISED: (f32, f32) = (0.1, 0.5);
+/// A leg reaches fully where its knee is above its ankle by more than the second share of the shin, and turns as the
+/// source's does below the first: who kneels stands on his knees.
+const UPRIGHT: (f32, f32) = (0.15, 0.45);
+/// Feet nearer than this to where they belong stay (m).
+const NEAR: f32 = 1e-5;
+
+/// Lays the legs of one skeleton onto another.
+pub struct Legs<'a> {
+    target: &'a Skeleton,
+    scale: f32,
+    has_toes: [bool; 2],
+    /// How much higher ankles and toes stand than the source's, once these are scaled (m).
+    ankle: f32,
+    toe: f32,
+}
+
+impl<'a> Legs<'a> {
+    /// - `own`: `target` with the source's proportions.
+    pub fn new(own: &Skeleton, target: &'a Skeleton, scale: f32, has_toes: [bool; 2]) -> Self {
+        let (from, to) = (own.rest_positions(), target.rest_positions());
+        let higher = |part: usize| {
+            let of = |leg: [Joint; 4]| to[leg[part].index()].y - scale * from[leg[part].index()].y;
+            0.5 * (of(LEGS[0]) + of(LEGS[1]))
+        };
+        Self { target, scale, has_toes, ankle: higher(2), toe: higher(3) }
+    }
+
+    /// How much higher the whole body stands (m).
+    pub fn rise(&self) -> Vec3 {
+        Vec3::Y * self.ankle
+    }
+
+    /// Turns thighs and shins so that the feet are where the source has them.
+    ///
+    /// - `model`: rotation of every joint in the world.
+    /// - `root`: where the hips are.
+    pub fn reach(&self, model: &mut [Quat; NUM_JOINTS], root: Vec3, pose: &RolePose) {
+        for (leg, has_toe) in LEGS.into_iter().zip(self.has_toes) {
+            let [thigh, shin, foot, toe] = leg.map(Joint::index);
+            let hip = root + model[0] * self.target.offsets[thigh];
+            let from_ankle = pose[foot].0 * self.scale + Vec3::Y * self.ankle;
+            let from_toe = pose[toe].0 * self.scale + Vec3::Y * self.toe - model[foot] * self.target.offsets[toe];
+            let share = if has_toe { ramp(-(model[foot] * Vec3::Z).y, RAISED) } else { 0.0 };
+            let goal = from_ankle.lerp(from_toe, share);
+            let turned = hip + model[thigh] * self.target.offsets[shin] + model[shin] * self.target.offsets[foot];
+            let up = (pose[shin].0 - pose[foot].0).normalize_or_zero().y;
+            self.bend(model, [thigh, shin, foot], hip, turned.lerp(goal, ramp(up, UPRIGHT)));
+        }
+    }
+
+    /// Turns one leg so that its ankle is at `goal`, or as near to it as it reaches.
+    fn bend(&self, model: &mut [Quat; NUM_JOINTS], [thigh, shin, foot]: [usize; 3], hip: Vec3, goal: Vec3) {
+        let upper = model[thigh] * self.target.offsets[shin];
+        let lower = model[shin] * self.target.offsets[foot];
+        if (hip + upper + lower).distance(goal) < NEAR {
+            return;
+        }
+        let (a, b) = (upper.length(), lower.length());
+        let (Some(along), Some(to)) = ((upper + lower).try_normalize(), (goal - hip).try_normalize()) else { return };
+        let distance = goal.distance(hip).clamp((a - b).abs() + NEAR, a + b);
+        let ahead = upper.reject_from_normalized(along).try_normalize();
+        let ahead =
+            ahead.unwrap_or_else(|| (model[thigh] * Vec3::Z).reject_from_normalized(along).normalize_or(Vec3::Z));
+        let ahead = Quat::from_rotation_arc(along, to) * ahead;
+        let forth = (a * a - b * b + distance * distance) / (2.0 * distance);
+        let knee = to * forth + ahead * (a * a - forth * forth).max(0.0).sqrt();
+        let turned = |from: Vec3, to: Vec3, by: Quat| match (from.try_normalize(), to.try_normalize()) {
+            (Some(from), Some(to)) => (Quat::from_rotation_arc(from, to) * by).normalize(),
+            _ => by,
+        };
+        model[thigh] = turned(upper, knee, model[thigh]);
+        model[shin] = turned(lower, to * distance - knee, model[shin]);
+    }
+}
+
+/// From 0 at the first of two values to 1 at the second, smoothly.
+fn ramp(value: f32, (from, to): (f32, f32)) -> f32 {
+    let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}

@@ -1,0 +1,296 @@
+//! Faults put into motion are found, and good motion is left alone.
+
+#[path = "rigs/rig.rs"]
+mod rig;
+#[path = "rigs/tables.rs"]
+#[allow(dead_code, reason = "other tests use all of its tables")]
+mod tables;
+
+use glam::{Quat, Vec3};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use throng_core::Joint;
+use throng_motion::import::profile::{Profile, load_profiles};
+use throng_motion::import::{
+    Glitch, Glitches, ImportConfig, Imported, SourceClip, bvh, expand, interpret, read_source,
+};
+use throng_motion::retarget::{RetargetConfig, onto};
+
+/// Numbers by chance, the same for the same seed.
+struct Chance(u64);
+
+impl Chance {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 >> 33
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        self.next() as usize % n
+    }
+
+    fn unit(&mut self) -> Vec3 {
+        let mut part = || self.below(2001) as f32 / 1000.0 - 1.0;
+        Vec3::new(part(), part(), part()).normalize_or(Vec3::X)
+    }
+}
+
+const KINDS: [&str; 13] = [
+    "pop 5 m",
+    "pop 1 m",
+    "pop 0.3 m",
+    "pop 0.5 m, 3 frames",
+    "teleport 1 m",
+    "teleport 0.5 m",
+    "freeze 0.4 s",
+    "T-pose first frame",
+    "T-pose 3 frames",
+    "flip 180",
+    "flip 120, 2 frames",
+    "drop-out",
+    "end frozen 0.5 s",
+];
+
+/// Puts a fault into a clip; returns its frames.
+fn inject(source: &mut SourceClip, clean: &Imported, kind: &str, chance: &mut Chance) -> Range<usize> {
+    let clip = &mut source.clip;
+    let (n, frames) = (clip.joints.len(), clip.num_frames);
+    let hips = clean.roles.get(Joint::Hips).unwrap();
+    let root = std::iter::successors(Some(hips), |&j| clip.joints[j].parent).last().unwrap();
+    let at = 8 + chance.below(frames - 30);
+    let metres = |m: f32, chance: &mut Chance| chance.unit() * m / clean.metres_per_unit as f32;
+    let seconds = |s: f64| (s * clip.rate_hz).round() as usize;
+    let copy = |clip: &mut throng_motion::raw::RawClip, from: usize, to: usize| {
+        clip.translations.copy_within(from * n..(from + 1) * n, to * n);
+        clip.rotations.copy_within(from * n..(from + 1) * n, to * n);
+    };
+    match kind {
+        "pop 5 m" | "pop 1 m" | "pop 0.3 m" | "pop 0.5 m, 3 frames" => {
+            let (far, long) = match kind {
+                "pop 5 m" => (5.0, 1),
+                "pop 1 m" => (1.0, 1),
+                "pop 0.3 m" => (0.3, 1),
+                _ => (0.5, 3),
+            };
+            let by = metres(far, chance);
+            (at..at + long).for_each(|f| clip.translations[f * n + root] += by);
+            at..at + long
+        }
+        "teleport 1 m" | "teleport 0.5 m" => {
+            let by = metres(if kind == "teleport 1 m" { 1.0 } else { 0.5 }, chance);
+            (at..frames).for_each(|f| clip.translations[f * n + root] += by);
+            at - 1..at + 1
+        }
+        "freeze 0.4 s" => {
+            let long = seconds(0.4).min(frames - at - 8);
+            (at..at + long).for_each(|f| copy(clip, at - 1, f));
+            at..at + long
+        }
+        "T-pose first frame" | "T-pose 3 frames" => {
+            let long = if kind == "T-pose 3 frames" { 3 } else { 1 };
+            (0..long * n).for_each(|k| clip.rotations[k] = Quat::IDENTITY);
+            0..long
+        }
+        "flip 180" | "flip 120, 2 frames" => {
+            use Joint::*;
+            let limbs = [LeftUpperArm, RightForearm, LeftThigh, RightShin, RightUpperArm, LeftForearm, Spine];
+            let j = limbs[chance.below(limbs.len())];
+            let j = clean.roles.get(j).or(clean.roles.get(UpperChest)).unwrap();
+            let (angle, long) = if kind == "flip 180" { (std::f32::consts::PI, 1) } else { (2.094, 2) };
+            let turn = Quat::from_axis_angle(chance.unit(), angle);
+            (at..at + long).for_each(|f| clip.rotations[f * n + j] *= turn);
+            at..at + long
+        }
+        "drop-out" => {
+            let long = 1 + chance.below(5);
+            for f in at..at + long {
+                clip.translations[f * n + root] = Vec3::ZERO;
+                (0..n).for_each(|j| clip.rotations[f * n + j] = Quat::IDENTITY);
+            }
+            at..at + long
+        }
+        _ => {
+            let start = frames - seconds(0.5).min(frames / 2);
+            (start..frames).for_each(|f| copy(clip, start - 1, f));
+            start..frames
+        }
+    }
+}
+
+fn read(source: &SourceClip, how: Glitches, profiles: &[Profile]) -> Imported {
+    interpret(source.clone(), &ImportConfig { glitches: how, ..ImportConfig::default() }, profiles).unwrap()
+}
+
+fn touches(g: &Glitch, frames: &Range<usize>) -> bool {
+    g.frames.start <= frames.end && frames.start <= g.frames.end
+}
+
+/// The recordings beside the repository, or in `THRONG_MOCAP`.
+fn recordings() -> Vec<(String, PathBuf)> {
+    let root = std::env::var_os("THRONG_MOCAP")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/mocap"), PathBuf::from);
+    let folders =
+        ["cmu-asfamc/01", "cmu-asfamc/02", "cmu-asfamc/03", "snu/single", "snu/session23", "snu/multi", "bandai-1"];
+    let mut out = Vec::new();
+    for folder in folders {
+        if !root.join(folder).is_dir() {
+            eprintln!("skipped: no recordings at {}", root.join(folder).display());
+            continue;
+        }
+        out.extend(expand(&[root.join(folder)]).unwrap().into_iter().map(|path| (folder.to_owned(), path)));
+    }
+    out
+}
+
+#[test]
+fn faults_put_into_captured_clips_are_found() {
+    let profiles = load_profiles(&[]).unwrap();
+    let mut chance = Chance(std::env::var("THRONG_SEED").map_or(11, |s| s.parse().unwrap()));
+    let mut files: Vec<PathBuf> = recordings().into_iter().map(|(_, path)| path).collect();
+    // Kind: put in, found, false alarms.
+    let mut table: BTreeMap<usize, [usize; 3]> = BTreeMap::new();
+    let mut missed = Vec::new();
+    let mut clips = 0;
+    while clips < 30 && !files.is_empty() {
+        let path = files.swap_remove(chance.below(files.len()));
+        let source = read_source(&path, None).unwrap();
+        if source.clip.num_frames < 60 {
+            continue;
+        }
+        let clean = read(&source, Glitches::Keep, &profiles);
+        // A clip of a single pose has no motion to put faults into.
+        if clean.clip.world(20) == clean.clip.world(40) {
+            continue;
+        }
+        clips += 1;
+        for (k, kind) in KINDS.iter().enumerate() {
+            let own = |frames: &Range<usize>| {
+                let near = frames.start.saturating_sub(15)..frames.end + 15;
+                clean.glitches.iter().any(|g| touches(g, &near))
+            };
+            // Not where the recording has faults of its own, if that can be helped.
+            let put = (0..20).map(|_| {
+                let mut faulty = source.clone();
+                let frames = inject(&mut faulty, &clean, kind, &mut chance);
+                (faulty, frames)
+            });
+            let (faulty, frames) = put.reduce(|a, b| if own(&a.1) { b } else { a }).unwrap();
+            let found = read(&faulty, Glitches::Keep, &profiles).glitches;
+            let row = table.entry(k).or_default();
+            row[0] += 1;
+            if found.iter().any(|g| touches(g, &frames)) {
+                row[1] += 1;
+            } else {
+                missed.push(format!("{kind}: {} {frames:?}", clean.clip.name));
+            }
+            row[2] += found
+                .iter()
+                .filter(|g| !touches(g, &frames) && !clean.glitches.iter().any(|c| touches(c, &g.frames)))
+                .count();
+        }
+    }
+    for (k, [put, found, false_alarms]) in &table {
+        let precision = *found as f64 / (found + false_alarms).max(1) as f64;
+        println!("{:<22} put {put:>3}  recall {:.2}  precision {precision:.2}", KINDS[*k], *found as f64 / *put as f64);
+    }
+    println!("missed:\n{}", missed.join("\n"));
+    for (k, [put, found, false_alarms]) in table {
+        assert!(
+            found * 10 >= put * 8 && false_alarms * 20 <= put,
+            "{}: {found} of {put}, {false_alarms} false",
+            KINDS[k]
+        );
+    }
+}
+
+#[test]
+fn captured_motion_is_left_alone_but_for_its_own_faults() {
+    let profiles = load_profiles(&[]).unwrap();
+    // Folder: clips, frames, glitches, frames of them, frames that are cut.
+    let mut table: BTreeMap<String, [usize; 5]> = BTreeMap::new();
+    for (folder, path) in recordings() {
+        let i = read(&read_source(&path, None).unwrap(), Glitches::Bridge, &profiles);
+        let row = table.entry(folder).or_default();
+        row[0] += 1;
+        row[1] += i.clip.num_frames;
+        for g in &i.glitches {
+            println!(
+                "{} {:?} {:?} {} {}",
+                i.clip.name,
+                g.frames,
+                g.kind,
+                if g.is_cut { "cut:" } else { "bridged:" },
+                g.what
+            );
+            row[2] += 1;
+            row[3] += g.frames.len();
+            row[4] += if g.is_cut { g.frames.len() } else { 0 };
+        }
+    }
+    for (folder, [clips, frames, glitches, wrong, cut]) in table {
+        println!(
+            "{folder:<15} {clips:>3} clips {frames:>6} frames: {glitches} glitches, {wrong} frames, {cut} cut out"
+        );
+        assert!(cut * 200 < frames, "{folder}: {cut} of {frames} frames are cut out");
+    }
+}
+
+/// A walking rig, clean.
+fn walking() -> SourceClip {
+    let table = tables::RIGS.iter().find(|(name, _)| *name == "Mixamo").unwrap().1;
+    bvh::parse(rig::bvh(&rig::parse(table), &rig::Style::default()).as_bytes(), Path::new("a.bvh")).unwrap()
+}
+
+#[test]
+fn faults_put_into_a_walking_rig_are_found_told_and_mended() {
+    let source = walking();
+    let clean = read(&source, Glitches::Keep, &[]);
+    assert_eq!(clean.glitches, []);
+    let mut chance = Chance(5);
+    for kind in KINDS {
+        let mut faulty = source.clone();
+        let frames = inject(&mut faulty, &clean, kind, &mut chance);
+        for how in [Glitches::Keep, Glitches::Bridge, Glitches::Cut] {
+            let found = read(&faulty, how, &[]);
+            assert!(found.glitches.iter().any(|g| touches(g, &frames)), "{kind} {frames:?}: {:?}", found.glitches);
+            assert!(
+                found.warnings.messages.iter().any(|w| w.contains("a.bvh") && w.contains("`import.glitches`")),
+                "{kind}"
+            );
+            let cut = found.glitches.iter().filter(|g| g.is_cut).count();
+            assert!(if how == Glitches::Keep {
+                cut == 0
+            } else {
+                how == Glitches::Bridge || cut == found.glitches.len()
+            });
+            let set = onto(std::slice::from_ref(&found), &RetargetConfig::default(), &mut Default::default()).unwrap();
+            assert_eq!(set.clips[0].excluded.len(), cut, "{kind}");
+            // What is used moves as a body does.
+            if how != Glitches::Keep {
+                let clip = &set.clips[0];
+                for range in clip.usable_ranges() {
+                    for f in range.start + 1..range.end {
+                        let speed = clip.root_positions[f].distance(clip.root_positions[f - 1]) * 30.0;
+                        assert!(speed < 4.0, "{kind}, {how:?}, frame {f}: {speed} m/s");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_pop_is_bridged_by_what_the_clip_was() {
+    let source = walking();
+    let clean = read(&source, Glitches::Keep, &[]);
+    let mut faulty = source.clone();
+    let frames = inject(&mut faulty, &clean, "pop 5 m", &mut Chance(3));
+    let mended = read(&faulty, Glitches::Bridge, &[]);
+    assert!(!mended.glitches[0].is_cut && mended.glitches[0].frames == frames, "{:?}", mended.glitches);
+    for f in 0..clean.clip.num_frames {
+        for (a, b) in clean.clip.world(f).iter().zip(mended.clip.world(f)) {
+            assert!(a.0.distance(b.0) < 1e-3, "frame {f}");
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! Captured skeletons have the roles by shape that their profiles name. Skipped where the recordings are not at hand.
+
+use std::path::PathBuf;
+use throng_core::Joint;
+use throng_motion::import::profile::load_profiles;
+use throng_motion::import::{ImportConfig, expand, interpret, read_source};
+
+/// Files of a folder of the recordings beside the repository, or in `THRONG_MOCAP`.
+fn files(folder: &str) -> Vec<PathBuf> {
+    let root = std::env::var_os("THRONG_MOCAP")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/mocap"), PathBuf::from);
+    let folder = root.join(folder);
+    if !folder.is_dir() {
+        eprintln!("skipped: no recordings at {}", folder.display());
+        return Vec::new();
+    }
+    expand(&[folder]).unwrap()
+}
+
+#[test]
+fn captured_skeletons_are_recognised_as_their_profiles_have_them() {
+    let profiles = load_profiles(&[]).unwrap();
+    let config = ImportConfig::default();
+    for folder in
+        ["cmu-asfamc/01", "cmu-asfamc/02", "cmu-asfamc/03", "snu/single", "snu/session23", "snu/multi", "bandai-1"]
+    {
+        let (mut clips, mut differ) = (0, Vec::new());
+        for path in files(folder) {
+            let source = read_source(&path, None).unwrap();
+            let named = interpret(source.clone(), &config, &profiles).unwrap();
+            let shaped = interpret(source, &config, &[]).unwrap();
+            clips += 1;
+            for role in Joint::ALL {
+                let name = |i: &throng_motion::import::Imported| {
+                    i.roles.get(role).map_or("-".to_owned(), |j| i.clip.joints[j].name.clone())
+                };
+                if name(&named) != name(&shaped) {
+                    differ.push(format!("{} {}: {} not {}", named.clip.name, role.name(), name(&shaped), name(&named)));
+                }
+            }
+        }
+        println!("{folder:<15} {clips:>3} clips, {} roles other than the profile's", differ.len());
+        assert!(differ.is_empty(), "{}", differ.join("\n"));
+    }
+}

@@ -1,0 +1,188 @@
+//! Skeletons of many tools are recognised without a profile, and what is no person is refused with the reason.
+
+mod captured;
+mod refused;
+mod rig;
+mod tables;
+
+use rig::{Part, Rest, Style, bvh, parse};
+use std::f32::consts::{FRAC_PI_2, PI};
+use std::path::Path;
+use throng_core::Joint;
+use throng_motion::ImportError;
+use throng_motion::import::{ImportConfig, Imported, bvh as reader, interpret};
+
+fn import(parts: &[Part], style: &Style) -> Result<Imported, ImportError> {
+    let text = bvh(parts, style);
+    interpret(reader::parse(text.as_bytes(), Path::new("a.bvh")).unwrap(), &ImportConfig::default(), &[])
+}
+
+/// Roles that are not as the table has them.
+fn wrong(parts: &[Part], found: &Imported) -> Vec<String> {
+    let want = |role: Joint| parts.iter().find(|p| p.role == Some(role)).map_or("-", |p| p.name.as_str());
+    let got = |role: Joint| found.roles.get(role).map_or("-", |j| found.clip.joints[j].name.as_str());
+    let differs = |r: &Joint| want(*r) != got(*r);
+    Joint::ALL.into_iter().filter(differs).map(|r| format!("{}: {} not {}", r.name(), got(r), want(r))).collect()
+}
+
+const STYLES: [Style; 9] = {
+    let plain = Style {
+        rest: Rest::TPose,
+        order: "ZXY",
+        scale: 100.0,
+        heading: 0.0,
+        z_up: false,
+        moves: true,
+        mirrored: false,
+    };
+    [
+        plain,
+        Style { moves: false, ..plain },
+        Style { rest: Rest::APose, order: "XYZ", ..plain },
+        Style { rest: Rest::AlongX, order: "YXZ", ..plain },
+        Style { rest: Rest::AlongY, order: "ZYX", scale: 1.0, ..plain },
+        Style { heading: FRAC_PI_2, ..plain },
+        Style { heading: PI, scale: 39.37, ..plain },
+        Style { z_up: true, heading: -FRAC_PI_2, ..plain },
+        Style { z_up: true, rest: Rest::AlongX, scale: 1000.0, ..plain },
+    ]
+};
+
+#[test]
+fn every_convention_is_recognised_in_every_style() {
+    let mut failures = Vec::new();
+    for (name, table) in tables::RIGS {
+        let parts = parse(table);
+        let mut good = 0;
+        for (s, style) in STYLES.iter().enumerate() {
+            let bad = match import(&parts, style) {
+                Ok(found) => wrong(&parts, &found),
+                Err(e) => vec![e.to_string()],
+            };
+            good += usize::from(bad.is_empty());
+            failures.extend(bad.into_iter().map(|b| format!("{name}, style {s}: {b}")));
+        }
+        let joints = parts.len();
+        println!("{name:<20} {joints:>3} joints  {good} of {} styles right", STYLES.len());
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+mod random {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A rig of random proportions and extra joints, under names that say nothing or much.
+    fn table(
+        spine: usize,
+        necks: usize,
+        clavicles: bool,
+        toes: bool,
+        hips: usize,
+        fingers: usize,
+        named: bool,
+    ) -> String {
+        let name = |plain: &str| {
+            if named {
+                plain.to_owned()
+            } else {
+                format!("J{:x}", plain.bytes().fold(7u32, |h, b| h.wrapping_mul(31) ^ u32::from(b)))
+            }
+        };
+        let mut out = String::new();
+        let mut add = |n: &str, parent: &str, place: &str| {
+            let side = |text: &str| {
+                if text == "-" {
+                    text.to_owned()
+                } else if text.contains('~') {
+                    format!("{{{},{}}}", name(&text.replace('~', "Left")), name(&text.replace('~', "Right")))
+                } else {
+                    name(text)
+                }
+            };
+            out += &format!("{};{};{place}\n", side(n), side(parent));
+        };
+        add("Hips", "-", "hips");
+        let step = 0.35 / spine as f32;
+        let mut last = "Hips".to_owned();
+        for k in 0..spine {
+            let this = format!("Spine{k}");
+            let role = match k {
+                _ if k + 1 == spine => ";upper_chest",
+                0 => ";spine",
+                _ => ";-",
+            };
+            add(&this, &last, &format!("0 {} 0{role}", if k == 0 { 0.08 } else { step }));
+            last = this;
+        }
+        let chest = last.clone();
+        for k in 0..necks {
+            let this = format!("Neck{k}");
+            add(
+                &this,
+                &last,
+                &format!("0 {} 0;{}", if k == 0 { 0.16 } else { 0.04 }, if k == 0 { "neck" } else { "-" }),
+            );
+            last = this;
+        }
+        add("Head", &last, &format!("0 {} 0.01;head", if necks == 0 { 0.25 } else { 0.08 }));
+        let mut arm = chest.clone();
+        if clavicles {
+            add("~Shoulder", &chest, "0.03 0.13 0;left_clavicle");
+            arm = "~Shoulder".into();
+        }
+        add("~Arm", &arm, if clavicles { "0.15 0 0;left_upper_arm" } else { "0.18 0.12 0;left_upper_arm" });
+        add("~ForeArm", "~Arm", "0.29 0 0;left_forearm");
+        add("~Hand", "~ForeArm", "0.25 0 0;left_hand");
+        for f in 0..fingers {
+            let z = 0.02 * f as f32 - 0.03;
+            add(&format!("~HandIndex{f}a"), "~Hand", &format!("0.08 0 {z};-"));
+            add(&format!("~HandIndex{f}b"), &format!("~HandIndex{f}a"), "0.04 0 0;-");
+        }
+        let mut leg = "Hips".to_owned();
+        for h in 0..hips {
+            let this = format!("~HipHelper{h}");
+            add(&this, &leg, "0.02 0 0;-");
+            leg = this;
+        }
+        add("~UpLeg", &leg, &format!("{} -0.05 0;left_thigh", 0.1 - 0.02 * hips as f32));
+        add("~Leg", "~UpLeg", "0 -0.42 0;left_shin");
+        add("~Foot", "~Leg", "0 -0.41 0;left_foot");
+        if toes {
+            add("~ToeBase", "~Foot", "0 -0.06 0.13;left_toe");
+        }
+        out
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(300))]
+
+        #[test]
+        fn random_rigs_have_their_roles_right(
+            (spine, necks, hips, fingers) in (1usize..=6, 0usize..=3, 0usize..=2, 0usize..=3),
+            (clavicles, toes, named) in any::<(bool, bool, bool)>(),
+            (rest, order) in (0usize..4, 0usize..4),
+            (scale, heading, z_up) in (0.5f32..200.0, -PI..PI, any::<bool>()),
+            noise in prop::collection::vec(-0.02f32..0.02, 64),
+        ) {
+            let mut parts = parse(&table(spine, necks, clavicles, toes, hips, fingers, named));
+            // Everybody is a little asymmetric.
+            for (p, n) in parts.iter_mut().zip(noise.iter().cycle()) {
+                p.at *= 1.0 + 0.4 * n;
+            }
+            let rest = [Rest::TPose, Rest::APose, Rest::AlongX, Rest::AlongY][rest];
+            let order = ["ZXY", "XYZ", "YXZ", "ZYX"][order];
+            let style = Style { rest, order, scale, heading, z_up, ..Style::default() };
+            match import(&parts, &style) {
+                Ok(found) => {
+                    let wrong: Vec<String> =
+                        wrong(&parts, &found).into_iter().filter(|w| !w.starts_with("chest:")).collect();
+                    prop_assert!(wrong.is_empty(), "{wrong:?}");
+                    prop_assert!(spine < 3 || found.roles.get(Joint::Chest).is_some());
+                }
+                // Only the unit may be in doubt.
+                Err(e) => prop_assert!(e.to_string().contains("metres_per_unit"), "{e}"),
+            }
+        }
+    }
+}

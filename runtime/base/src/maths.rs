@@ -1,0 +1,229 @@
+//! Sines, exponentials and their like, with the same bits on every machine.
+//!
+//! Those of `std` and of glam come from the platform's library, or from the compiler, and differ in their last bits; motion
+//! drifts apart from there. The runtime uses these alone; square roots and roundings are exact everywhere.
+
+use glam::{Quat, Vec2};
+
+/// Floats that these functions are made for.
+pub trait Real: Copy {
+    /// Sine (rad).
+    fn sin(x: Self) -> Self;
+    /// Cosine (rad).
+    fn cos(x: Self) -> Self;
+    /// Sine and cosine (rad).
+    fn sin_cos(x: Self) -> (Self, Self);
+    /// The angle of (x, y) from +X, in [-pi, pi] (rad).
+    fn atan2(y: Self, x: Self) -> Self;
+    /// e to the power of x.
+    fn exp(x: Self) -> Self;
+    /// 2 to the power of x.
+    fn exp2(x: Self) -> Self;
+    /// x to the power of y.
+    fn pow(x: Self, y: Self) -> Self;
+    /// Cube root.
+    fn cbrt(x: Self) -> Self;
+    /// Length of (x, y).
+    fn hypot(x: Self, y: Self) -> Self;
+}
+
+macro_rules! real {
+    ($float:ty: $sin:ident $cos:ident $sincos:ident $atan2:ident $exp:ident $exp2:ident $pow:ident $cbrt:ident $hypot:ident) => {
+        impl Real for $float {
+            #[inline]
+            fn sin(x: Self) -> Self {
+                libm::$sin(x)
+            }
+            #[inline]
+            fn cos(x: Self) -> Self {
+                libm::$cos(x)
+            }
+            #[inline]
+            fn sin_cos(x: Self) -> (Self, Self) {
+                libm::$sincos(x)
+            }
+            #[inline]
+            fn atan2(y: Self, x: Self) -> Self {
+                libm::$atan2(y, x)
+            }
+            #[inline]
+            fn exp(x: Self) -> Self {
+                libm::$exp(x)
+            }
+            #[inline]
+            fn exp2(x: Self) -> Self {
+                libm::$exp2(x)
+            }
+            #[inline]
+            fn pow(x: Self, y: Self) -> Self {
+                libm::$pow(x, y)
+            }
+            #[inline]
+            fn cbrt(x: Self) -> Self {
+                libm::$cbrt(x)
+            }
+            #[inline]
+            fn hypot(x: Self, y: Self) -> Self {
+                libm::$hypot(x, y)
+            }
+        }
+    };
+}
+real!(f32: sinf cosf sincosf atan2f expf exp2f powf cbrtf hypotf);
+real!(f64: sin cos sincos atan2 exp exp2 pow cbrt hypot);
+
+/// Sine (rad).
+#[inline]
+pub fn sin<R: Real>(x: R) -> R {
+    R::sin(x)
+}
+
+/// Cosine (rad).
+#[inline]
+pub fn cos<R: Real>(x: R) -> R {
+    R::cos(x)
+}
+
+/// Sine and cosine (rad).
+#[inline]
+pub fn sin_cos<R: Real>(x: R) -> (R, R) {
+    R::sin_cos(x)
+}
+
+/// The angle of (x, y) from +X, in [-pi, pi] (rad).
+#[inline]
+pub fn atan2<R: Real>(y: R, x: R) -> R {
+    R::atan2(y, x)
+}
+
+/// e to the power of x.
+#[inline]
+pub fn exp<R: Real>(x: R) -> R {
+    R::exp(x)
+}
+
+/// 2 to the power of x.
+#[inline]
+pub fn exp2<R: Real>(x: R) -> R {
+    R::exp2(x)
+}
+
+/// x to the power of y.
+#[inline]
+pub fn pow<R: Real>(x: R, y: R) -> R {
+    R::pow(x, y)
+}
+
+/// Cube root.
+#[inline]
+pub fn cbrt<R: Real>(x: R) -> R {
+    R::cbrt(x)
+}
+
+/// Length of (x, y).
+#[inline]
+pub fn hypot<R: Real>(x: R, y: R) -> R {
+    R::hypot(x, y)
+}
+
+/// The unit vector at an angle from +X (rad).
+#[inline]
+pub fn at_angle(angle: f32) -> Vec2 {
+    let (sin, cos) = sin_cos(angle);
+    Vec2::new(cos, sin)
+}
+
+/// The rotation about +X (rad).
+#[inline]
+pub fn rotation_x(angle: f32) -> Quat {
+    let (sin, cos) = sin_cos(0.5 * angle);
+    Quat::from_xyzw(sin, 0.0, 0.0, cos)
+}
+
+/// The rotation about +Y (rad).
+#[inline]
+pub fn rotation_y(angle: f32) -> Quat {
+    let (sin, cos) = sin_cos(0.5 * angle);
+    Quat::from_xyzw(0.0, sin, 0.0, cos)
+}
+
+/// The rotation about +Z (rad).
+#[inline]
+pub fn rotation_z(angle: f32) -> Quat {
+    let (sin, cos) = sin_cos(0.5 * angle);
+    Quat::from_xyzw(0.0, 0.0, sin, cos)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Hash128;
+
+    #[test]
+    fn they_agree_with_the_library() {
+        let mut worst = 0.0f64;
+        for i in -20_000..20_000 {
+            let x = f64::from(i) * 7.3e-4;
+            let y = 0.3 - x * x;
+            let pairs = [
+                (sin(x as f32), f64::from(x as f32).sin()),
+                (cos(x as f32), f64::from(x as f32).cos()),
+                (atan2(x as f32, y as f32), f64::from(x as f32).atan2(f64::from(y as f32))),
+                (exp(x as f32), f64::from(x as f32).exp()),
+                (exp2(x as f32), f64::from(x as f32).exp2()),
+                (pow(1.7, x as f32), f64::from(1.7f32).powf(f64::from(x as f32))),
+                (cbrt(x as f32), f64::from(x as f32).cbrt()),
+                (hypot(x as f32, y as f32), f64::from(x as f32).hypot(f64::from(y as f32))),
+            ];
+            for (found, exact) in pairs {
+                worst = worst.max((f64::from(found) - exact).abs() / exact.abs().max(1e-30));
+            }
+            let doubles = [
+                (sin(x), x.sin()),
+                (sin_cos(x).1, x.cos()),
+                (atan2(x, y), x.atan2(y)),
+                (exp(x), x.exp()),
+                (exp2(x), x.exp2()),
+                (pow(1.7, x), 1.7f64.powf(x)),
+                (cbrt(x), x.cbrt()),
+                (hypot(x, y), x.hypot(y)),
+            ];
+            for (found, exact) in doubles {
+                assert!((found - exact).abs() <= 1e-15 * exact.abs(), "{x}: {found} {exact}");
+            }
+        }
+        assert!(worst < 1.2e-7, "worst relative error {worst:e}");
+    }
+
+    #[test]
+    fn rotations_are_those_of_the_library() {
+        for i in -50..50 {
+            let a = i as f32 * 0.13;
+            let all = [
+                (rotation_x(a), Quat::from_rotation_x(a)),
+                (rotation_y(a), Quat::from_rotation_y(a)),
+                (rotation_z(a), Quat::from_rotation_z(a)),
+            ];
+            assert!(all.iter().all(|(found, exact)| found.abs_diff_eq(*exact, 2e-7)), "{a}: {all:?}");
+            assert!(at_angle(a).abs_diff_eq(Vec2::from_angle(a), 2e-7));
+        }
+    }
+
+    /// On each machine that runs the tests, whatever its library.
+    #[test]
+    fn the_bits_are_those_of_every_machine() {
+        let mut hash = Hash128::default();
+        for i in -5000..5000 {
+            let x = i as f32 * 3.7e-3;
+            let y = 1.0 - x;
+            for v in [sin(x), cos(x), atan2(x, y), exp(x), exp2(x), pow(1.7, x), cbrt(x), hypot(x, y)] {
+                hash.word(u64::from(v.to_bits()));
+            }
+            let (x, y) = (f64::from(x), f64::from(y));
+            for v in [sin(x), cos(x), atan2(x, y), exp(x), exp2(x), pow(1.7, x), cbrt(x), hypot(x, y)] {
+                hash.word(v.to_bits());
+            }
+        }
+        assert_eq!(hash.finish(), 126_578_984_256_741_891_817_928_826_187_781_028_977);
+    }
+}
