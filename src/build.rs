@@ -215,7 +215,14 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
         rows.extend(p.adaptive.as_ref().map_or(Vec::new(), adaptive));
     }
     rows.push(("time", format!("{:.2} s ({}{cached})", r.seconds_total, stages.join(", "))));
-    rows.push(("bundle", format!("{out}, {}", output::bytes(r.bundle_bytes))));
+    rows.push((
+        "bundle",
+        format!(
+            "{out}, {}; poses are off by at most {:.2} mm at a joint",
+            output::bytes(r.bundle_bytes),
+            r.joint_error_worst_mm
+        ),
+    ));
     output::table(&rows)
 }
 

@@ -3,7 +3,9 @@
 use super::patch::{Parts, refusal};
 use crate::common::{bundle, tables};
 use throng_runtime::bundle::tags;
-use throng_runtime::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, SkeletonRecord, Tag};
+use throng_runtime::format::{
+    AlignedBytes, ClipRecord, FormatError, FrameRow, JointCode, RotationCode, SkeletonRecord, Tag,
+};
 use throng_runtime::graph::{MotionSegment, StateRecord};
 use throng_runtime::policy::{NO_ACTION, PolicyRecord, SegmentRecord, StateGridRecord};
 use throng_runtime::{Bundle, Contacts};
@@ -176,12 +178,47 @@ fn frames_hold_poses() {
         }
         refuses(Some(tags::FRAMES), &[("height", &|p| row(p, &|r| r.height = bad))]);
     }
+    let field = |p: &mut Parts, j: usize, f: &dyn Fn(&mut JointCode)| {
+        p.edit::<RotationCode>(tags::ROTATION_CODE, |code| f(&mut code[0].joints[j]));
+    };
+    let only_w = |c: &mut JointCode, low: [f32; 4], step: f32| {
+        (c.bits, c.low, c.step) = ([0, 0, 0, 1], low, [0.0, 0.0, 0.0, step]);
+    };
     refuses(
         Some(tags::FRAMES),
         &[
-            ("a rotation of length 0", &|p| row(p, &|r| r.rotations[21] = [0; 4])),
-            ("a rotation far too short", &|p| row(p, &|r| r.rotations[3] = [100, 0, 0, 9000])),
-            ("a rotation on the other side", &|p| row(p, &|r| r.rotations[8] = r.rotations[8].map(|v| -v))),
+            ("rotations of length 0", &|p| field(p, 21, &|c| only_w(c, [0.0; 4], 0.0))),
+            ("rotations far too short", &|p| field(p, 3, &|c| only_w(c, [0.1, 0.0, 0.1, 0.2], 0.0))),
+            ("rotations far too long", &|p| field(p, 3, &|c| (c.low, c.step) = ([1.0; 4], [0.0; 4]))),
+            ("rotations that change sides", &|p| field(p, 8, &|c| only_w(c, [0.6, 0.0, 0.0, -0.8], 1.6))),
+        ],
+    );
+}
+
+#[test]
+fn fields_of_rotations_lie_in_their_rows() {
+    let field = |p: &mut Parts, f: &dyn Fn(&mut JointCode)| {
+        p.edit::<RotationCode>(tags::ROTATION_CODE, |code| f(&mut code[0].joints[11]));
+    };
+    refuses(
+        Some(tags::ROTATION_CODE),
+        &[
+            ("a field behind the row", &|p| field(p, &|c| c.at = 640)),
+            ("a field that overlaps its end", &|p| field(p, &|c| c.at = 639)),
+            ("far behind", &|p| field(p, &|c| c.at = u32::MAX)),
+            ("seventeen bits", &|p| field(p, &|c| c.bits = [17, 1, 1, 0])),
+            ("58 bits", &|p| field(p, &|c| (c.at, c.bits) = (0, [15, 15, 14, 14]))),
+            ("a centre of length 2", &|p| field(p, &|c| c.centre = [0.0, 0.0, 0.0, 2.0])),
+            ("a lowest value of no rotation", &|p| field(p, &|c| c.low[0] = -3.0)),
+            ("no step", &|p| field(p, &|c| c.step[1] = f32::NAN)),
+            ("a step backwards", &|p| field(p, &|c| c.step[1] = -0.1)),
+        ],
+    );
+    refuses(
+        None,
+        &[
+            ("no code", &|p| p.edit::<RotationCode>(tags::ROTATION_CODE, Vec::clear)),
+            ("two codes", &|p| p.edit::<RotationCode>(tags::ROTATION_CODE, |c| c.push(c[0]))),
         ],
     );
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use throng_precompute::environment::{Environment, PlacedUnit, UnitGeometry, UnitSet, geometries};
 use throng_precompute::stitch::Library;
-use throng_runtime::format::{FrameRow, PatchMeta};
+use throng_runtime::format::{FrameRow, PatchMeta, ROTATION_BYTES, RotationCode};
 use throng_runtime::patch::{
     CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord, Patches, Placement,
 };
@@ -45,6 +45,7 @@ pub struct MadeUp {
     pub geometries: Vec<Arc<UnitGeometry>>,
     pub skeleton: Skeleton,
     pub frames: Vec<FrameRow>,
+    pub rotation_code: RotationCode,
     pub groups: Vec<u32>,
     pub contacts: Vec<Contacts>,
     pub names: Vec<PatchMeta>,
@@ -57,13 +58,14 @@ pub struct MadeUp {
 impl MadeUp {
     pub fn new() -> Self {
         let units = UnitSet::parse(UNITS, Path::new("made-up.toml")).unwrap();
-        let upright = [FrameRow::encode(glam::Quat::IDENTITY); throng_runtime::NUM_JOINTS];
-        let frame = |k: usize| FrameRow { planar: [0.0, 0.05 * k as f32, 0.0], height: HIPS_M, rotations: upright };
+        let rotations = [0; ROTATION_BYTES];
+        let frame = |k: usize| FrameRow { planar: [0.0, 0.05 * k as f32, 0.0], height: HIPS_M, rotations };
         let mut out = Self {
             geometries: geometries(&units).unwrap(),
             units,
             skeleton: Skeleton::default(),
             frames: (0..FRAMES).map(frame).collect(),
+            rotation_code: RotationCode::rest(),
             groups: (0..FRAMES as u32).collect(),
             contacts: vec![Contacts::default(); FRAMES],
             names: Vec::new(),
@@ -125,6 +127,7 @@ impl MadeUp {
             names: &self.names,
             units: &self.units,
             frames: &self.frames,
+            rotation_code: &self.rotation_code,
             groups: &self.groups,
             contacts: &self.contacts,
             geometries: &self.geometries,

@@ -222,7 +222,7 @@ fn colliding(m: &MadeUp, w: &WorldData, e: &Environment, i: usize, depth: f32) -
         let at = r.placement.compose(m.hips(link, k));
         let turn = at.planar().rotation();
         let joints = joint_transforms(&m.skeleton, at.translation(), |j| {
-            if j == 0 { turn * row.rotation(0) } else { row.rotation(j) }
+            if j == 0 { turn * m.rotation_code.rotation(row, 0) } else { m.rotation_code.rotation(row, j) }
         });
         let pose = body.pose(&joints, m.contacts[(link.frame + k) as usize]);
         (0..e.units.len())

@@ -105,8 +105,8 @@ fn make(
     }
     let meta = from.meta(cfg, graph_report)?;
     let baked = Baked { clips, graph, policies: &policies, groups, patches, blends: &blends.spaces, meta: &meta };
-    let bundle_bytes = s.run("write", |_| write::bundle(&baked, out))?;
-    let built = Built { motion: &motion, baked, blends: &blends, graph: graph_report, bundle_bytes };
+    let written = s.run("write", |_| write::bundle(&baked, out))?;
+    let built = Built { motion: &motion, baked, blends: &blends, graph: graph_report, written };
     drop(features);
     let (timing, warnings) = s.finish();
     Ok(BuildReport { not_made: attempts.not_made, ..report::of_build(cfg, &built, timing, warnings) })

@@ -11,10 +11,11 @@ use crate::patch::PatchReport;
 use crate::policy::PolicyReport;
 pub use crate::stages::Performer;
 use crate::stages::{Motion, Timing};
-use crate::write::Baked;
+use crate::write::{Baked, Written};
 pub use paper::{Line, beside_paper, markdown};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use throng_core::format::FrameRow;
 use throng_motion::annotate::hits::{HitPoint, HitReport};
 use throng_motion::annotate::{self, ContactSanity};
 use throng_motion::error::Warnings;
@@ -66,6 +67,13 @@ pub struct BuildReport {
     pub policies: Vec<PolicyReport>,
     /// Length of the bundle (bytes).
     pub bundle_bytes: u64,
+    /// Bytes of a frame's pose.
+    pub frame_bytes: usize,
+    /// How far the joint of a frame that is farthest off is from where it was, since rotations are packed: 95th percentile
+    /// of all frames (mm).
+    pub joint_error_p95_mm: f32,
+    /// The worst of all frames (mm).
+    pub joint_error_worst_mm: f32,
     /// The motion graph's figures.
     pub graph: GraphReport,
     /// Foot contacts over all clips: shares and speeds, weighted by frames.
@@ -92,13 +100,12 @@ pub(crate) struct Built<'a> {
     pub baked: Baked<'a>,
     pub blends: &'a BlendSpaces,
     pub graph: &'a GraphReport,
-    /// Length of the bundle (bytes).
-    pub bundle_bytes: u64,
+    pub written: Written,
 }
 
 /// Everything together; `odd` is what is odd about the build itself.
 pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd: Warnings) -> BuildReport {
-    let Built { motion, baked, blends, graph, bundle_bytes } = *built;
+    let Built { motion, baked, blends, graph, written } = *built;
     let (blends, blend_warnings) = (&blends.report, &blends.warnings);
     let mut warnings = [&motion.warnings, blend_warnings, &odd].map(|w| w.messages.clone()).concat();
     warnings.extend(baked.policies.iter().filter_map(|p| p.report.promise.warning.clone()));
@@ -138,7 +145,10 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
         weight_table_bytes: blends.iter().map(|b| b.weight_table_bytes).sum(),
         weight_table_max_error: blends.iter().map(|b| b.weight_table_max_error).fold(0.0, f64::max),
         policies: baked.policies.iter().map(|p| p.report.clone()).collect(),
-        bundle_bytes,
+        bundle_bytes: written.bytes,
+        frame_bytes: size_of::<FrameRow>(),
+        joint_error_p95_mm: written.joint_error_mm[0],
+        joint_error_worst_mm: written.joint_error_mm[1],
         graph: graph.clone(),
         contacts: contacts(motion),
         hits: HitReport::new(&HitPoint::of_set(&motion.clips)),

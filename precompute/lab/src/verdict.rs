@@ -155,11 +155,11 @@ fn source_slip(tables: &Bundle) -> f64 {
         }
         slip.forget_step();
         for f in run {
-            let row = &tables.frames()[f as usize];
+            let (row, code) = (&tables.frames()[f as usize], tables.rotation_code());
             let [x, z, heading] = row.planar;
             let root = Planar::new(x, z, heading);
             let at = root.translation().with_y(row.height);
-            let local = |j: usize| if j == 0 { root.rotation() * row.rotation(0) } else { row.rotation(j) };
+            let local = |j: usize| if j == 0 { root.rotation() * code.rotation(row, 0) } else { code.rotation(row, j) };
             let joints = joint_transforms(skeleton, at, local);
             let feet = Feet::joints(|j| joints[j.index()].0);
             slip.observe(0, 1.0 / tables.meta().rate_hz as f32, tables.contacts()[f as usize], feet);

@@ -2,10 +2,12 @@
 //! that are sat on.
 
 use crate::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord, WorldData, WorldMeta};
+use glam::Quat;
 use throng_base::maths;
 use throng_core::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow};
 use throng_core::format::{
-    AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FrameRow, Meta, PatchMeta, SkeletonRecord,
+    AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FrameRow, Meta, PatchMeta, ROTATION_BYTES, RotationCode,
+    SkeletonRecord,
 };
 use throng_core::graph::{MotionSegment, StateRecord};
 use throng_core::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord, Placement};
@@ -60,26 +62,36 @@ fn kinds() -> Vec<Kind> {
     ]
 }
 
-/// Rows of one kind: an ease from start to end, with limbs that swing.
-fn rows(kind: &Kind, number: usize) -> Vec<FrameRow> {
+/// Poses of one kind, with limbs that swing.
+fn poses(kind: &Kind, number: usize) -> Vec<[Quat; NUM_JOINTS]> {
+    let swing = if kind.walking { 0.35 } else { 0.05 };
     (0..=kind.frames)
         .map(|f| {
             let s = f as f32 / kind.frames as f32;
-            let planar = [kind.end.x * s, kind.end.z * s, kind.end.heading * s];
-            let swing = if kind.walking { 0.35 } else { 0.05 };
-            let rotations = std::array::from_fn(|j: usize| {
+            let mut pose = std::array::from_fn(|j: usize| {
                 let a = swing * maths::sin(std::f32::consts::TAU * s * 2.0 + j as f32 * 0.7 + number as f32) * 0.4;
-                FrameRow::encode(maths::rotation_x(a) * maths::rotation_y(0.3 * a) * maths::rotation_z(-0.2 * a))
+                maths::rotation_x(a) * maths::rotation_y(0.3 * a) * maths::rotation_z(-0.2 * a)
             });
-            let mut row = FrameRow { planar, height: 0.93, rotations };
             for (j, angle) in
                 [(Joint::LeftThigh, -0.2), (Joint::LeftShin, 0.4), (Joint::RightThigh, -0.2), (Joint::RightShin, 0.4)]
             {
-                row.rotations[j.index()] = FrameRow::encode(maths::rotation_x(angle));
+                pose[j.index()] = maths::rotation_x(angle);
             }
-            row
+            pose
         })
         .collect()
+}
+
+/// Rows of one kind: an ease from start to end.
+fn rows(kind: &Kind, poses: &[[Quat; NUM_JOINTS]], code: &RotationCode) -> Vec<FrameRow> {
+    let row = |(f, pose): (usize, &[Quat; NUM_JOINTS])| {
+        let s = f as f32 / kind.frames as f32;
+        let planar = [kind.end.x * s, kind.end.z * s, kind.end.heading * s];
+        let mut row = FrameRow { planar, height: 0.93, rotations: [0; ROTATION_BYTES] };
+        code.encode(pose, None, &mut row);
+        row
+    };
+    poses.iter().enumerate().map(row).collect()
 }
 
 /// A bundle of motion patches alone.
@@ -114,8 +126,12 @@ pub fn bundle(name: &str) -> Vec<u8> {
     out.section(tags::SKELETON, &[SkeletonRecord::from(&Skeleton::default())]);
     let records: Vec<_> = (0..kinds.len()).map(|k| record(&kinds, k)).collect();
     out.section(tags::CLIPS, &records);
-    let rows: Vec<FrameRow> = kinds.iter().enumerate().flat_map(|(i, k)| rows(k, i)).collect();
+    let poses: Vec<_> = kinds.iter().enumerate().map(|(i, k)| poses(k, i)).collect();
+    let all = poses.concat();
+    let code = RotationCode::fit(&Skeleton::default(), all.len(), |f, j| all[f][j]);
+    let rows: Vec<FrameRow> = kinds.iter().zip(&poses).flat_map(|(k, p)| rows(k, p, &code)).collect();
     out.section(tags::FRAMES, &rows);
+    out.section(tags::ROTATION_CODE, &[code]);
     out.section(tags::CONTACTS, &vec![Contacts::NONE; rows.len()]);
     out.section::<HitRecord>(tags::HITS, &[]);
     out.section::<StateRecord>(tags::STATES, &[]);

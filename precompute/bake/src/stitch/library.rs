@@ -3,7 +3,7 @@
 use crate::environment::{Environment, UnitGeometry, UnitSet};
 use std::f32::consts::TAU;
 use std::sync::Arc;
-use throng_core::format::{FrameRow, PatchMeta};
+use throng_core::format::{FrameRow, PatchMeta, RotationCode};
 use throng_core::patch::{KIND_TILE, LinkRecord, Patches, Placement};
 use throng_core::planar::{Planar, wrap_angle};
 use throng_core::{Contacts, Skeleton};
@@ -27,6 +27,8 @@ pub struct Library<'a> {
     pub units: &'a UnitSet,
     /// All frames of motion.
     pub frames: &'a [FrameRow],
+    /// How their rotations are packed.
+    pub rotation_code: &'a RotationCode,
     /// Pose group of every frame (frames.len()).
     pub groups: &'a [u32],
     /// What is planted in every frame (frames.len()).
@@ -180,6 +182,7 @@ mod tests {
             names: &[],
             units: &units,
             frames: &frames,
+            rotation_code: &RotationCode::rest(),
             groups: &[],
             contacts: &[],
             geometries: &[],

@@ -194,6 +194,7 @@ impl Kit {
             names: &meta.patches,
             units: &self.units,
             frames: tables.frames(),
+            rotation_code: tables.rotation_code(),
             groups: tables.pose_groups(),
             contacts: tables.contacts(),
             geometries: &self.geometries,
@@ -281,6 +282,7 @@ mod tests {
     use crate::environment::{Solid, Triangles};
     use glam::Vec3;
     use throng_core::Skeleton;
+    use throng_core::format::RotationCode;
 
     fn load(text: &str) -> Result<WorldSource, String> {
         let folder = tempfile::tempdir().unwrap();
@@ -340,6 +342,7 @@ mod tests {
                 names: &[],
                 units: &units,
                 frames: &[],
+                rotation_code: &RotationCode::rest(),
                 groups: &[],
                 contacts: &[],
                 geometries,

@@ -29,8 +29,8 @@ pub fn of_tables(tables: &Bundle, title: &str) -> Picture {
     let skeleton = tables.skeleton();
     let strongest = tables.hits().iter().max_by(|a, b| a.force.total_cmp(&b.force));
     let body = strongest.map(|h| {
-        let row = &tables.frames()[h.frame as usize];
-        Figure::from_transforms(skeleton, &joint_transforms(skeleton, Vec3::Y * row.height, |j| row.rotation(j)))
+        let (row, code) = (&tables.frames()[h.frame as usize], tables.rotation_code());
+        Figure::from_transforms(skeleton, &joint_transforms(skeleton, Vec3::Y * row.height, |j| code.rotation(row, j)))
     });
     draw(&points, body.unwrap_or_else(|| standing(skeleton)), title)
 }

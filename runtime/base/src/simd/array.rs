@@ -125,4 +125,10 @@ impl Lanes for Array {
     fn decode(rows: [&[i16; 4]; LANES]) -> [Self; 4] {
         std::array::from_fn(|i| Self(std::array::from_fn(|j| f32::from(rows[j][i]))))
     }
+
+    #[inline(always)]
+    fn field(words: [u64; LANES], shift: u32, bits: u32) -> Self {
+        let mask = (1u64 << bits) - 1;
+        Self(words.map(|w| (w.checked_shr(shift).unwrap_or(0) & mask) as f32))
+    }
 }

@@ -173,6 +173,20 @@ impl Lanes for Avx2 {
             Self(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_unpackhi_epi64(zw, zw_high)))),
         ])
     }
+
+    #[inline(always)]
+    fn field(words: [u64; LANES], shift: u32, bits: u32) -> Self {
+        let [w0, w1, w2, w3, w4, w5, w6, w7] = words.map(|w| w as i64);
+        avx!({
+            let by = _mm_cvtsi32_si128(shift as i32);
+            let low = _mm256_castsi256_ps(_mm256_srl_epi64(_mm256_set_epi64x(w3, w2, w1, w0), by));
+            let high = _mm256_castsi256_ps(_mm256_srl_epi64(_mm256_set_epi64x(w7, w6, w5, w4), by));
+            // The lower halves of words 0, 1, 4, 5, 2, 3, 6, 7, and then in order.
+            let halves = _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(low, high));
+            let ordered = _mm256_permute4x64_epi64::<0b11_01_10_00>(halves);
+            Self(_mm256_cvtepi32_ps(_mm256_and_si256(ordered, _mm256_set1_epi32((1i32 << bits) - 1))))
+        })
+    }
 }
 
 /// x0 x1 x2 x3 y0 y1 y2 y3 and z0 .. w3 of four lanes.

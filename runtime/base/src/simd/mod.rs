@@ -66,6 +66,11 @@ pub trait Lanes:
     fn gather(table: &[f32], stride: usize, rows: Self, row_len: u32, offsets: Self) -> [Self; 2];
     /// Four integers of each lane as floats: element i of the result holds component i of every lane.
     fn decode(rows: [&[i16; 4]; LANES]) -> [Self; 4];
+    /// A field of bits of each lane's word, as floats.
+    ///
+    /// - `shift`: its lowest bit (shift + bits <= 64).
+    /// - `bits`: its width (0 to 24).
+    fn field(words: [u64; LANES], shift: u32, bits: u32) -> Self;
 
     /// Eight integers as floats.
     fn integers(a: &[i16; LANES]) -> Self;
@@ -148,6 +153,8 @@ mod tests {
                 sin,
                 cos,
             ];
+            let fields = [(0, 0), (0, 24), (13, 11), (47, 17), (63, 1), (64, 0)];
+            out.extend(fields.map(|(shift, bits)| F::field(words(), shift, bits)));
             out.push(F::integers(&self.integers));
             out.extend(F::decode(self.codes.each_ref()));
             let mut out: Vec<[f32; LANES]> = out.into_iter().map(F::to_array).collect();
@@ -160,6 +167,11 @@ mod tests {
             out.push([f32::from(x.bits_lt(y)); LANES]);
             out
         }
+    }
+
+    /// Words whose fields all differ.
+    fn words() -> [u64; LANES] {
+        std::array::from_fn(|i| 0x9e37_79b9_7f4a_7c15u64.wrapping_mul(2 * i as u64 + 1))
     }
 
     /// Something to gather from, too short for the last lanes.
@@ -182,6 +194,12 @@ mod tests {
             let bits = |v: &[[f32; LANES]]| v.iter().flatten().map(|f| f.to_bits()).collect::<Vec<_>>();
             prop_assert_eq!(bits(&plain), bits(&widest));
             let from_end = |k: usize| plain[plain.len() - k];
+            for lane in 0..LANES {
+                let word = words()[lane];
+                let fields = [0, word & 0xff_ffff, word >> 13 & 0x7ff, word >> 47, word >> 63, 0].map(|f| f as f32);
+                let got: Vec<f32> = (0..6).map(|k| from_end(22 - k)[lane]).collect();
+                prop_assert_eq!(got, fields.to_vec());
+            }
             prop_assert_eq!(from_end(16).to_vec(), integers.map(f32::from).to_vec());
             prop_assert_eq!(from_end(13)[3], f32::from(codes[3][2]));
             prop_assert_eq!(from_end(11)[..4].to_vec(), vec![a[0], b[0], a[0] + b[0], a[0] - b[0]]);

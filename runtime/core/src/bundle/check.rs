@@ -7,7 +7,7 @@ pub(super) use blends::blends;
 pub(super) use patches::{patches, pose_groups};
 
 use super::{Bundle, tags};
-use crate::format::FormatError;
+use crate::format::{FormatError, FrameRow, JointCode};
 use crate::policy::ActionTable;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
@@ -46,11 +46,14 @@ pub(super) fn motion(t: &Bundle) -> Result<(), FormatError> {
     if next != frames.len() as u64 {
         return Err(FormatError::layout(format!("clips hold {next} frames, there are {}", frames.len())));
     }
+    let code = t.rotation_code();
+    if let Some(j) = code.joints.iter().position(|c| !c.is_sound()) {
+        return Err(FormatError::value(tags::ROTATION_CODE, j, "its field cannot be"));
+    }
     for (i, row) in frames.iter().enumerate() {
         let moderate = row.planar.iter().chain([&row.height]).all(|v| v.abs() < 1e6);
         // Interpolation between neighbours must not meet a zero quaternion; half of unit length is far from that.
-        let long = |q: &[i16; 4]| q.iter().map(|&v| i64::from(v) * i64::from(v)).sum::<i64>() > 1 << 28;
-        if !moderate || !row.rotations.iter().all(long) {
+        if !moderate || !code.joints.iter().all(|c| (0.5..1.5).contains(&c.coded(row).length())) {
             return Err(FormatError::value(tags::FRAMES, i, "it holds a number that cannot be"));
         }
     }
@@ -83,12 +86,12 @@ pub(super) fn hits(t: &Bundle) -> Result<(), FormatError> {
 
 /// Neighbouring frames of a clip have rotations on the same side, so that interpolation never meets zero.
 fn rotations_continue(t: &Bundle) -> Result<(), FormatError> {
-    let dot = |a: &[i16; 4], b: &[i16; 4]| (0..4).map(|k| i64::from(a[k]) * i64::from(b[k])).sum::<i64>();
+    let turned = |c: &JointCode, rows: &[FrameRow]| c.stores_w() && c.coded(&rows[0]).dot(c.coded(&rows[1])) < 0.0;
     for c in t.clips() {
         let first = c.first_frame as usize;
         let rows = &t.frames()[first..first + c.num_frames as usize];
         for (i, pair) in rows.windows(2).enumerate() {
-            if pair[0].rotations.iter().zip(&pair[1].rotations).any(|(a, b)| dot(a, b) < 0) {
+            if t.rotation_code().joints.iter().any(|c| turned(c, pair)) {
                 return Err(FormatError::value(tags::FRAMES, first + i, "its rotations do not continue in the next"));
             }
         }

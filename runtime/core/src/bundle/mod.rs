@@ -8,7 +8,7 @@ pub use sections::tags;
 
 use crate::blend::{BlendSpace, Blends};
 use crate::contacts::Contacts;
-use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Meta, Storage, Table, Tag};
+use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Meta, RotationCode, Storage, Table, Tag};
 use crate::graph::MotionGraph;
 use crate::hits::HitRecord;
 use crate::patch::Patches;
@@ -119,6 +119,10 @@ impl Bundle {
         let [record] = &*s.skeleton else {
             return Err(FormatError::layout(format!("section SKEL has {} elements, expected 1", s.skeleton.len())));
         };
+        if s.rotation_code.len() != 1 {
+            let got = s.rotation_code.len();
+            return Err(FormatError::layout(format!("section RCOD has {got} elements, expected 1")));
+        }
         let shared = Shared {
             storage,
             skeleton: Skeleton::from(record),
@@ -181,6 +185,11 @@ impl Bundle {
     /// Every frame of every clip.
     pub fn frames(&self) -> &Table<FrameRow> {
         &self.shared.sections.frames
+    }
+
+    /// How the rotations of [`Bundle::frames`] are packed.
+    pub fn rotation_code(&self) -> &RotationCode {
+        &self.shared.sections.rotation_code[0]
     }
 
     /// Foot contacts (frames().len()).

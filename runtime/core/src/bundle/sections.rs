@@ -2,7 +2,7 @@
 
 use crate::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow};
 use crate::contacts::Contacts;
-use crate::format::{ClipRecord, FormatError, FrameRow, Layout, SkeletonRecord, Storage, Table};
+use crate::format::{ClipRecord, FormatError, FrameRow, Layout, RotationCode, SkeletonRecord, Storage, Table};
 use crate::graph::{MotionSegment, StateRecord};
 use crate::hits::HitRecord;
 use crate::patch::{CellRecord, EdgeRecord, LinkRecord, PatchRecord};
@@ -43,6 +43,8 @@ sections! {
     CLIPS = b"CLIP", clips: ClipRecord;
     /// [`crate::format::FrameRow`] per frame.
     FRAMES = b"FRAM", frames: FrameRow;
+    /// One [`crate::format::RotationCode`].
+    ROTATION_CODE = b"RCOD", rotation_code: RotationCode;
     /// [`crate::Contacts`] per frame.
     CONTACTS = b"CONT", contacts: Contacts;
     /// [`crate::HitRecord`] per effective hit, ascending by frame.

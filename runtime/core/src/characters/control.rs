@@ -235,7 +235,7 @@ fn apply(
         }
     }
     for group in changes[..num_changes].chunks(LANES) {
-        transition::start(group, &motion_set.frames, rate, config.half_life_s, blocks);
+        transition::start(group, motion_set, config.half_life_s, blocks);
     }
 }
 
@@ -259,7 +259,7 @@ pub(crate) fn play(
     b.bend[lane] = 0.0;
     b.age_s[lane] = 0.0;
     b.choice_state[lane] = NO_STATE;
-    transition::start(&[change], &motion_set.frames, motion_set.rate_hz, config.half_life_s, blocks);
+    transition::start(&[change], motion_set, config.half_life_s, blocks);
 }
 
 /// How fast an action is bent so that it ends nearer to facing the target, within the limit (rad/frame).

@@ -2,13 +2,14 @@
 
 use crate::bundle::{Bundle, tags};
 use crate::contacts::Contacts;
-use crate::format::{AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FrameRow, Meta, SkeletonRecord};
+use crate::format::{AlignedBytes, BundleWriter, ClipMeta, ClipRecord, FrameRow, Meta, RotationCode, SkeletonRecord};
 use crate::graph::{MotionSegment, StateRecord};
 use crate::hits::HitRecord;
 use crate::planar::Planar;
 use crate::policy::{PolicyRecord, RewardRecord, SegmentRecord, StateGridRecord, TargetGrid};
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use bytemuck::Zeroable;
+use glam::Quat;
 use throng_base::maths;
 
 /// Frames of each clip.
@@ -41,8 +42,11 @@ pub fn bytes(hits: &[HitRecord], adaptive: bool) -> Vec<u8> {
     out.section(tags::SKELETON, &[SkeletonRecord::from(&Skeleton::default())]);
     let record = |first_frame| ClipRecord { first_frame, num_frames: FRAMES, mirrored: 0, reserved: 0 };
     out.section(tags::CLIPS, &[record(0), record(FRAMES)]);
-    let rows: Vec<FrameRow> = (0..2 * FRAMES).map(|f| row(f % FRAMES, f / FRAMES)).collect();
+    let poses: Vec<_> = (0..2 * FRAMES).map(|f| pose(f % FRAMES, f / FRAMES)).collect();
+    let code = RotationCode::fit(&Skeleton::default(), poses.len(), |f, j| poses[f][j]);
+    let rows: Vec<FrameRow> = (0..2 * FRAMES).map(|f| row(f % FRAMES, f / FRAMES, &code)).collect();
     out.section(tags::FRAMES, &rows);
+    out.section(tags::ROTATION_CODE, &[code]);
     out.section(tags::CONTACTS, &vec![Contacts::LEFT; rows.len()]);
     out.section(tags::HITS, hits);
     let frames = [20, 40, FRAMES + 20, FRAMES + 40];
@@ -112,22 +116,28 @@ pub fn bytes(hits: &[HitRecord], adaptive: bool) -> Vec<u8> {
     bytes
 }
 
-fn row(frame: u32, clip: u32) -> FrameRow {
+fn row(frame: u32, clip: u32, code: &RotationCode) -> FrameRow {
     let t = frame as f32 / 30.0;
     let mut row = FrameRow {
         planar: [0.1 * t, (1.0 + 0.2 * clip as f32) * t, (0.4 - 0.9 * clip as f32) * t],
         height: 0.9 + 0.02 * maths::sin(8.0 * t),
-        rotations: [[0; 4]; NUM_JOINTS],
+        ..FrameRow::zeroed()
     };
-    for (j, code) in row.rotations.iter_mut().enumerate() {
+    code.encode(&pose(frame, clip), None, &mut row);
+    row
+}
+
+fn pose(frame: u32, clip: u32) -> [Quat; NUM_JOINTS] {
+    let t = frame as f32 / 30.0;
+    let mut pose = std::array::from_fn(|j| {
         let a = 0.3 * maths::sin(3.0 * t + j as f32 + 0.5 * clip as f32);
-        *code = FrameRow::encode(maths::rotation_x(a) * maths::rotation_y(0.5 * a) * maths::rotation_z(-0.3 * a));
-    }
+        maths::rotation_x(a) * maths::rotation_y(0.5 * a) * maths::rotation_z(-0.3 * a)
+    });
     // Knees bent, so that a locked foot stays within reach.
     for (j, angle) in
         [(Joint::LeftThigh, -0.5), (Joint::LeftShin, 0.9), (Joint::RightThigh, -0.5), (Joint::RightShin, 0.9)]
     {
-        row.rotations[j.index()] = FrameRow::encode(maths::rotation_x(angle + 0.1 * maths::sin(4.0 * t)));
+        pose[j.index()] = maths::rotation_x(angle + 0.1 * maths::sin(4.0 * t));
     }
-    row
+    pose
 }

@@ -2,7 +2,7 @@
 
 use crate::bundle::Bundle;
 use crate::contacts::Contacts;
-use crate::format::{ClipRecord, FrameRow, Table};
+use crate::format::{ClipRecord, FrameRow, RotationCode, Table};
 use crate::graph::MotionGraph;
 use crate::hits::HitRecord;
 use crate::planar::Planar;
@@ -17,6 +17,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct MotionSet {
     pub(crate) frames: Table<FrameRow>,
+    pub(crate) rotation_code: RotationCode,
     pub(crate) contacts: Table<Contacts>,
     pub(crate) clips: Table<ClipRecord>,
     pub(crate) hits: Table<HitRecord>,
@@ -37,6 +38,7 @@ impl MotionSet {
     pub fn new(tables: &Bundle) -> Self {
         Self {
             frames: tables.frames().clone(),
+            rotation_code: *tables.rotation_code(),
             contacts: tables.contacts().clone(),
             clips: tables.clips().clone(),
             hits: tables.hits().clone(),
@@ -94,10 +96,10 @@ impl MotionSet {
         let row = &self.frames[frame as usize];
         let (mut at, mut point) = (joint, offset);
         while let Some(parent) = at.parent() {
-            point = row.rotation(at.index()) * point + self.skeleton.offsets[at.index()];
+            point = self.rotation_code.rotation(row, at.index()) * point + self.skeleton.offsets[at.index()];
             at = parent;
         }
-        let point = row.rotation(at.index()) * point + Vec3::new(0.0, row.height, 0.0);
+        let point = self.rotation_code.rotation(row, at.index()) * point + Vec3::new(0.0, row.height, 0.0);
         let root = self.planar(frame);
         root.rotation() * point + root.translation()
     }

@@ -58,6 +58,7 @@ impl Work for SampleJob<'_> {
             let at: [usize; LANES] = std::array::from_fn(|l| frames[lane(l)] as usize);
             let cursor = Cursor {
                 rows: [at.map(|f| &rows[f]), at.map(|f| &rows[(f + 1).min(last)])],
+                code: &self.motion_set.rotation_code,
                 ratio: F::from_array(std::array::from_fn(|l| ratios[lane(l)])),
             };
             write_matrices(&to_model(shared(&self.motion_set.skeleton), &sample::<F>(&cursor)), frames.len(), out);

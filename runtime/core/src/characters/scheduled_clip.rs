@@ -200,7 +200,7 @@ fn lay(b: &mut Block, lane: usize, scheduled_clip: &ScheduledClip, motion_set: &
     if change.from != change.to || change.lift != 0.0 || change.drift != Vec3::ZERO {
         b.age_s[lane] = -left_s;
         let block = std::slice::from_mut(b);
-        transition::start(&[change], &motion_set.frames, motion_set.rate_hz, config.half_life_s, block);
+        transition::start(&[change], motion_set, config.half_life_s, block);
     }
 }
 

@@ -136,7 +136,8 @@ fn pose<F: Lanes>(
         ratio[lane] = time - whole as f32;
         block.contacts[lane] = r.contacts[at[lane] + usize::from(ratio[lane] > 0.5)];
     }
-    let cursor = Cursor { rows: [at.map(|f| &r.frames[f]), at.map(|f| &r.frames[f + 1])], ratio: F::from_array(ratio) };
+    let rows = [at.map(|f| &r.frames[f]), at.map(|f| &r.frames[f + 1])];
+    let cursor = Cursor { rows, code: &r.rotation_code, ratio: F::from_array(ratio) };
     let place = place(block, &cursor);
     let mut local = sample(&cursor);
     local.root.y = local.root.y + place.y;

@@ -31,7 +31,10 @@ fn model(r: &MotionSet, from: usize, to: usize, ratio: f32) -> [Vec3; NUM_JOINTS
     let (a, b) = (&r.frames[from], &r.frames[to]);
     let mut out = [(Vec3::ZERO, Quat::IDENTITY); NUM_JOINTS];
     for j in Joint::ALL {
-        let q = a.rotation(j.index()).lerp(b.rotation(j.index()), ratio);
+        // No joint of these clips turns far, so x, y and z go straight and w follows.
+        let [from, onto] = [a, b].map(|row| r.rotation_code.rotation(row, j.index()).xyz());
+        let v = from.lerp(onto, ratio);
+        let q = Quat::from_xyzw(v.x, v.y, v.z, (1.0 - v.length_squared()).sqrt());
         out[j.index()] = match j.parent() {
             None => (Vec3::Y * (a.height + (b.height - a.height) * ratio), q),
             Some(p) => {

@@ -4,6 +4,7 @@
 //! height, and all velocities (inertialisation after Bollo, *Inertialization: High-Performance Animation
 //! Transitions in 'Gears of War'*, 2018, with a critically damped spring in place of its polynomial).
 
+use super::MotionSet;
 use super::block::{Block, ROTATION_CODES, VELOCITY_CODES, decode, encode};
 use super::decay::Decay;
 use crate::format::FrameRow;
@@ -31,14 +32,13 @@ pub(crate) struct Change {
 }
 
 /// Replaces the offsets of up to eight characters. Equal characters must not stand in one group.
-pub(crate) fn start(group: &[Change], frames: &[FrameRow], rate_hz: f32, half_life_s: f32, blocks: &mut [Block]) {
-    dispatch(Start { group, frames, rate_hz, half_life_s, blocks });
+pub(crate) fn start(group: &[Change], motion_set: &MotionSet, half_life_s: f32, blocks: &mut [Block]) {
+    dispatch(Start { group, motion_set, half_life_s, blocks });
 }
 
 struct Start<'a> {
     group: &'a [Change],
-    frames: &'a [FrameRow],
-    rate_hz: f32,
+    motion_set: &'a MotionSet,
     half_life_s: f32,
     blocks: &'a mut [Block],
 }
@@ -53,27 +53,27 @@ impl Work for Start<'_> {
 }
 
 #[inline(always)]
-fn start_lanes<F: Lanes>(Start { group, frames, rate_hz, half_life_s, blocks }: Start<'_>) {
+fn start_lanes<F: Lanes>(Start { group, motion_set, half_life_s, blocks }: Start<'_>) {
     let lane_of = |l: usize| group[l.min(group.len() - 1)];
     let rows = |offset: i64, from: bool| -> [&FrameRow; LANES] {
         std::array::from_fn(|l| {
             let c = lane_of(l);
-            &frames[(i64::from(if from { c.from } else { c.to }) + offset) as usize]
+            &motion_set.frames[(i64::from(if from { c.from } else { c.to }) + offset) as usize]
         })
     };
     let (before, last) = (rows(-1, true), rows(0, true));
     let (first, after) = (rows(0, false), rows(1, false));
     let age = F::from_array(std::array::from_fn(|l| lane_of(l).age_s));
     let (old, old_rate) = (Decay::new(age, half_life_s), Decay::rate(age, half_life_s));
-    let rate = F::splat(rate_hz);
+    let rate = F::splat(motion_set.rate_hz);
 
     for j in 0..NUM_JOINTS {
         let (x, v) = gather(group, blocks, |b, lane| {
             let o = &b.offsets;
             (decode(&o.rotation[j], lane, ROTATION_CODES), decode(&o.rotation_velocity[j], lane, VELOCITY_CODES))
         });
-        let (q_before, q_last) = (rotation(&before, j), rotation(&last, j));
-        let (q_first, q_after) = (rotation(&first, j), rotation(&after, j));
+        let [q_before, q_last, q_first, q_after] =
+            [before, last, first, after].map(|rows| motion_set.rotation_code.of_rows::<F>(&rows, j));
         let shown = Q::from_mrp(old.apply(x, v)) * q_last;
         let offset = (shown * q_first.conjugate()).to_mrp();
         let old_velocity = (q_last * q_before.conjugate()).to_mrp();
@@ -96,12 +96,6 @@ fn start_lanes<F: Lanes>(Start { group, frames, rate_hz, half_life_s, blocks }: 
         set(&mut b.offsets.root, lane, x);
         set(&mut b.offsets.root_velocity, lane, v);
     });
-}
-
-#[inline(always)]
-fn rotation<F: Lanes>(rows: &[&FrameRow; LANES], joint: usize) -> Q<F> {
-    let [x, y, z, w] = F::decode(rows.map(|r| &r.rotations[joint]));
-    Q::new(V::new(x, y, z), w).normalize()
 }
 
 /// How far the hips move from one row to the next, in the frame of the planar root (m).

@@ -10,6 +10,7 @@
 //! - 2: effective hits, policies on space-time grids and on adaptive grids.
 //! - 3: pose groups and motion patches; contacts of seven bits; a motion graph may be absent where there are patches.
 //! - 4: blend spaces; a motion graph may be absent where there are any.
+//! - 5: frame rows of 96 bytes, whose rotations are packed as a section of its own says.
 
 #[cfg(not(target_endian = "little"))]
 compile_error!("bundles are little-endian and viewed in place; this target is big-endian");
@@ -19,6 +20,7 @@ mod header;
 mod layout;
 mod meta;
 mod records;
+mod rotation_code;
 mod storage;
 mod table;
 mod writer;
@@ -28,7 +30,8 @@ pub use header::Kind;
 pub use header::{ALIGN, Header, MAGIC, Section, Tag, VERSION};
 pub use layout::Layout;
 pub use meta::{BlendMeta, ClipMeta, Meta, PatchMeta, SourceMeta, decode, encode};
-pub use records::{ClipRecord, FrameRow, SkeletonRecord};
+pub use records::{ClipRecord, FrameRow, ROTATION_BYTES, SkeletonRecord};
+pub use rotation_code::{JointCode, RotationCode};
 pub use storage::AlignedBytes;
 pub use storage::Storage;
 pub use table::Table;

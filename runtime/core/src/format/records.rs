@@ -2,12 +2,9 @@
 
 use crate::skeleton::{NUM_JOINTS, Skeleton};
 use bytemuck::{Pod, Zeroable};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
-/// Scale of a stored rotation component: `i16 / 32767`.
-const QUANTUM: f32 = 32767.0;
-
-/// One frame of motion: 192 bytes, three cache lines.
+/// One frame of motion: 96 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct FrameRow {
@@ -16,25 +13,14 @@ pub struct FrameRow {
     pub planar: [f32; 3],
     /// Height of the hips above the ground (m).
     pub height: f32,
-    /// Rotations as (x, y, z, w) * 32767; joint 0 is the tilt, the others are relative to their parents.
-    /// Neighbouring frames of a clip have a positive dot product (NUM_JOINTS).
-    pub rotations: [[i16; 4]; NUM_JOINTS],
+    /// Rotations of all joints, packed as the bundle's [`super::RotationCode`] says.
+    pub rotations: [u8; ROTATION_BYTES],
 }
 
-const _: () = assert!(size_of::<FrameRow>() == 192);
+/// Bytes of a frame's rotations.
+pub const ROTATION_BYTES: usize = 80;
 
-impl FrameRow {
-    /// The stored rotation of a joint, normalised. Differs from what was encoded by less than 1e-4 rad.
-    pub fn rotation(&self, joint: usize) -> Quat {
-        let [x, y, z, w] = self.rotations[joint].map(|v| f32::from(v) / QUANTUM);
-        Quat::from_xyzw(x, y, z, w).normalize()
-    }
-
-    /// A unit quaternion as it is stored.
-    pub fn encode(q: Quat) -> [i16; 4] {
-        q.to_array().map(|v| (v.clamp(-1.0, 1.0) * QUANTUM).round() as i16)
-    }
-}
+const _: () = assert!(size_of::<FrameRow>() == 96);
 
 /// A clip's frames in the section of frame rows.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -69,25 +55,5 @@ impl From<&Skeleton> for SkeletonRecord {
 impl From<&SkeletonRecord> for Skeleton {
     fn from(s: &SkeletonRecord) -> Self {
         Self { offsets: s.offsets.map(Vec3::from_array), tips: s.tips.map(Vec3::from_array) }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn storing_a_rotation_turns_it_by_less_than_a_ten_thousandth(v in prop::array::uniform4(-1.0f32..1.0)) {
-            let q = Quat::from_array(v);
-            prop_assume!(q.length() > 0.1);
-            let q = q.normalize();
-            let mut row = FrameRow::zeroed();
-            row.rotations[3] = FrameRow::encode(q);
-            let r = row.rotation(3);
-            let sine = (q.conjugate() * r).xyz().as_dvec3().length();
-            prop_assert!(2.0 * sine < 1e-4, "{}", 2.0 * sine);
-        }
     }
 }

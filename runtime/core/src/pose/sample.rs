@@ -1,6 +1,6 @@
 //! Sampling: from frame rows to local rotations of eight characters.
 
-use crate::format::FrameRow;
+use crate::format::{FrameRow, RotationCode};
 use crate::skeleton::NUM_JOINTS;
 use throng_base::simd::{LANES, Lanes, Q, V};
 
@@ -8,6 +8,8 @@ use throng_base::simd::{LANES, Lanes, Q, V};
 pub(crate) struct Cursor<'a, F> {
     /// The frame at or before, and the one after.
     pub rows: [[&'a FrameRow; LANES]; 2],
+    /// How their rotations are packed.
+    pub code: &'a RotationCode,
     /// How far between them, 0 to 1.
     pub ratio: F,
 }
@@ -28,13 +30,7 @@ pub(crate) fn sample<F: Lanes>(cursor: &Cursor<'_, F>) -> LanePose<F> {
     let zero = F::splat(0.0);
     let mut rotations = [Q::new(V::new(zero, zero, zero), zero); NUM_JOINTS];
     for (j, rotation) in rotations.iter_mut().enumerate() {
-        let a = F::decode(from.map(|r| &r.rotations[j]));
-        let b = F::decode(to.map(|r| &r.rotations[j]));
-        let x = a[0] + (b[0] - a[0]) * cursor.ratio;
-        let y = a[1] + (b[1] - a[1]) * cursor.ratio;
-        let z = a[2] + (b[2] - a[2]) * cursor.ratio;
-        let w = a[3] + (b[3] - a[3]) * cursor.ratio;
-        *rotation = Q::new(V::new(x, y, z), w).normalize();
+        *rotation = cursor.code.between([from, to], cursor.ratio, j);
     }
     LanePose { root: V::new(zero, height, zero), rotations }
 }

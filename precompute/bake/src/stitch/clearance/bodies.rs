@@ -5,7 +5,7 @@ use crate::environment::{Body, Bounds, NUM_SPHERES, Sphere};
 use crate::stitch::sets::rows::ones;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
-use throng_core::format::FrameRow;
+use throng_core::format::{FrameRow, RotationCode};
 use throng_core::patch::Placement;
 use throng_core::{Contacts, Joint, Skeleton};
 use throng_motion::clip::joint_transforms;
@@ -137,10 +137,15 @@ impl Bodies {
     /// Places the spheres of every frame.
     ///
     /// - `depth_m`: bodies may be that deep in units (m).
-    pub fn new(frames: &[FrameRow], contacts: &[Contacts], skeleton: &Skeleton, depth_m: f32) -> Self {
+    pub fn new(
+        (frames, code): (&[FrameRow], &RotationCode),
+        contacts: &[Contacts],
+        skeleton: &Skeleton,
+        depth_m: f32,
+    ) -> Self {
         let body = Body::new(skeleton);
         let pose = |(row, &contacts): (&FrameRow, &Contacts)| {
-            let joints = joint_transforms(skeleton, Vec3::Y * row.height, |j| row.rotation(j));
+            let joints = joint_transforms(skeleton, Vec3::Y * row.height, |j| code.rotation(row, j));
             let spheres = body.spheres(&joints);
             (Pose::new(&spheres, contacts), Reach::new(&spheres))
         };

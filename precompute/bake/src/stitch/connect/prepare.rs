@@ -302,9 +302,9 @@ impl<'a> Stitcher<'a> {
     /// Bodies of all frames.
     pub fn bodies(&self) -> &Bodies {
         let l = &self.placer.library;
-        self.found
-            .bodies
-            .get_or_init(|| Bodies::new(l.frames, l.contacts, l.skeleton, self.placer.config.penetration_m))
+        self.found.bodies.get_or_init(|| {
+            Bodies::new((l.frames, l.rotation_code), l.contacts, l.skeleton, self.placer.config.penetration_m)
+        })
     }
 
     /// Where links pass; none where they have most of their roots in common.

@@ -269,7 +269,7 @@ mod tests {
     use super::*;
     use crate::environment::UnitSet;
     use throng_core::Skeleton;
-    use throng_core::format::FrameRow;
+    use throng_core::format::{FrameRow, RotationCode};
     use throng_core::patch::{KIND_BLOCK, PatchRecord};
 
     #[test]
@@ -277,7 +277,7 @@ mod tests {
         let row = |k: usize| FrameRow {
             planar: [0.1 * k as f32, 0.02 * (k * k) as f32, 0.3 * k as f32],
             height: 1.0,
-            rotations: [[0; 4]; throng_core::NUM_JOINTS],
+            rotations: [0; throng_core::format::ROTATION_BYTES],
         };
         let frames: Vec<FrameRow> = (0..20).map(row).collect();
         let (units, skeleton, groups) = (UnitSet::default(), Skeleton::default(), [0; 20]);
@@ -288,6 +288,7 @@ mod tests {
             names: &[],
             units: &units,
             frames: &frames,
+            rotation_code: &RotationCode::rest(),
             groups: &groups,
             contacts: &[],
             geometries: &[],

@@ -6,6 +6,7 @@ use crate::stitch::clearance::seen::SLACK_M;
 use proptest::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
+use throng_core::format::ROTATION_BYTES;
 
 /// A small box, one side of it in the x, y plane.
 fn crate_behind() -> Field {
@@ -16,9 +17,8 @@ fn crate_behind() -> Field {
 
 /// A body in the T-pose, its arms along x.
 fn bodies(contacts: Contacts, depth_m: f32) -> Bodies {
-    let upright = std::array::from_fn(|_| FrameRow::encode(Quat::IDENTITY));
-    let row = FrameRow { planar: [0.0; 3], height: 0.95, rotations: upright };
-    Bodies::new(&[row], &[contacts], &Skeleton::default(), depth_m)
+    let row = FrameRow { height: 0.95, planar: [0.0; 3], rotations: [0; ROTATION_BYTES] };
+    Bodies::new((&[row], &RotationCode::rest()), &[contacts], &Skeleton::default(), depth_m)
 }
 
 /// How far a unit is from what the spheres may be deep in it, below 0 where the body collides (m).

@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::path::Path;
-use throng_core::format::FrameRow;
+use throng_core::format::{FrameRow, RotationCode};
 use throng_core::patch::{LinkRecord, PatchRecord, Patches};
 use throng_core::{Contacts, Skeleton};
 use throng_motion::clip::joint_transforms;
@@ -20,6 +20,7 @@ use throng_world::is_set;
 struct Walks {
     units: UnitSet,
     frames: Vec<FrameRow>,
+    rotation_code: RotationCode,
     contacts: Vec<Contacts>,
     links: Vec<LinkRecord>,
     skeleton: Skeleton,
@@ -33,12 +34,14 @@ const SWING: f32 = 0.12;
 
 impl Walks {
     fn new(rng: &mut Pcg64Mcg) -> Self {
+        let swing = |k: usize, j: usize| Quat::from_rotation_x(0.7 * (k as f32 * SWING + j as f32).sin());
+        let rotation = |k: usize, j: usize| if j == 0 { Quat::IDENTITY } else { swing(k, j) };
+        let rotation_code = RotationCode::fit(&Skeleton::default(), 130, rotation);
         let row = |k: usize| {
-            let phase = k as f32 * SWING;
-            let rotation = |j: usize| Quat::from_rotation_x(0.7 * (phase + j as f32).sin());
-            let rotations =
-                std::array::from_fn(|j| FrameRow::encode(if j == 0 { Quat::IDENTITY } else { rotation(j) }));
-            FrameRow { planar: [0.0, 0.04 * k as f32, 0.01 * k as f32], height: 0.85, rotations }
+            let planar = [0.0, 0.04 * k as f32, 0.01 * k as f32];
+            let mut row = FrameRow { planar, height: 0.85, ..FrameRow::zeroed() };
+            rotation_code.encode(&std::array::from_fn(|j| rotation(k, j)), None, &mut row);
+            row
         };
         let mut place = |r: f32| {
             let heading = rng.random_range(-3.0f32..3.0);
@@ -57,7 +60,8 @@ impl Walks {
                     [[units]]\nname = \"deck\"\nfloor = true\nshapes = [{ box = { at = [0.0, 0.1, 0.0], size = [1.0, \
                     0.3, 0.5], pitch_deg = 10.0 } }]\n";
         let units = UnitSet::parse(text, Path::new("u.toml")).expect("units");
-        Self { units, frames: (0..130).map(row).collect(), contacts, links, skeleton: Skeleton::default() }
+        let frames = (0..130).map(row).collect();
+        Self { units, frames, rotation_code, contacts, links, skeleton: Skeleton::default() }
     }
 
     fn with<T>(&self, look: impl FnOnce(&Paths, &Bodies, &[Field]) -> T) -> T {
@@ -69,6 +73,7 @@ impl Walks {
             names: &[],
             units: &self.units,
             frames: &self.frames,
+            rotation_code: &self.rotation_code,
             groups: &[0; 130],
             contacts: &self.contacts,
             geometries: &geometries,
@@ -82,7 +87,7 @@ impl Walks {
             links: (&self.links).into(),
         };
         let paths = Paths::new(&patches, &library, 0);
-        let bodies = Bodies::new(&self.frames, &self.contacts, &self.skeleton, DEPTH_M);
+        let bodies = Bodies::new((&self.frames, &self.rotation_code), &self.contacts, &self.skeleton, DEPTH_M);
         look(&paths, &bodies, &geometries.iter().map(Field::new).collect::<Vec<_>>())
     }
 
@@ -91,7 +96,8 @@ impl Walks {
         let (root, frame) = (paths.of(link)[k], &self.frames[self.links[link].frame as usize + k]);
         let turn = root.planar().rotation();
         let joints = joint_transforms(&self.skeleton, root.translation() + Vec3::Y * frame.height, |j| {
-            if j == 0 { turn * frame.rotation(0) } else { frame.rotation(j) }
+            let local = self.rotation_code.rotation(frame, j);
+            if j == 0 { turn * local } else { local }
         });
         Body::new(&self.skeleton).spheres(&joints)
     }

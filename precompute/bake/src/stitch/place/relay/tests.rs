@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::path::Path;
 use throng_core::Skeleton;
-use throng_core::format::PatchMeta;
+use throng_core::format::{PatchMeta, RotationCode};
 use throng_core::patch::{EdgeRecord, KIND_BLOCK, KIND_TILE, PatchRecord, Patches, Placement};
 
 const UNITS: &str = "[[units]]\nname = \"panel\"\nsymmetry = 4\nfloor = true\nshapes = [{ box = { at = [0.0, -0.05, 0.0], \
@@ -60,6 +60,7 @@ fn with<T>(look: impl FnOnce(&Placer<'_>) -> T) -> T {
         names: &names,
         units: &units,
         frames: &[],
+        rotation_code: &RotationCode::rest(),
         groups: &[],
         contacts: &[],
         geometries: &geometries,

@@ -1,0 +1,291 @@
+//! How the rotations of a frame are packed into 80 bytes.
+//!
+//! Each joint has a field of bits with a number of steps above a lowest value for each of x, y and z of its quaternion,
+//! relative to a rotation in the middle of all that the joint does; w follows from unit length. Where no middle keeps w
+//! away from zero, w is stored too. Bits go where a step moves joints most: to long bones and wide ranges. A frame is
+//! encoded from the hips outwards, and each joint makes up for what its parents are off, so errors do not add up.
+//! Ranges for a whole database instead of each clip (as in the animation compression library of Frechette, 2016) keep
+//! sampling free of look-ups.
+
+use super::records::{FrameRow, ROTATION_BYTES};
+use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
+use bytemuck::{Pod, Zeroable};
+use glam::{Quat, Vec3};
+use throng_base::simd::{LANES, Lanes, Q, V};
+
+/// Bits that all joints share.
+const BITS: u32 = 8 * ROTATION_BYTES as u32;
+/// Most bits of a joint, so that they lie in eight bytes wherever they start.
+const MOST_BITS: u32 = 57;
+/// Most bits of a component.
+const MOST_OF_ONE: u32 = 16;
+/// w is derived where it never gets smaller.
+const LEAST_W: f32 = 0.3;
+/// A rotation in the middle is looked for where the identity leaves w smaller.
+const WIDE_W: f32 = 0.5;
+/// The tip of a hand or a toe counts as a joint so far away (m).
+const TIP_M: f32 = 0.08;
+
+/// The field of one joint.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct JointCode {
+    /// Unit quaternion that the coded rotation is turned by: the joint's is `centre * coded`.
+    pub centre: [f32; 4],
+    /// Lowest value of x, y, z and w.
+    pub low: [f32; 4],
+    /// Of x, y, z and w (>= 0).
+    pub step: [f32; 4],
+    /// First bit of the field (0 to 640).
+    pub at: u32,
+    /// Bits of x, y, z and w, the lowest first (0 to 16, at most 57 together). Without bits, w is derived.
+    pub bits: [u8; 4],
+}
+
+impl JointCode {
+    /// True where w is stored.
+    pub(crate) fn stores_w(&self) -> bool {
+        self.bits[3] > 0
+    }
+
+    fn width(&self) -> u32 {
+        self.bits.iter().map(|&b| u32::from(b)).sum()
+    }
+
+    /// True where all is as the fields say, with a unit centre and values of a quaternion.
+    pub(crate) fn is_sound(&self) -> bool {
+        let unit = (Quat::from_array(self.centre).length() - 1.0).abs() < 1e-3;
+        let values = self.low.iter().all(|v| v.abs() <= 1.1) && self.step.iter().all(|v| (0.0..=2.2).contains(v));
+        let bits = self.bits.iter().all(|&b| u32::from(b) <= MOST_OF_ONE) && self.width() <= MOST_BITS;
+        unit && values && bits && self.at <= BITS - self.width()
+    }
+
+    /// First byte that is read, and how far the field starts above its lowest bit.
+    #[inline(always)]
+    fn word(&self) -> (usize, u32) {
+        let byte = (self.at / 8).min(ROTATION_BYTES as u32 - 8);
+        (byte as usize, self.at - 8 * byte)
+    }
+
+    /// Places of x, y, z, w in eight bytes that are read.
+    #[inline(always)]
+    fn shifts(&self, first: u32) -> [u32; 4] {
+        let [x, y, z, _] = self.bits.map(u32::from);
+        [first, first + x, first + x + y, first + x + y + z]
+    }
+
+    /// The coded rotation, before it is turned by the centre.
+    pub(crate) fn coded(&self, row: &FrameRow) -> Quat {
+        let (byte, first) = self.word();
+        let (word, shifts) = (word(row, byte), self.shifts(first));
+        let value = |k: usize| {
+            let steps = word.checked_shr(shifts[k]).unwrap_or(0) & ((1 << self.bits[k]) - 1);
+            self.low[k] + self.step[k] * steps as f32
+        };
+        let v = Vec3::new(value(0), value(1), value(2));
+        let w = if self.stores_w() { value(3) } else { (1.0 - v.length_squared()).max(0.0).sqrt() };
+        Quat::from_xyzw(v.x, v.y, v.z, w)
+    }
+
+    /// Puts a rotation into its field, as near as it goes.
+    ///
+    /// - `before`: its neighbour; on the same side as this where w is stored.
+    fn put(&self, rotation: Quat, before: Option<&FrameRow>, row: &mut FrameRow) {
+        let mut coded = Quat::from_array(self.centre).conjugate() * rotation;
+        let other_side = match before {
+            Some(row) if self.stores_w() => self.coded(row).dot(coded) < 0.0,
+            _ => coded.w < 0.0,
+        };
+        if other_side {
+            coded = -coded;
+        }
+        let (byte, first) = self.word();
+        let mut word = word(row, byte);
+        for ((value, shift), k) in coded.to_array().into_iter().zip(self.shifts(first)).zip(0..) {
+            let most = (1u64 << self.bits[k]) - 1;
+            if self.bits[k] > 0 {
+                let steps = ((value - self.low[k]) / self.step[k].max(f32::MIN_POSITIVE)).round() as u64;
+                word = word & !(most << shift) | steps.min(most) << shift;
+            }
+        }
+        row.rotations[byte..byte + 8].copy_from_slice(&word.to_le_bytes());
+    }
+}
+
+/// The fields of all joints: one record of a bundle.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct RotationCode {
+    /// One field a joint (NUM_JOINTS).
+    pub joints: [JointCode; NUM_JOINTS],
+}
+
+impl RotationCode {
+    /// The code of the rest pose: whatever is in a row, its rotations are identities.
+    pub fn rest() -> Self {
+        Self::fit(&Skeleton::default(), 0, |_, _| Quat::IDENTITY)
+    }
+
+    /// The code that shows some frames best.
+    ///
+    /// - `skeleton`: lengths of bones say how far a step moves what hangs on a joint.
+    /// - `rotation`: of a frame and a joint, relative to the parent, that of the hips to the planar root (unit length).
+    pub fn fit(skeleton: &Skeleton, num_frames: usize, rotation: impl Fn(usize, usize) -> Quat) -> Self {
+        let ranges: [_; NUM_JOINTS] = std::array::from_fn(|j| ranges(num_frames, |frame| rotation(frame, j)));
+        let mut joints = ranges.map(|r| r.0);
+        // An error of x, y and z makes one of w that is the larger, the smaller w is.
+        let reach = reaches(skeleton);
+        let reach: [f32; NUM_JOINTS] = std::array::from_fn(|j| reach[j] / ranges[j].1);
+        let mut left = BITS;
+        // The next bit goes where a step is worth the longest way.
+        let way = |c: &JointCode, j: usize, k: usize| {
+            let step = c.step[k] / ((1u32 << c.bits[k]) as f32);
+            if c.step[k] <= 1e-6 || u32::from(c.bits[k]) >= MOST_OF_ONE { 0.0 } else { step * reach[j] }
+        };
+        while left > 0 {
+            let all =
+                (0..NUM_JOINTS).filter(|&j| joints[j].width() < MOST_BITS).flat_map(|j| (0..4).map(move |k| (j, k)));
+            let worst = all.map(|(j, k)| (way(&joints[j], j, k), j, k)).max_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((_, j, k)) = worst.filter(|w| w.0 > 0.0) else { break };
+            joints[j].bits[k] += 1;
+            left -= 1;
+        }
+        let mut at = 0;
+        for c in &mut joints {
+            c.at = at;
+            at += c.width();
+            for k in 0..4 {
+                let most = ((1u32 << c.bits[k]) - 1) as f32;
+                (c.low[k], c.step[k]) =
+                    if most > 0.0 { (c.low[k], c.step[k] / most) } else { (c.low[k] + 0.5 * c.step[k], 0.0) };
+            }
+        }
+        Self { joints }
+    }
+
+    /// Packs the rotations of a frame.
+    ///
+    /// - `before`: the frame before it in the clip.
+    /// - `row`: whose rotations are set.
+    pub fn encode(&self, local: &[Quat; NUM_JOINTS], before: Option<&FrameRow>, row: &mut FrameRow) {
+        let (mut wanted, mut shown) = (*local, *local);
+        for (j, code) in self.joints.iter().enumerate() {
+            let (mut target, mut above) = (local[j], Quat::IDENTITY);
+            if let Some(p) = Joint::ALL[j].parent() {
+                wanted[j] = (wanted[p.index()] * local[j]).normalize();
+                above = shown[p.index()];
+                target = above.conjugate() * wanted[j];
+            }
+            code.put(target, before, row);
+            shown[j] = (above * self.rotation(row, j)).normalize();
+        }
+    }
+
+    /// The rotation of a joint in a row: relative to its parent, that of the hips to the planar root. Unit length.
+    pub fn rotation(&self, row: &FrameRow, joint: usize) -> Quat {
+        let code = &self.joints[joint];
+        (Quat::from_array(code.centre) * code.coded(row)).normalize()
+    }
+
+    /// The rotation of a joint between two rows of each of eight characters. Unit length.
+    #[inline(always)]
+    pub(crate) fn between<F: Lanes>(&self, rows: [&[&FrameRow; LANES]; 2], ratio: F, joint: usize) -> Q<F> {
+        let code = &self.joints[joint];
+        let (byte, first) = code.word();
+        let shifts = code.shifts(first);
+        let words = |rows: &[&FrameRow; LANES]| rows.map(|r| word(r, byte));
+        let (from, to) = (words(rows[0]), words(rows[1]));
+        let value = |k: usize| {
+            let [a, b] = [from, to].map(|w| F::field(w, shifts[k], u32::from(code.bits[k])));
+            F::splat(code.low[k]) + F::splat(code.step[k]) * (a + (b - a) * ratio)
+        };
+        let v = V::new(value(0), value(1), value(2));
+        let coded = if code.stores_w() {
+            Q::new(v, value(3)).normalize()
+        } else {
+            // A point between two of the unit ball lies in it.
+            Q::new(v, (F::splat(1.0) - v.dot(v)).max(F::splat(0.0)).sqrt())
+        };
+        let [x, y, z, w] = code.centre;
+        if w == 1.0 { coded } else { Q::new(V::splat(Vec3::new(x, y, z)), F::splat(w)) * coded }
+    }
+
+    /// The rotation of a joint in a row of each of eight characters. Unit length.
+    #[inline(always)]
+    pub(crate) fn of_rows<F: Lanes>(&self, rows: &[&FrameRow; LANES], joint: usize) -> Q<F> {
+        self.between([rows, rows], F::splat(0.0), joint)
+    }
+}
+
+/// Eight bytes of a row's rotations (byte <= 72).
+#[inline(always)]
+fn word(row: &FrameRow, byte: usize) -> u64 {
+    row.rotations[byte..byte + 8].iter().rev().fold(0, |word, &b| word << 8 | u64::from(b))
+}
+
+/// The middle and the lowest and widest of each component, as a code without bits whose steps are whole ranges; and the
+/// smallest w of what derives it (1 where it is stored).
+fn ranges(num_frames: usize, rotation: impl Fn(usize) -> Quat) -> (JointCode, f32) {
+    let (centre, least) = centre(num_frames, &rotation);
+    let stores_w = least < LEAST_W;
+    let (centre, least) = if stores_w { (Quat::IDENTITY, 1.0) } else { (centre, least) };
+    let (mut low, mut high) = ([f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
+    for frame in 0..num_frames {
+        let coded = centre.conjugate() * rotation(frame);
+        let coded = if coded.w < 0.0 { -coded } else { coded };
+        for (k, v) in coded.to_array().into_iter().enumerate() {
+            (low[k], high[k]) = (low[k].min(v), high[k].max(v));
+        }
+    }
+    if stores_w {
+        // Signs follow the frame before, so either may come.
+        (low, high) = ([-1.0; 4], [1.0; 4]);
+    } else if num_frames == 0 {
+        (low, high) = ([0.0; 4], [0.0; 4]);
+    } else {
+        (low[3], high[3]) = (0.0, 0.0);
+    }
+    let step = std::array::from_fn(|k| high[k] - low[k]);
+    (JointCode { centre: centre.to_array(), low, step, at: 0, bits: [0; 4] }, least)
+}
+
+/// A rotation in the middle of all, and the cosine of half the angle to the farthest. The identity if it will do.
+fn centre(num_frames: usize, rotation: impl Fn(usize) -> Quat) -> (Quat, f32) {
+    let farthest = |all: &mut dyn Iterator<Item = Quat>, centre: Quat| {
+        let least = all.map(|q| (centre.dot(q).abs(), q)).min_by(|a, b| a.0.total_cmp(&b.0));
+        least.unwrap_or((1.0, centre))
+    };
+    let (least, mut far) = farthest(&mut (0..num_frames).map(&rotation), Quat::IDENTITY);
+    if least >= WIDE_W {
+        return (Quat::IDENTITY, least);
+    }
+    // Towards what lies farthest, in ever shorter steps: the middle of the smallest cap around all.
+    let all: Vec<Quat> = (0..num_frames).map(rotation).collect();
+    let mut best = (Quat::IDENTITY, least);
+    let mut centre = Quat::IDENTITY;
+    for step in 2..64 {
+        let towards = if centre.dot(far) < 0.0 { -far } else { far };
+        centre = (centre + towards * (1.0 / step as f32)).normalize();
+        let (near, next) = farthest(&mut all.iter().copied(), centre);
+        far = next;
+        if near > best.1 {
+            best = (centre, near);
+        }
+    }
+    best
+}
+
+/// How far what a joint turns lies from it: its longest bone (m).
+fn reaches(skeleton: &Skeleton) -> [f32; NUM_JOINTS] {
+    let mut reach = [TIP_M; NUM_JOINTS];
+    for j in Joint::ALL {
+        if let Some(p) = j.parent() {
+            let bone = &mut reach[p.index()];
+            *bone = bone.max(skeleton.offsets[j.index()].length());
+        }
+    }
+    reach
+}
+
+#[cfg(test)]
+mod tests;
