@@ -176,17 +176,22 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     fn field(words: [u64; LANES], shift: u32, bits: u32) -> Self {
-        let [w0, w1, w2, w3, w4, w5, w6, w7] = words.map(|w| w as i64);
+        let [w0, w1, w2, w3, w4, w5, w6, w7] = words;
         avx!({
             let by = _mm_cvtsi32_si128(shift as i32);
-            let low = _mm256_castsi256_ps(_mm256_srl_epi64(_mm256_set_epi64x(w3, w2, w1, w0), by));
-            let high = _mm256_castsi256_ps(_mm256_srl_epi64(_mm256_set_epi64x(w7, w6, w5, w4), by));
-            // The lower halves of words 0, 1, 4, 5, 2, 3, 6, 7, and then in order.
-            let halves = _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(low, high));
-            let ordered = _mm256_permute4x64_epi64::<0b11_01_10_00>(halves);
-            Self(_mm256_cvtepi32_ps(_mm256_and_si256(ordered, _mm256_set1_epi32((1i32 << bits) - 1))))
+            // In an order that the shuffle of their lower halves undoes.
+            let a = _mm256_castsi256_ps(_mm256_srl_epi64(four(w0, w1, w4, w5), by));
+            let b = _mm256_castsi256_ps(_mm256_srl_epi64(four(w2, w3, w6, w7), by));
+            let halves = _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(a, b));
+            Self(_mm256_cvtepi32_ps(_mm256_and_si256(halves, _mm256_set1_epi32((1i32 << bits) - 1))))
         })
     }
+}
+
+/// Four words, the first the lowest.
+#[inline(always)]
+fn four(a: u64, b: u64, c: u64, d: u64) -> __m256i {
+    avx!(_mm256_set_epi64x(d as i64, c as i64, b as i64, a as i64))
 }
 
 /// x0 x1 x2 x3 y0 y1 y2 y3 and z0 .. w3 of four lanes.

@@ -74,6 +74,14 @@ impl JointCode {
         [first, first + x, first + x + y, first + x + y + z]
     }
 
+    /// Component k between the values of two words.
+    #[inline(always)]
+    fn value<F: Lanes>(&self, from: [u64; LANES], to: [u64; LANES], shift: u32, ratio: F, k: usize) -> F {
+        let bits = u32::from(self.bits[k]);
+        let (a, b) = (F::field(from, shift, bits), F::field(to, shift, bits));
+        F::splat(self.low[k]) + F::splat(self.step[k]) * (a + (b - a) * ratio)
+    }
+
     /// The coded rotation, before it is turned by the centre.
     pub(crate) fn coded(&self, row: &FrameRow) -> Quat {
         let (byte, first) = self.word();
@@ -189,19 +197,14 @@ impl RotationCode {
 
     /// The rotation of a joint between two rows of each of eight characters. Unit length.
     #[inline(always)]
-    pub(crate) fn between<F: Lanes>(&self, rows: [&[&FrameRow; LANES]; 2], ratio: F, joint: usize) -> Q<F> {
+    pub(crate) fn between<F: Lanes>(&self, [from, to]: [&[&FrameRow; LANES]; 2], ratio: F, joint: usize) -> Q<F> {
         let code = &self.joints[joint];
         let (byte, first) = code.word();
-        let shifts = code.shifts(first);
-        let words = |rows: &[&FrameRow; LANES]| rows.map(|r| word(r, byte));
-        let (from, to) = (words(rows[0]), words(rows[1]));
-        let value = |k: usize| {
-            let [a, b] = [from, to].map(|w| F::field(w, shifts[k], u32::from(code.bits[k])));
-            F::splat(code.low[k]) + F::splat(code.step[k]) * (a + (b - a) * ratio)
-        };
-        let v = V::new(value(0), value(1), value(2));
+        let (a, b) = (words(from, byte), words(to, byte));
+        let [x, y, z, w] = code.shifts(first);
+        let v = V::new(code.value(a, b, x, ratio, 0), code.value(a, b, y, ratio, 1), code.value(a, b, z, ratio, 2));
         let coded = if code.stores_w() {
-            Q::new(v, value(3)).normalize()
+            Q::new(v, code.value(a, b, w, ratio, 3)).normalize()
         } else {
             // A point between two of the unit ball lies in it.
             Q::new(v, (F::splat(1.0) - v.dot(v)).max(F::splat(0.0)).sqrt())
@@ -220,7 +223,24 @@ impl RotationCode {
 /// Eight bytes of a row's rotations (byte <= 72).
 #[inline(always)]
 fn word(row: &FrameRow, byte: usize) -> u64 {
-    row.rotations[byte..byte + 8].iter().rev().fold(0, |word, &b| word << 8 | u64::from(b))
+    let bytes = row.rotations[byte..].first_chunk().unwrap_or(&[0; 8]);
+    u64::from_le_bytes(*bytes)
+}
+
+/// The same of each of eight rows.
+#[inline(always)]
+fn words(rows: &[&FrameRow; LANES], byte: usize) -> [u64; LANES] {
+    let [a, b, c, d, e, f, g, h] = *rows;
+    [
+        word(a, byte),
+        word(b, byte),
+        word(c, byte),
+        word(d, byte),
+        word(e, byte),
+        word(f, byte),
+        word(g, byte),
+        word(h, byte),
+    ]
 }
 
 /// The middle and the lowest and widest of each component, as a code without bits whose steps are whole ranges; and the
