@@ -4,7 +4,7 @@ use super::patch::{Frame, Parts, open, open_unverified, refusal};
 use crate::common::bundle;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use throng_runtime::format::{FormatError, Header, Section};
+use throng_runtime::format::{FormatError, Header, Section, VERSION};
 use throng_runtime::{Bundle, bundle::tags};
 
 #[test]
@@ -135,7 +135,7 @@ fn other_magic_is_refused_as_no_bundle() {
 
 #[test]
 fn other_versions_are_refused_with_what_to_run() {
-    for version in [0, 1, 2, 3, 5, 256, u32::MAX] {
+    for version in (0..VERSION).chain([VERSION + 1, 256, u32::MAX]) {
         let mut frame = Frame::of(bundle());
         frame.header.version = version;
         let e = refusal(&frame.seal(), "other version");
