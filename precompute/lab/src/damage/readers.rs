@@ -148,7 +148,7 @@ pub fn archive(data: &[u8]) -> bool {
     });
     let found = import::find(std::slice::from_ref(&path)).unwrap_or_default();
     for file in found.iter().take(FEW) {
-        drop(import::read_clip(&file.path, &ImportConfig::default()));
+        drop(import::read_clips(&file.path, &ImportConfig::default()));
     }
     !found.is_empty()
 }

@@ -1,13 +1,18 @@
 //! Which files to read: folders, patterns and archives become sorted lists, and an AMC file finds its skeleton.
 
-use super::archive;
 use super::source::content_error;
+use super::{archive, gltf};
 use crate::ImportError;
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
+use throng_base::file::MAX_MOTION_BYTES;
 
 /// Files that hold motion.
-const EXTENSIONS: [&str; 3] = ["bvh", "amc", "npz"];
+const EXTENSIONS: [&str; 6] = ["bvh", "amc", "npz", "glb", "gltf", "fbx"];
+/// Those of them that may hold several clips.
+const OF_SEVERAL: [&str; 3] = ["glb", "gltf", "fbx"];
+/// What names of motion files end with, in words.
+pub const FORMATS: &str = ".bvh, .amc, .npz, .glb, .gltf or .fbx";
 /// Folders within folders that are searched; more is a loop.
 const MAX_DEPTH: usize = 64;
 /// Stands for any number of folders in a pattern.
@@ -16,17 +21,38 @@ const ANY_FOLDERS: &str = "**";
 /// A motion file, and the name that its clip gets.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MotionFile {
-    /// The file; one in an archive is named as if the archive were a folder.
+    /// The file; one in an archive is named as if the archive were a folder, a clip of several as if their file were.
     pub path: PathBuf,
     /// Its path without extension as seen from the folder, archive or pattern that was given, with `/`.
     pub name: String,
+}
+
+impl MotionFile {
+    /// What a clip that was read from it is called.
+    pub fn clip_name(&self, clip: &Path) -> String {
+        match clip.strip_prefix(&self.path) {
+            Ok(within) if !within.as_os_str().is_empty() => format!("{}/{}", self.name, slashed(within)),
+            _ => self.name.clone(),
+        }
+    }
+}
+
+/// The file that a clip of several is in, and what it is called there: `dances.glb/Run` is `Run` in `dances.glb`.
+/// Nothing for the path of a file.
+pub fn clip_in_file(path: &Path) -> Option<(PathBuf, String)> {
+    archive::split_at(path, |p| may_hold_several(p) && archive::is_file(p))
+}
+
+pub(super) fn may_hold_several(path: &Path) -> bool {
+    OF_SEVERAL.iter().any(|e| has_extension(path, e))
 }
 
 pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-fn is_motion(path: &Path) -> bool {
+/// True for the name of a motion file.
+pub fn is_motion(path: &Path) -> bool {
     EXTENSIONS.iter().any(|e| has_extension(path, e))
 }
 
@@ -53,8 +79,8 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<MotionFile>, ImportError> {
         let (base, found) = found(path)?;
         if found.is_empty() {
             let help =
-                "Name a folder, an archive (.zip), a file or a pattern with `*` that holds .bvh, .amc or .npz files";
-            return Err(content_error(path, "no motion file is there", help));
+                format!("Name a folder, an archive (.zip), a file or a pattern with `*` that holds {FORMATS} files");
+            return Err(content_error(path, "no motion file is there", &help));
         }
         files.extend(found.into_iter().map(|path| MotionFile { name: name(&path, &base), path }));
     }
@@ -65,7 +91,7 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<MotionFile>, ImportError> {
 
 /// The files of one path, and the folder that their names are relative to.
 fn found(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> {
-    let parent = || path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let parent = |of: &Path| of.parent().unwrap_or(Path::new("")).to_path_buf();
     let mut search = Search::default();
     // A file may have a star in its name.
     if path.to_string_lossy().contains('*') && !path.exists() {
@@ -85,16 +111,27 @@ fn found(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> {
     if has_extension(path, archive::EXTENSION) && path.is_file() {
         return Ok((path.to_path_buf(), motion_in(path)?));
     }
+    if let Some((file, _)) = clip_in_file(path) {
+        return Ok((parent(&file), vec![path.to_path_buf()]));
+    }
     if !archive::is_file(path) {
         std::fs::metadata(path).map_err(|source| ImportError::Io { path: path.to_path_buf(), source })?;
     }
-    Ok((parent(), vec![path.to_path_buf()]))
+    Ok((parent(path), vec![path.to_path_buf()]))
 }
 
 /// What a clip is called.
 fn name(path: &Path, base: &Path) -> String {
-    let within = path.strip_prefix(base).unwrap_or(path).with_extension("");
-    let parts = within.components().map(|c| c.as_os_str().to_string_lossy().into_owned());
+    let within = |path: &Path| slashed(&path.strip_prefix(base).unwrap_or(path).with_extension(""));
+    match clip_in_file(path) {
+        Some((file, clip)) => format!("{}/{clip}", within(&file)),
+        None => within(path),
+    }
+}
+
+/// A path with `/` between its parts.
+fn slashed(path: &Path) -> String {
+    let parts = path.components().map(|c| c.as_os_str().to_string_lossy().into_owned());
     parts.collect::<Vec<_>>().join("/")
 }
 
@@ -217,6 +254,24 @@ pub fn matches(pattern: &str, name: &str) -> bool {
         }
     }
     name.ends_with(last)
+}
+
+/// The other files that are read with a motion file: the skeleton of an AMC file, the numbers of a glTF file.
+///
+/// - `asf`: the skeleton of all AMC files, where it is given.
+pub fn read_along(path: &Path, asf: Option<&Path>) -> Vec<PathBuf> {
+    let is = |extension: &str| has_extension(path, extension);
+    let mut all = match asf {
+        None if is("amc") => find_asf(path).into_iter().collect(),
+        _ if is("gltf") || is("glb") => {
+            let bytes = archive::read_file(path, "motion", MAX_MOTION_BYTES);
+            bytes.and_then(|bytes| gltf::buffer_files(&bytes, path)).unwrap_or_default()
+        }
+        _ => Vec::new(),
+    };
+    // What is missing is told where the file is read.
+    all.retain(|p| archive::is_file(p));
+    all
 }
 
 /// The skeleton of an AMC file: the only ASF file in its folder, or the one whose stem its own starts with.
