@@ -2,7 +2,7 @@
 //!
 //! Units and axes are those that the file names. Rates are, too, unless keys are closer together.
 
-use super::nodes::{Animation, FALLBACK_HZ, Node, Scene, Span, Transform, rate_of_keys};
+use super::nodes::{Animation, FALLBACK_HZ, Node, Scene, Span, Transform, rate_of_keys, without_rounding};
 use super::source::{SourceClip, content_error};
 use crate::error::ImportError;
 use crate::raw::SourceFormat;
@@ -140,7 +140,8 @@ impl<'a> Stack<'a> {
                 "animation stack `{name}`: expected times below {MAX_TIME_S} s, found {begin} to {end}"
             ));
         }
-        let named = Some(scene.settings.frames_per_second).filter(|hz| (1.0..MAX_RATE_HZ).contains(hz));
+        let named = Some(without_rounding(scene.settings.frames_per_second));
+        let named = named.filter(|hz| (1.0..MAX_RATE_HZ).contains(hz));
         let of_keys = rate_of_keys(keys.iter().map(Vec::as_slice));
         let (rate_hz, why) = match (named, of_keys) {
             (Some(hz), Some(keys)) if keys > hz * 1.001 => {

@@ -6,12 +6,13 @@
 mod people;
 mod rate;
 
+use super::rest::nearest_axis;
 use super::source::{FrameSink, SourceClip, content_error, duplicate_names};
 use crate::error::ImportError;
 use crate::raw::{RawJoint, SourceFormat};
-use glam::{DAffine3, DMat3, DQuat, DVec3, Quat};
+use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
 use people::Person;
-pub(super) use rate::{FALLBACK_HZ, rate_of_keys};
+pub(super) use rate::{FALLBACK_HZ, rate_of_keys, without_rounding};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -233,8 +234,9 @@ impl Rest {
             return Err(format!("node `{}` is mirrored by a negative scale", node(j).name));
         }
         // Skins may be bound in axes of their own, such as those of a program with Z up.
-        let bound = (0..world.len()).find_map(|j| Some(world[j].rotation * node(j).bind?.inverse()));
-        let axes = bound.map_or(DQuat::IDENTITY, nearest_axes);
+        let up = (0..world.len()).find_map(|j| Some(node(j).bind? * world[j].rotation.inverse() * DVec3::Y));
+        let up = up.map_or(Vec3::Y, |up| nearest_axis(up.as_vec3()));
+        let axes = DQuat::from_rotation_arc(up.as_dvec3(), DVec3::Y);
         let mut rotations: Vec<DQuat> = Vec::new();
         let mut joints: Vec<RawJoint> = Vec::new();
         for (j, &parent) in person.parents.iter().enumerate() {
@@ -243,43 +245,17 @@ impl Rest {
             let offset =
                 above * (world[j].affine.translation - parent.map_or(DVec3::ZERO, |p| world[p].affine.translation));
             let name = node(j).name.clone();
-            let offset = offset.as_vec3();
+            // A root is where its motion has it.
+            let offset = if parent.is_some() { offset.as_vec3() } else { Vec3::ZERO };
             joints.push(RawJoint { name, parent, offset, rest_rotation: Quat::IDENTITY, is_end: false });
         }
         Ok(Self { rotations, joints })
     }
 }
 
-/// The rotation that maps axes to axes and is nearest to another.
-fn nearest_axes(rotation: DQuat) -> DQuat {
-    let nearest = |v: DVec3| {
-        let axes = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
-        axes.into_iter().max_by(|a, b| a.dot(v).total_cmp(&b.dot(v))).unwrap_or(DVec3::X)
-    };
-    let x = nearest(rotation * DVec3::X);
-    let up = rotation * DVec3::Y;
-    let y = nearest(up - x * up.dot(x));
-    match x.dot(y) == 0.0 {
-        true => DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y))),
-        false => DQuat::IDENTITY,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn rotations_near_axes_become_those_of_the_axes() {
-        let tilt = DQuat::from_rotation_y(0.4) * DQuat::from_rotation_z(-0.3);
-        for turn in
-            [DQuat::IDENTITY, DQuat::from_rotation_x(1.6), DQuat::from_rotation_z(3.1), DQuat::from_rotation_y(-1.5)]
-        {
-            let near = nearest_axes(turn);
-            assert!(near.angle_between(turn) < 0.08, "{turn} {near}");
-            assert!(nearest_axes(near * tilt).angle_between(near) < 1e-6);
-        }
-    }
 
     #[test]
     fn names_hold_nothing_that_leads_elsewhere() {

@@ -31,8 +31,7 @@ pub(super) struct Person {
 /// A node that is not in a tree, or what is missing.
 pub(super) fn find(scene: &Scene<'_>) -> Result<Vec<Person>, String> {
     let tree = Tree::new(scene)?;
-    let mut is_joint = vec![false; scene.nodes.len()];
-    scene.animations.iter().flat_map(|a| a.moved()).for_each(|&n| is_joint[n] = true);
+    let moved: BTreeSet<usize> = scene.animations.iter().flat_map(|a| a.moved()).copied().collect();
     let mut tops = BTreeMap::<usize, Vec<usize>>::new();
     let mut add = |joints: &[usize]| {
         if let Some(top) = joints.iter().copied().reduce(|a, b| tree.meeting(a, b).unwrap_or(a)) {
@@ -41,7 +40,7 @@ pub(super) fn find(scene: &Scene<'_>) -> Result<Vec<Person>, String> {
     };
     if scene.skins.is_empty() {
         let mut by_root = BTreeMap::<usize, Vec<usize>>::new();
-        for node in (0..is_joint.len()).filter(|&n| is_joint[n]) {
+        for &node in &moved {
             by_root.entry(tree.path_up(node).last().unwrap_or(node)).or_default().push(node);
         }
         by_root.values().for_each(|nodes| add(nodes));
@@ -52,9 +51,10 @@ pub(super) fn find(scene: &Scene<'_>) -> Result<Vec<Person>, String> {
         }
         add(skin);
     }
-    tops.values().flatten().for_each(|&n| is_joint[n] = true);
+    let carriers: BTreeSet<usize> = scene.skins.iter().flatten().copied().collect();
     let outermost = tops.keys().filter(|&&top| !tree.path_up(top).skip(1).any(|n| tops.contains_key(&n)));
-    let people = outermost.take(MAX_PEOPLE).map(|&top| tree.person(top, &is_joint)).collect::<Result<Vec<_>, _>>()?;
+    let people =
+        outermost.take(MAX_PEOPLE).map(|&top| tree.person(top, &carriers, &moved)).collect::<Result<Vec<_>, _>>()?;
     let most = people.iter().map(|p| p.joints.len()).max();
     let people: Vec<Person> = people.into_iter().filter(|p| p.joints.len() >= MIN_JOINTS).collect();
     match people.is_empty() {
@@ -117,24 +117,40 @@ impl<'a, 'b> Tree<'a, 'b> {
         Some(a)
     }
 
-    /// The skeleton below a node: what is a joint or leads to one, and all else that shows nothing, such as ends.
-    fn person(&self, top: usize, is_joint: &[bool]) -> Result<Person, String> {
+    /// The children that lead to joints.
+    fn leading(&self, node: usize, leads: &BTreeSet<usize>) -> Vec<usize> {
+        self.children[node].iter().copied().filter(|c| leads.contains(c)).collect()
+    }
+
+    /// A node and all below it, parents first.
+    fn below(&self, top: usize) -> Vec<usize> {
         let mut below = Vec::new();
         let mut open = vec![top];
         while let Some(n) = open.pop() {
             below.push(n);
             open.extend(self.children[n].iter().rev());
         }
+        below
+    }
+
+    /// The skeleton at or below a node: what carries a skin, is moved or leads there, and all else that shows nothing,
+    /// such as ends of chains.
+    fn person(&self, top: usize, carriers: &BTreeSet<usize>, moved: &BTreeSet<usize>) -> Result<Person, String> {
         let mut leads = BTreeSet::from([top]);
-        for &n in below.iter().rev() {
-            if is_joint[n] || self.children[n].iter().any(|c| leads.contains(c)) {
+        for &n in self.below(top).iter().rev() {
+            if carriers.contains(&n) || moved.contains(&n) || self.children[n].iter().any(|c| leads.contains(c)) {
                 leads.insert(n);
             }
+        }
+        // What moves all of a skeleton and is no part of it, such as an armature, is above it.
+        let mut top = top;
+        while let (false, [only]) = (carriers.contains(&top), &self.leading(top, &leads)[..]) {
+            top = *only;
         }
         let parent = |n: usize| self.scene.nodes[n].parent;
         let mut places = BTreeMap::new();
         let (mut joints, mut parents) = (Vec::new(), Vec::new());
-        for n in below {
+        for n in self.below(top) {
             let above = parent(n).and_then(|p| places.get(&p).copied());
             if leads.contains(&n) || (above.is_some() && !self.scene.nodes[n].shows) {
                 places.insert(n, joints.len());

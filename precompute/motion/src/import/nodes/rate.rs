@@ -30,9 +30,13 @@ pub fn rate_of_keys<'a>(tracks: impl Iterator<Item = &'a [f64]> + Clone) -> Opti
     // Rounding of times spreads one spacing over several buckets.
     let (sum, count) =
         spacings().filter(|s| (s - near).abs() < 0.02 * near).fold((0.0, 0usize), |(sum, n), s| (sum + s, n + 1));
-    let rate_hz = count as f64 / sum;
+    Some(without_rounding(count as f64 / sum))
+}
+
+/// The whole number that a rate is but for rounding, or else the rate (Hz).
+pub fn without_rounding(rate_hz: f64) -> f64 {
     let whole = rate_hz.round();
-    Some(if (rate_hz - whole).abs() <= whole * ROUNDING { whole } else { rate_hz })
+    if (rate_hz - whole).abs() <= whole * ROUNDING { whole } else { rate_hz }
 }
 
 #[cfg(test)]
