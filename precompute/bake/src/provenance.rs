@@ -162,6 +162,24 @@ mod tests {
     }
 
     #[test]
+    fn what_motion_keeps_in_other_files_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("m.gltf"), r#"{"buffers":[{"uri":"m.bin"},{"uri":"gone.bin"}]}"#).unwrap();
+        let config = BuildConfig { inputs: vec![folder.path().to_path_buf()], ..BuildConfig::default() };
+        let keys = |content: &[u8]| {
+            std::fs::write(at("m.bin"), content).unwrap();
+            let found = collect(&config).unwrap();
+            assert_eq!(found.sources.len(), 2);
+            // A clip of several is as its file is.
+            [at("m.gltf"), at("m.gltf/Run")].map(|p| found.key_of(&p, &config.import).unwrap())
+        };
+        let (first, second) = (keys(&[1]), keys(&[2]));
+        assert!(first[0] != second[0] && first[1] != second[1]);
+        assert_eq!(keys(&[1]), first);
+    }
+
+    #[test]
     fn what_meshes_keep_in_other_files_counts() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);

@@ -31,7 +31,7 @@ use crate::export::{self, to_raw};
 use crate::progress::Progress;
 use crate::raw::RawClip;
 pub use config::{Forward, ImportConfig, UpAxis};
-pub use files::{FORMATS, MotionFile, clip_in_file, expand, find, is_motion, matches, read_along};
+pub use files::{EXTENSIONS, FORMATS, MotionFile, clip_in_file, expand, find, is_motion, matches, read_along};
 pub use glitches::{Glitch, GlitchKind, Glitches};
 use profile::Profile;
 use rayon::prelude::*;

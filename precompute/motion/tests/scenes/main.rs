@@ -10,12 +10,16 @@ mod tables;
 
 use glam::{Quat, Vec3};
 use glb::{BYTE, Glb, SHORT, Style};
+use std::collections::BTreeMap;
 use std::path::Path;
+use throng_motion::Warnings;
+use throng_motion::annotate::Sidecars;
 use throng_motion::import::{
     ImportConfig, RestPoseKind, SourceClip, bvh, gltf, interpret, read_by, read_clip, read_source,
 };
 use throng_motion::progress::Silent;
 use throng_motion::raw::RawClip;
+use throng_motion::retarget::{self, RetargetConfig};
 
 /// A body that walks, in metres.
 fn walk() -> RawClip {
@@ -194,6 +198,13 @@ fn several_animations_and_several_bodies_are_several_clips() {
     std::fs::write(&path, glb.glb()).unwrap();
     let config = ImportConfig::default();
     let read = |path: &Path| read_by(&|_, read| read(), &[path.to_path_buf()], &config, &Silent).unwrap();
+    let set = read(&path);
+    let clips = retarget::onto(&set.clips, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
+    let sidecars = || Sidecars::collect(&set, &clips, &BTreeMap::new());
+    assert!(sidecars().is_ok());
+    std::fs::write(path.with_extension("toml"), "exclude = [[0.0, 1.0]]\n").unwrap();
+    let e = sidecars().unwrap_err().to_string();
+    assert!(e.contains("dances.glb holds several clips") && e.contains("[clips.\"dances/Bob\"]"), "{e}");
     let clip_names = |path: &Path| read(path).clips.into_iter().map(|c| c.clip.name).collect::<Vec<_>>();
     assert_eq!(clip_names(folder.path()), ["dances/Bob", "dances/Bob 2"]);
     assert_eq!(clip_names(&path.join("Bob 2")), ["dances/Bob 2"]);
