@@ -14,7 +14,7 @@ use throng_runtime::simulation::Scene;
 pub const FIRST_STEPS: &str = "\
 Throng makes characters that walk where they are sent out of motion capture. Three commands matter:
 
-  throng inspect FOLDER          what is in your motion files (.bvh, .amc; .zip of them), and what they lack
+  throng inspect FOLDER          what is in your motion files (.bvh, .amc, .npz, .glb, .fbx; .zip of them), what they lack
   throng build FOLDER            bakes them into FOLDER.throng
   throng run FOLDER --png a.png  a thousand characters on them, measured and drawn
 

@@ -10,7 +10,7 @@ use throng_precompute::{Warnings, export, files, graph, pipeline, policy};
 /// Write a clip as positions or BVH, a bundle's graph or policy, or the effective hits of either.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Motion file (.bvh, .amc) or bundle (.throng).
+    /// Motion file (.bvh, .amc, .npz, .glb, .gltf, .fbx; FILE/CLIP for one of several in a file) or bundle (.throng).
     file: PathBuf,
     /// What to write: of a clip `positions-csv` (frame,joint,x,y,z in metres, Y up) or `bvh`; of a bundle
     /// `graph-json` (states and actions) or `policy-csv` (values with cell coordinates); of either `hits-csv` (effective

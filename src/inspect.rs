@@ -14,8 +14,8 @@ use throng_precompute::inspect::{self, BundleReport, ClipReport, FolderReport, h
 #[derive(clap::Args)]
 #[command(after_long_help = help())]
 pub struct Args {
-    /// Motion: files (.bvh, .amc), folders and archives (.zip), searched to any depth, and patterns; or one bundle
-    /// (.throng).
+    /// Motion: files (.bvh, .amc, .npz, .glb, .gltf, .fbx; FILE/CLIP for one of several in a file), folders and archives
+    /// (.zip), searched to any depth, and patterns; or one bundle (.throng).
     #[arg(required = true, value_name = "FILE_OR_FOLDER")]
     files: Vec<PathBuf>,
     #[command(flatten)]
@@ -49,8 +49,10 @@ pub fn run(args: &Args) -> Outcome {
     if args.environment_out.is_some() || args.environment_png.is_some() {
         return environment::run(args);
     }
-    let is_one =
-        |p: &PathBuf| is_bundle(p) || import::expand(std::slice::from_ref(p)).is_ok_and(|all| all == [p.clone()]);
+    let is_clip = |p: &PathBuf| {
+        import::expand(std::slice::from_ref(p)).is_ok_and(|all| all == [p.clone()]) && !import::holds_several(p)
+    };
+    let is_one = |p: &PathBuf| is_bundle(p) || is_clip(p);
     let file = match args.files.as_slice() {
         [file] if !file.exists() || is_one(file) => file,
         _ => return many(args),

@@ -3,6 +3,7 @@
 use super::{Place, at, done, failed, folder, has_keys, json, text, throng};
 use serde_json::Value;
 use std::path::Path;
+use throng_precompute::damage::seeds;
 
 /// A folder with the clips of the shared place in folders of their own, under names that people give, and other files.
 fn lying_around(place: &Place) -> tempfile::TempDir {
@@ -154,9 +155,12 @@ fn folders_without_motion_are_refused_with_the_way_out() {
     put(&folder, "texts/a.txt", "not motion");
     put(&folder, "bad/a.bvh", "not motion");
     let out = at(&folder, "a.throng");
-    for (name, say) in
-        [("empty", "no motion file is there"), ("texts", ".bvh, .amc or .npz"), ("bad", "a.bvh"), ("absent", "absent")]
-    {
+    for (name, say) in [
+        ("empty", "no motion file is there"),
+        ("texts", ".bvh, .amc, .npz, .glb, .gltf or .fbx"),
+        ("bad", "a.bvh"),
+        ("absent", "absent"),
+    ] {
         let path = at(&folder, name);
         let commands: [&[&str]; 3] =
             [&["build", &path, "--out", &out, "--no-cache"], &["run", &path, "--no-cache"], &["inspect", &path]];
@@ -170,6 +174,22 @@ fn folders_without_motion_are_refused_with_the_way_out() {
     assert!(failed(&["build", &place.path("little.toml"), &mixed]).contains("one config alone"));
     assert!(failed(&["build", &mixed, "--input", &mixed]).contains("--input is for a config"));
     assert!(failed(&["run", &mixed, &place.bundle()]).contains("motion alone"));
+}
+
+#[test]
+fn scene_files_are_read_as_other_motion_is() {
+    let folder = folder();
+    let all = [
+        ("gltf", seeds::gltf_motion()),
+        #[cfg(feature = "fbx")]
+        ("fbx", seeds::fbx()),
+    ];
+    for (format, files) in all {
+        let path = at(&folder, &format!("walk.{format}"));
+        std::fs::write(&path, files.last().expect("a text")).expect("a file");
+        assert_eq!(json(&["inspect", &path, "--json"], &["format"])["format"], format);
+        assert!(done(&["export", &path, "--format", "bvh"]).starts_with("HIERARCHY"));
+    }
 }
 
 #[test]

@@ -15,6 +15,7 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+use throng_precompute::import;
 
 /// Key of the settings in the store.
 pub const SETTINGS_KEY: &str = "settings";
@@ -246,7 +247,10 @@ impl Viewer {
     /// Asks for a file in the system's own dialog, away from this thread.
     fn open_dialog(&mut self, ctx: &egui::Context) {
         let dialog = rfd::AsyncFileDialog::new()
-            .add_filter("bundles, scenes, worlds and motion files", &["throng", "toml", "bvh", "amc"])
+            .add_filter(
+                "bundles, scenes, worlds and motion files",
+                &[&["throng", "toml"], &import::EXTENSIONS[..]].concat(),
+            )
             .add_filter("all files", &["*"])
             .pick_file();
         let (send, receive) = channel();

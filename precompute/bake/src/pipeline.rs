@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Warnings};
-use throng_motion::import::{Imported, ImportedSet, MotionFile};
+use throng_motion::import::{Clips, Imported, ImportedSet, MotionFile};
 use throng_motion::progress::Progress;
 use throng_motion::resample::ResampleConfig;
 use throng_motion::{annotate, files, import, resample, retarget};
@@ -210,7 +210,7 @@ fn read(
     p: &dyn Progress,
 ) -> Result<(ImportedSet, usize), BuildError> {
     let (cache, kept) = (s.cache(), AtomicUsize::new(0));
-    let reader = |file: &MotionFile, read: &dyn Fn() -> Result<Imported, throng_motion::ImportError>| {
+    let reader = |file: &MotionFile, read: &dyn Fn() -> Clips| {
         let Ok(key) = from.key_of(&file.path, &cfg.import) else { return read() };
         let (imported, was_kept) = cache.each("import", key, read)?;
         kept.fetch_add(usize::from(was_kept), Ordering::Relaxed);

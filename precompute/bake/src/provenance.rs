@@ -5,7 +5,7 @@ use crate::config::BuildConfig;
 use crate::environment::{Shape, UnitSet, buffer_files};
 use crate::graph::GraphReport;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use throng_base::file::open_file;
@@ -20,6 +20,8 @@ use xxhash_rust::xxh3::Xxh3;
 pub struct Provenance {
     /// Sorted by path.
     pub sources: Vec<SourceMeta>,
+    /// Which of them are read along with which motion file.
+    along: BTreeMap<PathBuf, Vec<PathBuf>>,
 }
 
 /// Finds and hashes every file that the motion stages read; synthetic motion is named by what it is made by.
@@ -28,19 +30,21 @@ pub struct Provenance {
 /// [`BuildError::Import`] for a path that yields no file, [`BuildError::Io`] for a file that cannot be read.
 pub fn collect(config: &BuildConfig) -> Result<Provenance, BuildError> {
     let cfg = &config.import;
-    let motion = import::expand(&config.inputs)?;
+    let file_of = |path: PathBuf| import::clip_in_file(&path).map_or(path, |(file, _)| file);
+    let motion: BTreeSet<PathBuf> = import::expand(&config.inputs)?.into_iter().map(file_of).collect();
+    let mut along = BTreeMap::new();
     let mut all: BTreeSet<PathBuf> = motion.iter().cloned().chain(cfg.profiles.iter().cloned()).collect();
     all.extend(cfg.asf.clone());
     all.extend(surroundings(config)?);
     for path in &motion {
         all.extend(Some(path.with_extension("toml")).filter(|p| archive::is_file(p)));
-        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("amc")) && cfg.asf.is_none() {
-            all.extend(import::find_asf(path).ok());
-        }
+        let others = import::read_along(path, cfg.asf.as_deref());
+        all.extend(others.iter().cloned());
+        along.insert(path.clone(), others);
     }
     let mut sources: Vec<SourceMeta> = all.into_par_iter().map(|p| hash(&p)).collect::<Result<_, _>>()?;
     sources.extend(config.synth.iter().flat_map(SynthInput::all).map(|s| made(s, config.resample.rate_hz)));
-    Ok(Provenance { sources })
+    Ok(Provenance { sources, along })
 }
 
 /// Unit objects, what they are drawn with, and the environments of clips.
@@ -108,16 +112,17 @@ impl Provenance {
         Key::of("sources", &[], &self.sources)
     }
 
-    /// The key of what one motion file is read as: of the file, of the skeletons beside it and of the profiles.
+    /// The key of what one motion file is read as: of the file, of what is read along with it and of the profiles.
     ///
     /// # Errors
     /// Never in practice, as [`Provenance::key`].
     pub fn key_of(&self, file: &Path, config: &ImportConfig) -> Result<Key, BuildError> {
         let given = |path: &Path| config.asf.iter().chain(&config.profiles).any(|p| p == path);
-        let is_skeleton = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("asf"));
+        let whole = import::clip_in_file(file).map_or(file.to_path_buf(), |(whole, _)| whole);
+        let along = self.along.get(&whole);
         let counts = |s: &&SourceMeta| {
             let path = Path::new(&s.path);
-            path == file || given(path) || (is_skeleton(path) && path.parent() == file.parent())
+            path == whole || given(path) || along.is_some_and(|all| all.iter().any(|p| p == path))
         };
         Key::of("file", &[], &(file, self.sources.iter().filter(counts).collect::<Vec<_>>(), config))
     }
@@ -154,6 +159,24 @@ mod tests {
         assert_eq!((of.bytes, of.hash), (100_000, content_hash(&bytes)));
         #[cfg(unix)]
         assert!(hash(Path::new("/dev/zero")).unwrap_err().to_string().contains("is a device or a pipe"));
+    }
+
+    #[test]
+    fn what_motion_keeps_in_other_files_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("m.gltf"), r#"{"buffers":[{"uri":"m.bin"},{"uri":"gone.bin"}]}"#).unwrap();
+        let config = BuildConfig { inputs: vec![folder.path().to_path_buf()], ..BuildConfig::default() };
+        let keys = |content: &[u8]| {
+            std::fs::write(at("m.bin"), content).unwrap();
+            let found = collect(&config).unwrap();
+            assert_eq!(found.sources.len(), 2);
+            // A clip of several is as its file is.
+            [at("m.gltf"), at("m.gltf/Run")].map(|p| found.key_of(&p, &config.import).unwrap())
+        };
+        let (first, second) = (keys(&[1]), keys(&[2]));
+        assert!(first[0] != second[0] && first[1] != second[1]);
+        assert_eq!(keys(&[1]), first);
     }
 
     #[test]

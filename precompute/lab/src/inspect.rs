@@ -24,7 +24,7 @@ use throng_runtime::Skeleton;
 pub struct ClipReport {
     /// The file.
     pub file: String,
-    /// `bvh`, `asf_amc` or `npz`.
+    /// `bvh`, `asf_amc`, `npz`, `gltf` or `fbx`.
     pub format: &'static str,
     /// Number of joints, ends of chains included.
     pub joints: usize,
@@ -90,7 +90,7 @@ pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<Inspected, Buil
         return Err(BuildError::Stage {
             stage: "inspect",
             message,
-            help: "Name a single .bvh, .amc or .npz file".into(),
+            help: format!("Name a single {} file", import::FORMATS),
         });
     };
     let imported = import::read_clip(file, &config.import)?;
@@ -134,6 +134,8 @@ impl ClipReport {
                 SourceFormat::Bvh => "bvh",
                 SourceFormat::AsfAmc => "asf_amc",
                 SourceFormat::Npz => "npz",
+                SourceFormat::Gltf => "gltf",
+                SourceFormat::Fbx => "fbx",
             },
             joints: clip.joints.len(),
             frames: clip.num_frames,

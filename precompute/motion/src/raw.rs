@@ -30,14 +30,18 @@ pub enum SourceFormat {
     AsfAmc,
     /// SMPL motion in NumPy arrays.
     Npz,
+    /// glTF 2.0, as text or binary.
+    Gltf,
+    /// Autodesk FBX.
+    Fbx,
 }
 
 /// A clip as read: source joints, metres, Y up, right-handed, facing not yet normalised.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RawClip {
-    /// File stem.
+    /// File stem; `/` and the name within the file follow where it holds several clips.
     pub name: String,
-    /// The file the motion was read from.
+    /// The file the motion was read from; a clip of several is named as if the file were a folder.
     pub path: PathBuf,
     /// Its format.
     pub format: SourceFormat,

@@ -154,7 +154,7 @@ fn faults_put_into_captured_clips_are_found() {
     let mut clips = 0;
     while clips < 30 && !files.is_empty() {
         let path = files.swap_remove(chance.below(files.len()));
-        let source = read_source(&path, None).unwrap();
+        let source = read_source(&path, None).unwrap().swap_remove(0);
         if source.clip.num_frames < 60 {
             continue;
         }
@@ -210,7 +210,7 @@ fn captured_motion_is_left_alone_but_for_its_own_faults() {
     // Folder: clips, frames, glitches, frames of them, frames that are cut.
     let mut table: BTreeMap<String, [usize; 5]> = BTreeMap::new();
     for (folder, path) in recordings() {
-        let i = read(&read_source(&path, None).unwrap(), Glitches::Bridge, &profiles);
+        let i = read(&read_source(&path, None).unwrap()[0], Glitches::Bridge, &profiles);
         let row = table.entry(folder).or_default();
         row[0] += 1;
         row[1] += i.clip.num_frames;

@@ -32,7 +32,7 @@ Examples:
   throng-viewer walk.throng --bench 1000,10000 --json";
 
 /// Shows what is baked, and lets it be tried: bundles (*.throng), scenes and worlds (*.toml) and
-/// motion files (*.bvh, *.amc).
+/// motion files (*.bvh, *.amc, *.npz, *.glb, *.gltf, *.fbx).
 ///
 /// Opens a window, in which H lists the keys. With --png or --bench it needs no screen.
 #[derive(clap::Parser, Clone, Debug, Default)]

@@ -5,6 +5,7 @@ use super::{RawMotion, SceneDocument, Stamp, WorldDocument};
 use crate::bundle::OpenBundle;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use throng_precompute::import;
 use throng_precompute::progress::Progress;
 
 /// A file as it was read.
@@ -21,7 +22,7 @@ pub enum Opened {
 }
 
 impl Opened {
-    /// Reads a file: `.bvh` and `.amc` as motion, `.toml` as a scene or a world, anything else as a bundle.
+    /// Reads a file: motion by its extension (`.bvh` and others), `.toml` as a scene or a world, anything else as a bundle.
     ///
     /// - `progress`: of building a bundle that is missing.
     ///
@@ -30,7 +31,7 @@ impl Opened {
     pub fn read(path: &Path, progress: &dyn Progress) -> Result<Self, String> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         Ok(match extension.as_deref() {
-            Some("bvh" | "amc") => Self::Clip(Box::new(RawMotion::open(path)?)),
+            _ if import::is_motion(path) => Self::Clip(Box::new(RawMotion::open(path)?)),
             Some("toml") if WorldDocument::is_one(path) => Self::World(Box::new(WorldDocument::open(path, progress)?)),
             Some("toml") => Self::Scene(Box::new(SceneDocument::open(path, progress)?)),
             _ => Self::Bundle(Box::new(OpenBundle::open(path)?)),

@@ -74,7 +74,9 @@ fn title(model: &Model) -> String {
 fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
     if ui
         .button("Open…")
-        .on_hover_text("A bundle, a scene, a world, .bvh or .amc; or drop one on the window (Ctrl+O)")
+        .on_hover_text(
+            "A bundle, a scene, a world or a motion file (.bvh, .glb, .fbx ...); or drop one on the window (Ctrl+O)",
+        )
         .clicked()
     {
         states.open_dialog = true;

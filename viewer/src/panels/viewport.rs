@@ -69,7 +69,7 @@ pub fn show(
         Err(why) => note(ui, rect, &why, ui.visuals().error_fg_color),
     }
     if matches!(model.document, Document::Nothing) && model.loading().is_none() {
-        let text = "Drop a bundle (.throng), a scene or a world (.toml)\nor a motion file (.bvh, .amc) here,\nor open one with File > Open (Ctrl+O)";
+        let text = "Drop a bundle (.throng), a scene or a world (.toml)\nor a motion file (.bvh, .glb, .fbx ...) here,\nor open one with File > Open (Ctrl+O)";
         note(ui, rect, text, ui.visuals().text_color());
     }
     drag(ui, &response, model, state, commands);

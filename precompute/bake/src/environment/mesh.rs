@@ -1,19 +1,13 @@
 //! Triangles of glTF 2.0 files: positions and indices of triangle primitives, placed by the nodes of the scene.
 
-mod accessor;
-mod document;
-
-use accessor::Reader;
-use document::{Document, Node, Primitive};
 use glam::{Mat4, Quat, Vec3};
 use std::path::{Path, PathBuf};
 use throng_base::file::read_file;
 use throng_motion::error::BuildError;
+use throng_motion::import::gltf::{self, Document, Node, Primitive, Reader};
 
 /// Most levels of nodes.
 const MAX_DEPTH: usize = 64;
-/// Most bytes of a file and of all its buffers together (1 GiB).
-const MAX_BYTES: u64 = 1 << 30;
 /// Most triangles of a file, each time that a node shows them counted.
 pub(super) const MAX_TRIANGLES: usize = 5_000_000;
 /// Most corners of them, of positions that no triangle uses too.
@@ -36,8 +30,12 @@ const TRIANGLES: u32 = 4;
 /// [`BuildError::Io`], or [`BuildError::Config`] with file and mesh, accessor or buffer.
 pub(super) fn read(path: &Path) -> Result<Vec<[Vec3; 3]>, BuildError> {
     let fail = |what: String| BuildError::Config { message: format!("{}: {what}", path.display()) };
-    let bytes = read_file(path, "a mesh", MAX_BYTES)?;
-    let (document, binary) = document::parse(&bytes).map_err(fail)?;
+    let bytes = read_file(path, "a mesh", gltf::MAX_BYTES)?;
+    let (document, binary) = gltf::document(&bytes).map_err(fail)?;
+    if let Some(extension) = document.extensions_required.first() {
+        let help = "export without compression and other required extensions";
+        return Err(fail(format!("extensionsRequired: `{extension}` is not supported; {help}")));
+    }
     let reader = Reader::new(&document, binary, path)?;
     let seen = vec![false; document.nodes.len()];
     let mut scene = Scene { document: &document, reader, seen, positions: 0, parts: 0, out: Vec::new() };
@@ -55,11 +53,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<[Vec3; 3]>, BuildError> {
 /// # Errors
 /// As [`read`].
 pub(crate) fn buffer_files(path: &Path) -> Result<Vec<PathBuf>, BuildError> {
-    let fail = |what: String| BuildError::Config { message: format!("{}: {what}", path.display()) };
-    let bytes = read_file(path, "a mesh", MAX_BYTES)?;
-    let (document, _) = document::parse(&bytes).map_err(fail)?;
-    let uris = document.buffers.iter().filter_map(|b| b.uri.as_deref()).filter(|uri| !uri.starts_with("data:"));
-    uris.map(|uri| accessor::beside(path, uri).map_err(fail)).collect()
+    Ok(gltf::buffer_files(&read_file(path, "a mesh", gltf::MAX_BYTES)?, path)?)
 }
 
 fn roots(document: &Document) -> Result<Vec<usize>, String> {
@@ -137,7 +131,8 @@ impl Scene<'_> {
                  mesh counted; export a simpler mesh"
             ));
         }
-        let points: Vec<Vec3> = self.reader.positions(accessor)?.into_iter().map(|p| at.transform_point3(p)).collect();
+        let numbers = self.reader.floats(accessor, "VEC3")?;
+        let points: Vec<Vec3> = numbers.chunks_exact(3).map(|p| at.transform_point3(Vec3::from_slice(p))).collect();
         if let Some(i) = points.iter().position(|p| p.is_nan() || p.abs().max_element() >= MAX_POSITION) {
             return Err(format!(
                 "accessors[{accessor}]: position {i} is not a moderate number of metres: {}",

@@ -6,6 +6,7 @@
 mod mutate;
 pub mod readers;
 pub mod repair;
+mod scenes;
 pub mod seeds;
 mod snapshots;
 
@@ -41,21 +42,24 @@ pub struct Reader {
 }
 
 /// Every reader.
-pub const READERS: [Reader; 20] = {
+pub const READERS: &[Reader] = {
     use Form::{Binary, Text};
-    [
+    &[
         Reader { name: "bundle", form: Binary, seeds: seeds::bundle, read: readers::bundle },
         Reader { name: "world", form: Binary, seeds: seeds::world, read: readers::world },
         Reader { name: "bvh", form: Text, seeds: seeds::bvh, read: readers::bvh },
         Reader { name: "amc", form: Text, seeds: seeds::amc, read: readers::amc },
         Reader { name: "npz", form: Binary, seeds: seeds::npz, read: readers::npz },
+        Reader { name: "gltf_motion", form: Text, seeds: seeds::gltf_motion, read: readers::gltf_motion },
+        #[cfg(feature = "fbx")]
+        Reader { name: "fbx", form: Text, seeds: seeds::fbx, read: readers::fbx },
         Reader { name: "archive", form: Binary, seeds: seeds::archive, read: readers::archive },
         Reader { name: "config", form: Text, seeds: seeds::config, read: readers::config },
         Reader { name: "scene", form: Text, seeds: seeds::scene, read: readers::scene },
         Reader { name: "world_file", form: Text, seeds: seeds::world_file, read: readers::world_file },
         Reader { name: "units", form: Text, seeds: seeds::units, read: readers::units },
         Reader { name: "environment", form: Text, seeds: seeds::environment, read: readers::environment },
-        Reader { name: "gltf", form: Text, seeds: seeds::gltf, read: readers::gltf },
+        Reader { name: "gltf_mesh", form: Text, seeds: seeds::gltf_mesh, read: readers::gltf_mesh },
         Reader { name: "sidecar", form: Text, seeds: seeds::sidecar, read: readers::sidecar },
         Reader { name: "profile", form: Text, seeds: seeds::profile, read: readers::profile },
         Reader { name: "snapshot_policy", form: Binary, seeds: seeds::of_policy, read: readers::snapshot_policy },

@@ -10,9 +10,10 @@ use tempfile::TempDir;
 use throng_bake::config::BuildConfig;
 use throng_bake::environment::{EnvironmentFile, UnitSet, geometries};
 use throng_bake::stitch::WorldSource;
+use throng_motion::ImportError;
 use throng_motion::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
 use throng_motion::import::profile::Profile;
-use throng_motion::import::{self, ImportConfig, SourceClip, amc, asf, bvh, npz};
+use throng_motion::import::{self, ImportConfig, SourceClip, amc, asf, bvh, gltf, npz};
 use throng_motion::resample::{ResampleConfig, resample};
 use throng_motion::retarget::{self, RetargetConfig};
 use throng_runtime::Bundle;
@@ -141,6 +142,21 @@ pub fn npz(data: &[u8]) -> bool {
     packed.iter().flatten().any(|bytes| npz::parse(bytes, Path::new("fuzz.npz")).is_ok_and(use_clip))
 }
 
+/// The motion of a glTF file, text or binary: the same for all of its clips; true where all were read.
+pub fn gltf_motion(data: &[u8]) -> bool {
+    scene_file(gltf::parse(data, Path::new("fuzz.gltf")))
+}
+
+/// An FBX file: the same.
+#[cfg(feature = "fbx")]
+pub fn fbx(data: &[u8]) -> bool {
+    scene_file(import::fbx::parse(data, Path::new("fuzz.fbx")))
+}
+
+fn scene_file(clips: Result<Vec<SourceClip>, ImportError>) -> bool {
+    clips.is_ok_and(|clips| clips.into_iter().take(FEW).all(use_clip))
+}
+
 /// An archive of clips: searched, and all that is found in it read; true where something was found.
 pub fn archive(data: &[u8]) -> bool {
     let path = in_folder("fuzz.zip", |path| {
@@ -148,7 +164,7 @@ pub fn archive(data: &[u8]) -> bool {
     });
     let found = import::find(std::slice::from_ref(&path)).unwrap_or_default();
     for file in found.iter().take(FEW) {
-        drop(import::read_clip(&file.path, &ImportConfig::default()));
+        drop(import::read_clips(&file.path, &ImportConfig::default()));
     }
     !found.is_empty()
 }
@@ -236,7 +252,7 @@ fn units_of_seeds() -> &'static UnitSet {
 }
 
 /// A glTF file, text or binary: its triangles as the shape of a unit.
-pub fn gltf(data: &[u8]) -> bool {
+pub fn gltf_mesh(data: &[u8]) -> bool {
     let name = if data.starts_with(b"glTF") { "mesh.glb" } else { "mesh.gltf" };
     let path = in_folder(name, |path| {
         let _ = std::fs::write(path, data);

@@ -2,9 +2,12 @@
 
 use super::readers::ASF_AMC_SEAM;
 use super::repair::{self, NPZ_SEAM};
-use super::snapshots;
+use super::{scenes, snapshots};
 use std::fmt::Write as _;
+use std::path::Path;
 use throng_core::characters::made_up;
+use throng_motion::import;
+use throng_motion::raw::RawClip;
 use throng_runtime::{Joint, Skeleton};
 use throng_world::{PathCosts, WorldGraph, made_up_floor};
 
@@ -141,7 +144,7 @@ pub fn environment() -> Vec<Vec<u8>> {
 }
 
 /// A square as a text with its bytes in it, and as a binary file.
-pub fn gltf() -> Vec<Vec<u8>> {
+pub fn gltf_mesh() -> Vec<Vec<u8>> {
     let mut data = Vec::new();
     for p in [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 1.0], [0.0, 0.0, 1.0]] {
         p.iter().for_each(|v| data.extend(v.to_le_bytes()));
@@ -160,18 +163,40 @@ pub fn gltf() -> Vec<Vec<u8>> {
              {{\"buffer\":0,\"byteOffset\":48,\"byteLength\":12}}],\"buffers\":[{{{buffer}\"byteLength\":60}}]}}"
         )
     };
-    let held = json("");
-    let length = held.len().next_multiple_of(4);
-    let held = format!("{held:<length$}");
+    vec![json(&format!("\"uri\":\"{text}\",")).into_bytes(), glb(&json(""), &data)]
+}
+
+/// A document and its bytes as a binary file.
+fn glb(document: &str, data: &[u8]) -> Vec<u8> {
+    let length = document.len().next_multiple_of(4);
+    let document = format!("{document:<length$}");
     let mut binary = b"glTF".to_vec();
     binary.extend(2u32.to_le_bytes());
-    binary.extend((28 + held.len() as u32 + data.len() as u32).to_le_bytes());
-    for (kind, chunk) in [(0x4E4F_534Au32, held.as_bytes()), (0x004E_4942, &data)] {
+    binary.extend((28 + document.len() as u32 + data.len() as u32).to_le_bytes());
+    for (kind, chunk) in [(0x4E4F_534Au32, document.as_bytes()), (0x004E_4942, data)] {
         binary.extend((chunk.len() as u32).to_le_bytes());
         binary.extend(kind.to_le_bytes());
         binary.extend(chunk);
     }
-    vec![json(&format!("\"uri\":\"{text}\",")).into_bytes(), binary]
+    binary
+}
+
+/// Motion as glTF, as a text and as a binary file.
+pub fn gltf_motion() -> Vec<Vec<u8>> {
+    let text = scenes::gltf(&walk());
+    vec![glb(&text, &[]), text.into_bytes()]
+}
+
+/// Motion as FBX.
+#[cfg(feature = "fbx")]
+pub fn fbx() -> Vec<Vec<u8>> {
+    vec![scenes::fbx(&walk()).into_bytes()]
+}
+
+/// The motion of [`bvh`], in centimetres.
+fn walk() -> RawClip {
+    let text = bvh_text(&Skeleton::default(), 6);
+    import::bvh::parse(text.as_bytes(), Path::new("walk.bvh")).expect("a good file").clip
 }
 
 /// Sidecars.

@@ -26,7 +26,7 @@ mod tests;
 use super::hits::HitMark;
 use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange, Tag};
 use crate::error::BuildError;
-use crate::import::{ImportedSet, archive};
+use crate::import::{ImportedSet, archive, clip_in_file};
 use crate::mirror;
 pub use hit::SidecarHit;
 use schemars::JsonSchema;
@@ -267,7 +267,10 @@ impl Sidecars {
     pub fn collect(raw: &ImportedSet, clips: &ClipSet, table: &BTreeMap<String, Sidecar>) -> Result<Self, BuildError> {
         let mut out = Self::default();
         for (imported, clip) in raw.clips.iter().zip(clips.clips.iter().filter(|c| !c.mirrored)) {
-            out.insert_beside(&clip.name, &imported.clip.path, imported.clip.rate_hz)?;
+            match clip_in_file(&imported.clip.path) {
+                Some((file, _)) => refuse_beside(&file, &clip.name)?,
+                None => drop(out.insert_beside(&clip.name, &imported.clip.path, imported.clip.rate_hz)?),
+            }
         }
         for (name, sidecar) in table {
             let index = clips.clips.iter().filter(|c| !c.mirrored).position(|c| c.name == *name);
@@ -341,6 +344,17 @@ impl Sidecars {
         }
         Ok(out)
     }
+}
+
+/// Refuses a sidecar beside a file of several clips.
+fn refuse_beside(file: &Path, clip: &str) -> Result<(), BuildError> {
+    let sidecar = file.with_extension("toml");
+    if !archive::is_file(&sidecar) {
+        return Ok(());
+    }
+    let (sidecar, file) = (sidecar.display(), file.display());
+    let message = format!("{sidecar}: {file} holds several clips. Write this into a config, under [clips.\"{clip}\"].");
+    Err(BuildError::Config { message })
 }
 
 fn original_name(clip: &Clip) -> &str {

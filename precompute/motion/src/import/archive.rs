@@ -15,10 +15,15 @@ pub const EXTENSION: &str = "zip";
 
 /// The archive that a path leads into, and the file in it; nothing where it leads into none.
 pub fn split(path: &Path) -> Option<(PathBuf, String)> {
-    let archive = path.ancestors().skip(1).find(|a| has_extension(a, EXTENSION) && a.is_file())?;
-    let parts = path.strip_prefix(archive).ok()?.components();
-    let member = parts.map(|c| c.as_os_str().to_string_lossy().into_owned()).collect::<Vec<_>>().join("/");
-    Some((archive.to_path_buf(), member))
+    split_at(path, |a| has_extension(a, EXTENSION) && a.is_file())
+}
+
+/// The file that stands as a folder in a path, and what is named in it, with `/`.
+pub(super) fn split_at(path: &Path, is_outer: impl Fn(&Path) -> bool) -> Option<(PathBuf, String)> {
+    let outer = path.ancestors().skip(1).find(|a| is_outer(a))?;
+    let parts = path.strip_prefix(outer).ok()?.components();
+    let inner = parts.map(|c| c.as_os_str().to_string_lossy().into_owned()).collect::<Vec<_>>().join("/");
+    Some((outer.to_path_buf(), inner))
 }
 
 /// True for a file, in a folder or in an archive.

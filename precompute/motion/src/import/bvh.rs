@@ -4,8 +4,8 @@
 //! Position channels replace the joint's offset, axis by axis, on any joint.
 
 use super::scan::{Scanner, text};
-use super::source::{Axis, FrameSink, MAX_JOINTS, SourceClip, content_error};
-use crate::error::{ImportError, Warnings};
+use super::source::{Axis, FrameSink, MAX_JOINTS, SourceClip, content_error, duplicate_names};
+use crate::ImportError;
 use crate::raw::{RawJoint, SourceFormat};
 use glam::{Quat, Vec3};
 use std::path::Path;
@@ -192,7 +192,7 @@ fn rate_of(seconds: f64, written: &str) -> f64 {
 }
 
 fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<FrameSink, ImportError> {
-    let mut sink = FrameSink::new(h.joints, scan.len());
+    let mut sink = FrameSink::new(h.joints, FrameSink::budget(scan.len()));
     let num_channels = h.channels.len();
     if num_channels == 0 {
         return Err(content_error(scan.path(), "no joint has a channel", "A clip without motion cannot be used"));
@@ -241,17 +241,6 @@ impl Channel {
             sink.translations[self.joint][self.axis as usize] = value;
         }
     }
-}
-
-fn duplicate_names(joints: &[RawJoint], path: &Path) -> Warnings {
-    let mut names: Vec<&str> = joints.iter().map(|j| j.name.as_str()).collect();
-    names.sort_unstable();
-    let mut warnings = Warnings::default();
-    for pair in names.windows(2).filter(|w| w[0] == w[1]) {
-        warnings.push(format!("{}: more than one joint is called `{}`; the first counts.", path.display(), pair[0]));
-    }
-    warnings.messages.dedup();
-    warnings
 }
 
 #[cfg(test)]

@@ -1,13 +1,18 @@
 //! Which files to read: folders, patterns and archives become sorted lists, and an AMC file finds its skeleton.
 
-use super::archive;
 use super::source::content_error;
+use super::{archive, gltf};
 use crate::ImportError;
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
+use throng_base::file::MAX_MOTION_BYTES;
 
-/// Files that hold motion.
-const EXTENSIONS: [&str; 3] = ["bvh", "amc", "npz"];
+/// What names of motion files end with.
+pub const EXTENSIONS: [&str; 6] = ["bvh", "amc", "npz", "glb", "gltf", "fbx"];
+/// The same in words.
+pub const FORMATS: &str = ".bvh, .amc, .npz, .glb, .gltf or .fbx";
+/// Those that may hold several clips.
+const OF_SEVERAL: [&str; 3] = ["glb", "gltf", "fbx"];
 /// Folders within folders that are searched; more is a loop.
 const MAX_DEPTH: usize = 64;
 /// Stands for any number of folders in a pattern.
@@ -16,17 +21,38 @@ const ANY_FOLDERS: &str = "**";
 /// A motion file, and the name that its clip gets.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MotionFile {
-    /// The file; one in an archive is named as if the archive were a folder.
+    /// The file; one in an archive is named as if the archive were a folder, a clip of several as if their file were.
     pub path: PathBuf,
     /// Its path without extension as seen from the folder, archive or pattern that was given, with `/`.
     pub name: String,
+}
+
+impl MotionFile {
+    /// What a clip that was read from it is called.
+    pub fn clip_name(&self, clip: &Path) -> String {
+        match clip.strip_prefix(&self.path) {
+            Ok(within) if !within.as_os_str().is_empty() => format!("{}/{}", self.name, slashed(within)),
+            _ => self.name.clone(),
+        }
+    }
+}
+
+/// The file that a clip of several is in, and what it is called there: `dances.glb/Run` is `Run` in `dances.glb`.
+/// Nothing for the path of a file.
+pub fn clip_in_file(path: &Path) -> Option<(PathBuf, String)> {
+    archive::split_at(path, |p| may_hold_several(p) && archive::is_file(p))
+}
+
+pub(super) fn may_hold_several(path: &Path) -> bool {
+    OF_SEVERAL.iter().any(|e| has_extension(path, e))
 }
 
 pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-fn is_motion(path: &Path) -> bool {
+/// True for the name of a motion file.
+pub fn is_motion(path: &Path) -> bool {
     EXTENSIONS.iter().any(|e| has_extension(path, e))
 }
 
@@ -53,8 +79,8 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<MotionFile>, ImportError> {
         let (base, found) = found(path)?;
         if found.is_empty() {
             let help =
-                "Name a folder, an archive (.zip), a file or a pattern with `*` that holds .bvh, .amc or .npz files";
-            return Err(content_error(path, "no motion file is there", help));
+                format!("Name a folder, an archive (.zip), a file or a pattern with `*` that holds {FORMATS} files");
+            return Err(content_error(path, "no motion file is there", &help));
         }
         files.extend(found.into_iter().map(|path| MotionFile { name: name(&path, &base), path }));
     }
@@ -65,7 +91,7 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<MotionFile>, ImportError> {
 
 /// The files of one path, and the folder that their names are relative to.
 fn found(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> {
-    let parent = || path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let parent = |of: &Path| of.parent().unwrap_or(Path::new("")).to_path_buf();
     let mut search = Search::default();
     // A file may have a star in its name.
     if path.to_string_lossy().contains('*') && !path.exists() {
@@ -85,16 +111,27 @@ fn found(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> {
     if has_extension(path, archive::EXTENSION) && path.is_file() {
         return Ok((path.to_path_buf(), motion_in(path)?));
     }
+    if let Some((file, _)) = clip_in_file(path) {
+        return Ok((parent(&file), vec![path.to_path_buf()]));
+    }
     if !archive::is_file(path) {
         std::fs::metadata(path).map_err(|source| ImportError::Io { path: path.to_path_buf(), source })?;
     }
-    Ok((parent(), vec![path.to_path_buf()]))
+    Ok((parent(path), vec![path.to_path_buf()]))
 }
 
 /// What a clip is called.
 fn name(path: &Path, base: &Path) -> String {
-    let within = path.strip_prefix(base).unwrap_or(path).with_extension("");
-    let parts = within.components().map(|c| c.as_os_str().to_string_lossy().into_owned());
+    let within = |path: &Path| slashed(&path.strip_prefix(base).unwrap_or(path).with_extension(""));
+    match clip_in_file(path) {
+        Some((file, clip)) => format!("{}/{clip}", within(&file)),
+        None => within(path),
+    }
+}
+
+/// A path with `/` between its parts.
+fn slashed(path: &Path) -> String {
+    let parts = path.components().map(|c| c.as_os_str().to_string_lossy().into_owned());
     parts.collect::<Vec<_>>().join("/")
 }
 
@@ -219,6 +256,24 @@ pub fn matches(pattern: &str, name: &str) -> bool {
     name.ends_with(last)
 }
 
+/// The other files that are read with a motion file: the skeleton of an AMC file, the numbers of a glTF file.
+///
+/// - `asf`: the skeleton of all AMC files, where it is given.
+pub fn read_along(path: &Path, asf: Option<&Path>) -> Vec<PathBuf> {
+    let is = |extension: &str| has_extension(path, extension);
+    let mut all = match asf {
+        None if is("amc") => find_asf(path).into_iter().collect(),
+        _ if is("gltf") || is("glb") => {
+            let bytes = archive::read_file(path, "motion", MAX_MOTION_BYTES);
+            bytes.and_then(|bytes| gltf::buffer_files(&bytes, path)).unwrap_or_default()
+        }
+        _ => Vec::new(),
+    };
+    // What is missing is told where the file is read.
+    all.retain(|p| archive::is_file(p));
+    all
+}
+
 /// The skeleton of an AMC file: the only ASF file in its folder, or the one whose stem its own starts with.
 ///
 /// # Errors
@@ -246,144 +301,4 @@ pub fn find_asf(amc: &Path) -> Result<PathBuf, ImportError> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn stars_stand_for_any_text() {
-        for (pattern, name, hit) in [
-            ("walk*.bvh", "walk_1.bvh", true),
-            ("*walk*.bvh", "a_walk_1.bvh", true),
-            ("*walk*.bvh", "walk.bvh", true),
-            ("walk*.bvh", "run.bvh", false),
-            ("ab*ba", "aba", false),
-            ("*", "x", true),
-            ("a*b*c", "abbc", true),
-            ("a*b*c", "acb", false),
-            ("a.bvh", "a.bvh", true),
-        ] {
-            assert_eq!(matches(pattern, name), hit, "{pattern} {name}");
-        }
-    }
-
-    #[test]
-    fn a_skeleton_is_chosen_by_stem_and_else_refused_with_the_candidates() {
-        let dir = tempfile::tempdir().unwrap();
-        let put = |name: &str| std::fs::write(dir.path().join(name), "").unwrap();
-        let amc = dir.path().join("02_01.amc");
-        assert!(find_asf(&amc).unwrap_err().to_string().contains("no ASF file"));
-        put("x.asf");
-        assert!(find_asf(&amc).unwrap().ends_with("x.asf"));
-        put("02.asf");
-        assert!(find_asf(&amc).unwrap().ends_with("02.asf"));
-        let e = find_asf(&dir.path().join("walk.amc")).unwrap_err().to_string();
-        assert!(e.contains("02.asf") && e.contains("x.asf") && e.contains("`asf` in the config"), "{e}");
-    }
-
-    #[test]
-    fn folders_give_their_motion_files_sorted() {
-        let dir = tempfile::tempdir().unwrap();
-        for name in ["b.BVH", "a.amc", "a.asf", "c.txt"] {
-            std::fs::write(dir.path().join(name), "").unwrap();
-        }
-        let names = |p: &Path| {
-            let files = expand(&[p.to_owned(), dir.path().join("a.amc")]).unwrap();
-            files.iter().map(|f| f.file_name().unwrap().to_string_lossy().into_owned()).collect::<Vec<_>>()
-        };
-        assert_eq!(names(dir.path()), ["a.amc", "b.BVH"]);
-        assert_eq!(names(&dir.path().join("*.BVH")), ["a.amc", "b.BVH"]);
-        assert!(expand(&[dir.path().join("z*")]).is_err());
-    }
-
-    /// A folder with `one.bvh`, `deep/er/two.BVH`, `deep/three.amc`, an archive and what is to be passed over.
-    fn tree() -> tempfile::TempDir {
-        let dir = tempfile::tempdir().unwrap();
-        let put = |name: &str| {
-            let path = dir.path().join(name);
-            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-            std::fs::write(path, name).unwrap();
-        };
-        let all = ["one.bvh", "deep/er/two.BVH", "deep/three.amc", "deep/a.asf", "read me.txt", ".git/four.bvh"];
-        all.into_iter().for_each(put);
-        put("deep/._three.amc");
-        let file = std::fs::File::create(dir.path().join("more.zip")).unwrap();
-        let mut zip = zip::ZipWriter::new(file);
-        for (name, method) in
-            [("x/five.bvh", zip::CompressionMethod::Deflated), ("x/b.asf", zip::CompressionMethod::Stored)]
-        {
-            let options = zip::write::SimpleFileOptions::default().compression_method(method);
-            zip.start_file(name, options).unwrap();
-            std::io::Write::write_all(&mut zip, name.as_bytes()).unwrap();
-        }
-        for name in ["__MACOSX/x/five.bvh", "x/six.amc"] {
-            zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
-        }
-        zip.finish().unwrap();
-        dir
-    }
-
-    fn names(dir: &tempfile::TempDir, path: &str) -> Vec<String> {
-        find(&[dir.path().join(path)]).unwrap().into_iter().map(|f| f.name).collect()
-    }
-
-    #[test]
-    fn folders_and_archives_are_searched_to_any_depth_and_names_are_relative_to_what_was_given() {
-        let dir = tree();
-        let all = ["deep/er/two", "deep/three", "more.zip/x/five", "more.zip/x/six", "one"];
-        assert_eq!(names(&dir, ""), all);
-        assert_eq!(names(&dir, "deep"), ["er/two", "three"]);
-        assert_eq!(names(&dir, "more.zip"), ["x/five", "x/six"]);
-        assert_eq!(names(&dir, "more.zip/x/five.bvh"), ["five"]);
-        assert_eq!(names(&dir, "deep/er/two.BVH"), ["two"]);
-    }
-
-    #[test]
-    fn two_stars_stand_for_any_number_of_folders() {
-        let dir = tree();
-        assert_eq!(names(&dir, "**/*.BVH"), ["deep/er/two"]);
-        assert_eq!(names(&dir, "**/t*"), ["deep/er/two", "deep/three"]);
-        assert_eq!(names(&dir, "**"), names(&dir, ""));
-        assert_eq!(names(&dir, "d*/t*.amc"), ["deep/three"]);
-        assert_eq!(names(&dir, "*/*/*"), ["deep/er/two"]);
-        assert!(find(&[dir.path().join("d*/**/o*")]).is_err());
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn links_that_lead_back_end() {
-        let dir = tree();
-        std::os::unix::fs::symlink(dir.path(), dir.path().join("deep/again")).unwrap();
-        assert_eq!(names(&dir, "").len(), 5);
-        assert_eq!(names(&dir, "**/one.bvh"), ["one"]);
-    }
-
-    #[test]
-    fn files_in_archives_are_read_up_to_a_limit_and_find_their_skeleton() {
-        let dir = tree();
-        let (zip, at) = (dir.path().join("more.zip"), |m: &str| dir.path().join("more.zip").join(m));
-        assert_eq!(archive::read_file(&at("x/five.bvh"), "motion", 100).unwrap(), b"x/five.bvh");
-        assert!(
-            archive::read_file(&at("x/five.bvh"), "motion", 9)
-                .unwrap_err()
-                .to_string()
-                .contains("five.bvh: it has more")
-        );
-        assert!(archive::read_file(&at("x/seven.bvh"), "motion", 9).unwrap_err().to_string().contains("seven.bvh"));
-        assert_eq!(find_asf(&at("x/six.amc")).unwrap(), at("x/b.asf"));
-        assert!(archive::is_file(&at("x/b.asf")) && !archive::is_file(&at("b.asf")));
-        // Every byte may be wrong: nothing panics.
-        let good = std::fs::read(&zip).unwrap();
-        for i in 0..good.len() {
-            let mut bad = good.clone();
-            bad[i] ^= 0x55;
-            std::fs::write(&zip, &bad[..]).unwrap();
-            for file in find(std::slice::from_ref(&zip)).unwrap_or_default() {
-                _ = archive::read_file(&file.path, "motion", 99);
-            }
-        }
-        std::fs::write(&zip, "no archive").unwrap();
-        assert!(find(&[zip]).unwrap_err().to_string().contains("more.zip: it is no archive that can be read"));
-        // A folder is no worse for it: the archive is a file that cannot be read.
-        assert_eq!(names(&dir, ""), ["deep/er/two", "deep/three", "more", "one"]);
-    }
-}
+mod tests;

@@ -1,4 +1,4 @@
-//! Files to raw clips: BVH, ASF/AMC and SMPL's NPZ, in metres, Y up, with a role for every joint that matters.
+//! Files to raw clips: BVH, ASF/AMC, SMPL's NPZ, glTF and FBX, in metres, Y up, with a role for every joint that matters.
 //!
 //! Each format has its own reader that yields a [`SourceClip`] in the file's units. A skeleton profile, or the
 //! shape of the skeleton, says which joint plays which role; units, up axis and rest pose are then found from the
@@ -9,8 +9,12 @@ pub mod archive;
 pub mod asf;
 pub mod bvh;
 pub mod config;
+#[cfg(feature = "fbx")]
+pub mod fbx;
 mod files;
 mod glitches;
+pub mod gltf;
+mod nodes;
 pub mod npz;
 mod person;
 pub mod profile;
@@ -27,7 +31,7 @@ use crate::export::{self, to_raw};
 use crate::progress::Progress;
 use crate::raw::RawClip;
 pub use config::{Forward, ImportConfig, UpAxis};
-pub use files::{MotionFile, expand, find, find_asf, matches};
+pub use files::{EXTENSIONS, FORMATS, MotionFile, clip_in_file, expand, find, is_motion, matches, read_along};
 pub use glitches::{Glitch, GlitchKind, Glitches};
 use profile::Profile;
 use rayon::prelude::*;
@@ -69,7 +73,7 @@ pub struct Imported {
 /// All clips of a build, and the files that could not be read.
 #[derive(Debug)]
 pub struct ImportedSet {
-    /// The clips, sorted by path.
+    /// The clips, sorted by path; several of one file as it has them.
     pub clips: Vec<Imported>,
     /// Files that were skipped and why, sorted by path.
     pub skipped: Vec<ImportError>,
@@ -103,14 +107,16 @@ impl ImportedSet {
     }
 }
 
+/// The clips of a motion file, or why there are none.
+pub type Clips = Result<Vec<Imported>, ImportError>;
+
 /// Reads a motion file, or finds what was made of it before.
-pub type Reader<'a> =
-    dyn Fn(&MotionFile, &dyn Fn() -> Result<Imported, ImportError>) -> Result<Imported, ImportError> + Sync + 'a;
+pub type Reader<'a> = dyn Fn(&MotionFile, &dyn Fn() -> Clips) -> Clips + Sync + 'a;
 
 /// Reads all motion files of `paths` (files, folders, archives, patterns, see [`find`]), in parallel. Clips are called as
-/// their files are ([`MotionFile::name`]).
+/// their files are ([`MotionFile::clip_name`]).
 ///
-/// - `reader`: asked for every clip, and given what reads it.
+/// - `reader`: asked for every file, and given what reads it.
 ///
 /// The result does not depend on the number of threads. A bad file is skipped and kept in
 /// [`ImportedSet::skipped`].
@@ -131,16 +137,16 @@ pub fn read_by(
         .map(|file| {
             let result = reader(file, &|| read_with(&file.path, config, &profiles));
             progress.advance(1);
-            let mut imported = result?;
-            imported.clip.name.clone_from(&file.name);
-            Ok(imported)
+            let mut clips = result?;
+            clips.iter_mut().for_each(|c| c.clip.name = file.clip_name(&c.clip.path));
+            Ok(clips)
         })
         .collect();
     progress.end();
     let mut set = ImportedSet { clips: Vec::new(), skipped: Vec::new() };
     for result in results {
         match result {
-            Ok(clip) => set.clips.push(clip),
+            Ok(clips) => set.clips.extend(clips),
             Err(e) if config.strict => return Err(e),
             Err(e) => set.skipped.push(e),
         }
@@ -174,32 +180,85 @@ pub fn made(set: &ClipSet, folder: &Path, config: &ImportConfig) -> Result<Impor
     Ok(ImportedSet { clips: set.clips.par_iter().map(one).collect::<Result<_, _>>()?, skipped: Vec::new() })
 }
 
-/// Reads one motion file.
+/// Reads the clip of a motion file, or the one that a path names among several (`FILE/CLIP`).
 ///
 /// # Errors
-/// [`ImportError`] naming the file and, for faults of the text, line and column.
+/// [`ImportError`] naming the file and, for faults of the text, line and column; a file of several clips.
 pub fn read_clip(path: &Path, config: &ImportConfig) -> Result<Imported, ImportError> {
+    let mut clips = read_clips(path, config)?;
+    match clips.pop() {
+        Some(clip) if clips.is_empty() => Ok(clip),
+        last => {
+            let names = clips.iter().chain(&last).map(|c| c.clip.path.display().to_string());
+            let message = format!("expected one clip, found {}", clips.len() + 1);
+            Err(content_error(path, message, &format!("Name one: {}", names.take(20).collect::<Vec<_>>().join(", "))))
+        }
+    }
+}
+
+/// Reads the clips of a motion file.
+///
+/// # Errors
+/// [`ImportError`] naming the file; where some of several clips are bad, only if all are or `config.strict` is set.
+pub fn read_clips(path: &Path, config: &ImportConfig) -> Clips {
     read_with(path, config, &profile::load_profiles(&config.profiles)?)
 }
 
-fn read_with(path: &Path, config: &ImportConfig, profiles: &[Profile]) -> Result<Imported, ImportError> {
-    interpret(read_source(path, config.asf.as_deref())?, config, profiles)
+fn read_with(path: &Path, config: &ImportConfig, profiles: &[Profile]) -> Clips {
+    let (mut good, mut bad) = (Vec::new(), Vec::new());
+    for source in read_source(path, config.asf.as_deref())? {
+        match interpret(source, config, profiles) {
+            Ok(clip) => good.push(clip),
+            Err(e) if config.strict => return Err(e),
+            Err(e) => bad.push(e),
+        }
+    }
+    match good.first_mut() {
+        Some(first) => first.warnings.messages.extend(bad.into_iter().map(|e| format!("{e}. It is left out."))),
+        None => return bad.into_iter().next().map_or(Ok(good), Err),
+    }
+    Ok(good)
 }
 
-/// Reads a file in its own units and axes; `asf` is the skeleton of an AMC file, found beside it if absent.
+/// True for a file of several clips.
+pub fn holds_several(path: &Path) -> bool {
+    files::may_hold_several(path) && read_source(path, None).is_ok_and(|clips| clips.len() > 1)
+}
+
+/// Reads the clips of a file in its own units and axes, or the one that a path names among several; `asf` is the skeleton
+/// of an AMC file, found beside it if absent.
 ///
 /// # Errors
-/// [`ImportError`] as the reader of the format gives it; an unknown extension.
-pub fn read_source(path: &Path, asf: Option<&Path>) -> Result<SourceClip, ImportError> {
+/// [`ImportError`] as the reader of the format gives it; an unknown extension; a clip that is not there.
+pub fn read_source(path: &Path, asf: Option<&Path>) -> Result<Vec<SourceClip>, ImportError> {
+    let Some((file, name)) = clip_in_file(path) else { return read_file(path, asf) };
+    let all = read_file(&file, asf)?;
+    let names = all.iter().take(20).map(|c| c.clip.path.display().to_string()).collect::<Vec<_>>().join(", ");
+    let found: Vec<SourceClip> = all.into_iter().filter(|c| c.clip.path == path).collect();
+    match found.is_empty() {
+        true => Err(content_error(&file, format!("there is no clip `{name}`"), &format!("It holds {names}"))),
+        false => Ok(found),
+    }
+}
+
+fn read_file(path: &Path, asf: Option<&Path>) -> Result<Vec<SourceClip>, ImportError> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
-        "bvh" => bvh::parse(&load(path)?, path),
+        "bvh" => Ok(vec![bvh::parse(&load(path)?, path)?]),
         "amc" => {
             let asf_path = asf.map_or_else(|| files::find_asf(path), |p| Ok(p.to_owned()))?;
             let skeleton = asf::parse(&load(&asf_path)?, &asf_path)?;
-            amc::parse(&load(path)?, path, &skeleton)
+            Ok(vec![amc::parse(&load(path)?, path, &skeleton)?])
         }
-        "npz" => npz::parse(&load(path)?, path),
+        "npz" => Ok(vec![npz::parse(&load(path)?, path)?]),
+        "glb" | "gltf" => gltf::parse(&load(path)?, path),
+        #[cfg(feature = "fbx")]
+        "fbx" => fbx::parse(&load(path)?, path),
+        #[cfg(not(feature = "fbx"))]
+        "fbx" => {
+            let help = "Build it with `--features fbx`, or convert the file to .glb";
+            Err(content_error(path, "this program was built without FBX", help))
+        }
         "asf" => Err(content_error(path, "an ASF file is a skeleton without motion", "Name its AMC file")),
         archive::EXTENSION => match archive::members(path) {
             Err(e) => Err(e),
@@ -207,7 +266,10 @@ pub fn read_source(path: &Path, asf: Option<&Path>) -> Result<SourceClip, Import
                 Err(content_error(path, "it is an archive, not a clip", "Name a file in it: ARCHIVE.zip/CLIP.bvh"))
             }
         },
-        _ => Err(content_error(path, "its extension is not .bvh, .amc or .npz", "Convert it, or correct its name")),
+        _ => {
+            let message = format!("its extension is not {FORMATS}");
+            Err(content_error(path, message, "Convert it, or correct its name"))
+        }
     }
 }
 

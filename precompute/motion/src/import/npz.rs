@@ -67,7 +67,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
         return Err(fail("it has no frames".into()));
     }
     let (rate_hz, name) = rate(&mut arrays).map_err(fail)?;
-    let mut sink = FrameSink::new(joints(), bytes.len());
+    let mut sink = FrameSink::new(joints(), FrameSink::budget(bytes.len()));
     let upright = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
     for frame in 0..frames {
         let numbers: Vec<f64> = poses.iter().flat_map(|p| p.array.row(frame, p.width)).take(3 * NUM_JOINTS).collect();

@@ -62,8 +62,13 @@ pub(crate) struct FrameSink {
 }
 
 impl FrameSink {
-    /// For a file of `num_bytes`: joint transforms are kept in proportion to it.
-    pub fn new(joints: Vec<RawJoint>, num_bytes: usize) -> Self {
+    /// Joint transforms that a file of `num_bytes` may make: in proportion to it.
+    pub fn budget(num_bytes: usize) -> usize {
+        num_bytes.saturating_mul(8).saturating_add(1 << 16)
+    }
+
+    /// Keeps at most `budget` joint transforms.
+    pub fn new(joints: Vec<RawJoint>, budget: usize) -> Self {
         let rest: Vec<_> = joints.iter().map(|j| j.offset.as_dvec3()).collect();
         Self {
             translations: rest.clone(),
@@ -72,7 +77,7 @@ impl FrameSink {
             joints,
             clip_translations: Vec::new(),
             clip_rotations: Vec::new(),
-            budget: num_bytes.saturating_mul(8).saturating_add(1 << 16),
+            budget,
         }
     }
 
@@ -121,6 +126,18 @@ impl FrameSink {
             rotations: self.clip_rotations,
         }
     }
+}
+
+/// Warns of joints of one name.
+pub(crate) fn duplicate_names(joints: &[RawJoint], path: &Path) -> Warnings {
+    let mut names: Vec<&str> = joints.iter().map(|j| j.name.as_str()).collect();
+    names.sort_unstable();
+    let mut warnings = Warnings::default();
+    for pair in names.windows(2).filter(|w| w[0] == w[1]) {
+        warnings.push(format!("{}: more than one joint is called `{}`; the first counts.", path.display(), pair[0]));
+    }
+    warnings.messages.dedup();
+    warnings
 }
 
 /// An error about the content of a file.

@@ -91,10 +91,10 @@ pub(super) fn find_unit(source: &mut SourceClip, roles: &RoleMap, config: &Impor
     }
     if let Some(unit) = source.declared_metres_per_unit {
         if BELIEVABLE.contains(&(height * unit)) {
-            source.findings.push(format!("{unit:.6} m a unit: the file's `:units` say so, and {}.", in_metres(unit)));
+            source.findings.push(format!("{unit:.6} m a unit: the file says so, and {}.", in_metres(unit)));
             return Ok(unit);
         }
-        source.warnings.push(format!("{}: by the file's `:units` {}: ignored.", path.display(), in_metres(unit)));
+        source.warnings.push(format!("{}: by the units that it names {}: ignored.", path.display(), in_metres(unit)));
     }
     let distance = |unit: f64| (height * unit / TYPICAL_HEIGHT).ln().abs();
     let (unit, name) = UNITS.into_iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0))).unwrap_or(UNITS[0]);

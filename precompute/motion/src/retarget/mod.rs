@@ -15,7 +15,7 @@ mod transfer;
 use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason};
 use crate::error::{BuildError, Warnings};
 use crate::import::{Glitch, Imported};
-use crate::raw::RawClip;
+use crate::raw::{RawClip, RawJoint};
 use align::Alignment;
 use body::Body;
 pub use body::{Roles, Source};
@@ -69,6 +69,8 @@ pub struct ExplicitProportions {
 
 /// Longest offset along each axis (m).
 const MAX_OFFSET: f32 = 10.0;
+/// Joints that rest nearer to each other than this are one: files are rounded (m).
+const SAME_OFFSET_M: f32 = 1e-4;
 
 impl RetargetConfig {
     /// Checks the proportions.
@@ -253,7 +255,11 @@ fn group(sources: &[Source]) -> Vec<Vec<usize>> {
 
 fn same_rig(a: &RawClip, b: &RawClip) -> bool {
     let joints = |c: &RawClip| c.joints.iter().filter(|j| !j.is_end).cloned().collect::<Vec<_>>();
-    joints(a) == joints(b)
+    let (a, b) = (joints(a), joints(b));
+    let same = |(a, b): (&RawJoint, &RawJoint)| {
+        (&a.name, a.parent) == (&b.name, b.parent) && a.offset.distance(b.offset) < SAME_OFFSET_M
+    };
+    a.len() == b.len() && a.iter().zip(&b).all(same)
 }
 
 /// The roles without which there is nothing to lay onto a body.

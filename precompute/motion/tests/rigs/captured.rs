@@ -26,7 +26,7 @@ fn captured_skeletons_are_recognised_as_their_profiles_have_them() {
     {
         let (mut clips, mut differ) = (0, Vec::new());
         for path in files(folder) {
-            let source = read_source(&path, None).unwrap();
+            let source = read_source(&path, None).unwrap().swap_remove(0);
             let named = interpret(source.clone(), &config, &profiles).unwrap();
             let shaped = interpret(source, &config, &[]).unwrap();
             clips += 1;

@@ -53,6 +53,9 @@ fn motion(ui: &mut Ui, r: &ClipReport) {
     let format = match r.format {
         "asf_amc" => "ASF/AMC",
         "bvh" => "BVH",
+        "fbx" => "FBX",
+        "gltf" => "glTF",
+        "npz" => "SMPL",
         other => other,
     };
     let rest = match r.rest_pose {

@@ -1,4 +1,4 @@
-//! The parts of a glTF document that geometry needs, and the container that may hold it.
+//! The parts of a glTF 2.0 document that geometry and motion need, and the container that may hold it.
 
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
@@ -16,23 +16,37 @@ const MAX_TEXT: usize = 128 << 20;
 /// Most entries of each list of the document.
 const MAX_ITEMS: usize = 1_000_000;
 
-/// A glTF document.
+/// A glTF document. Its parts name each other by their places in these lists.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Document {
+    /// The scene that is shown.
     pub scene: Option<usize>,
+    /// All scenes.
     #[serde(deserialize_with = "limited")]
     pub scenes: Vec<SceneNodes>,
+    /// All nodes.
     #[serde(deserialize_with = "limited")]
     pub nodes: Vec<Node>,
+    /// All meshes.
     #[serde(deserialize_with = "limited")]
     pub meshes: Vec<Mesh>,
+    /// All skins.
+    #[serde(deserialize_with = "limited")]
+    pub skins: Vec<Skin>,
+    /// All animations.
+    #[serde(deserialize_with = "limited")]
+    pub animations: Vec<Animation>,
+    /// All accessors.
     #[serde(deserialize_with = "limited")]
     pub accessors: Vec<Accessor>,
+    /// All parts of buffers.
     #[serde(deserialize_with = "limited")]
     pub buffer_views: Vec<BufferView>,
+    /// All buffers.
     #[serde(deserialize_with = "limited")]
     pub buffers: Vec<Buffer>,
+    /// Extensions without which the document means something else.
     #[serde(deserialize_with = "limited")]
     pub extensions_required: Vec<String>,
 }
@@ -41,6 +55,7 @@ pub struct Document {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct SceneNodes {
+    /// Nodes.
     pub nodes: Vec<usize>,
 }
 
@@ -48,79 +63,209 @@ pub struct SceneNodes {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct Node {
+    /// Its name, which need not be the only one of its kind.
+    pub name: String,
+    /// Nodes in its frame.
     pub children: Vec<usize>,
+    /// Mesh that it shows.
     pub mesh: Option<usize>,
+    /// Camera that stands there.
+    pub camera: Option<usize>,
+    /// Frame in that of its parent, in columns; instead of the three that follow.
     pub matrix: Option<[f32; 16]>,
+    /// Origin in the frame of its parent (m).
     pub translation: Option<[f32; 3]>,
+    /// Rotation as a quaternion x, y, z, w.
     pub rotation: Option<[f32; 4]>,
+    /// Scale along its own axes.
     pub scale: Option<[f32; 3]>,
 }
 
 /// Geometry in parts.
 #[derive(Debug, Deserialize)]
 pub struct Mesh {
+    /// Parts.
     pub primitives: Vec<Primitive>,
 }
 
 /// A part of a mesh.
 #[derive(Debug, Deserialize)]
 pub struct Primitive {
+    /// What each corner has.
     pub attributes: Attributes,
+    /// Accessor of the corners in order.
     pub indices: Option<usize>,
+    /// Points, lines or triangles.
     pub mode: Option<u32>,
 }
 
 /// Accessors of what each corner has; the others are not read.
 #[derive(Debug, Deserialize)]
 pub struct Attributes {
+    /// Accessor of positions.
     #[serde(rename = "POSITION")]
     pub position: Option<usize>,
+}
+
+/// Joints that carry a mesh.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Skin {
+    /// Nodes.
+    pub joints: Vec<usize>,
+    /// Accessor of a matrix for each joint: from the space of the mesh to the joint's, in the bind pose.
+    pub inverse_bind_matrices: Option<usize>,
+}
+
+/// Motion of nodes.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Animation {
+    /// Its name.
+    pub name: String,
+    /// What is moved by which sampler.
+    #[serde(deserialize_with = "limited")]
+    pub channels: Vec<Channel>,
+    /// Values over time.
+    #[serde(deserialize_with = "limited")]
+    pub samplers: Vec<Sampler>,
+}
+
+/// A quantity of a node that a sampler moves.
+#[derive(Debug, Deserialize)]
+pub struct Channel {
+    /// Place in the animation's list of samplers.
+    pub sampler: usize,
+    /// The quantity.
+    pub target: Target,
+}
+
+/// A quantity of a node.
+#[derive(Debug, Deserialize)]
+pub struct Target {
+    /// The node; extensions leave it out.
+    pub node: Option<usize>,
+    /// `translation`, `rotation`, `scale`, `weights`, or what extensions add.
+    pub path: String,
+}
+
+/// Values over time.
+#[derive(Debug, Deserialize)]
+pub struct Sampler {
+    /// Accessor of the times (s).
+    pub input: usize,
+    /// Accessor of the values.
+    pub output: usize,
+    /// What is between them.
+    #[serde(default)]
+    pub interpolation: Interpolation,
+}
+
+/// What is between two keys.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Interpolation {
+    /// The shortest way from one to the other.
+    #[default]
+    Linear,
+    /// The earlier one.
+    Step,
+    /// A cubic spline, whose tangents lie before and after each value.
+    CubicSpline,
 }
 
 /// Typed numbers in a part of a buffer.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Accessor {
+    /// Where they are; zeros where it is absent.
     pub buffer_view: Option<usize>,
+    /// First byte in it.
     #[serde(default)]
     pub byte_offset: usize,
+    /// Code of the type of one number.
     pub component_type: u32,
+    /// True where whole numbers stand for -1 to 1, or 0 to 1.
+    #[serde(default)]
+    pub normalized: bool,
+    /// Number of items.
     pub count: usize,
+    /// How many numbers an item has: `SCALAR`, `VEC3` and so on.
     #[serde(rename = "type")]
     pub kind: String,
-    pub sparse: Option<IgnoredAny>,
+    /// Items that differ from those in the buffer view.
+    pub sparse: Option<Sparse>,
+}
+
+/// Items that replace those of an accessor.
+#[derive(Debug, Deserialize)]
+pub struct Sparse {
+    /// Number of them.
+    pub count: usize,
+    /// Their places.
+    pub indices: SparsePart,
+    /// Their numbers.
+    pub values: SparsePart,
+}
+
+/// Where places or numbers of replaced items are.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SparsePart {
+    /// Buffer view.
+    pub buffer_view: usize,
+    /// First byte in it.
+    #[serde(default)]
+    pub byte_offset: usize,
+    /// Code of the type of a place; that of the accessor, for numbers.
+    pub component_type: Option<u32>,
 }
 
 /// A part of a buffer.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct BufferView {
+    /// The buffer.
     pub buffer: usize,
+    /// First byte in it.
     #[serde(default)]
     pub byte_offset: usize,
+    /// Number of bytes.
     pub byte_length: usize,
+    /// Bytes from one item to the next.
     pub byte_stride: Option<usize>,
+    /// What extensions say of it.
+    #[serde(default)]
+    pub extensions: ViewExtensions,
+}
+
+/// What extensions say of a part of a buffer.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct ViewExtensions {
+    /// Its bytes are elsewhere, compressed.
+    #[serde(rename = "EXT_meshopt_compression", alias = "KHR_meshopt_compression")]
+    pub meshopt: Option<IgnoredAny>,
 }
 
 /// Bytes, in a file of their own, in the text, or in the binary container.
 #[derive(Debug, Deserialize)]
 pub struct Buffer {
+    /// Where they are.
     pub uri: Option<String>,
 }
 
 /// The document of a `.gltf` or `.glb` file and the bytes that come with it.
+///
+/// # Errors
+/// What is wrong, and the way out.
 pub fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
     let (text, binary) = if bytes.starts_with(MAGIC) { chunks(bytes)? } else { (bytes, None) };
     if text.len() > MAX_TEXT {
         let mib = MAX_TEXT >> 20;
         return Err(format!("its document has {} bytes, expected {mib} MiB at most; export it as .glb", text.len()));
     }
-    let document: Document =
-        serde_json::from_slice(text).map_err(|e| format!("expected a glTF 2.0 document as JSON: {e}"))?;
-    if let Some(extension) = document.extensions_required.first() {
-        let help = "export without compression and other required extensions";
-        return Err(format!("extensionsRequired: `{extension}` is not supported; {help}"));
-    }
+    let document = serde_json::from_slice(text).map_err(|e| format!("expected a glTF 2.0 document as JSON: {e}"))?;
     Ok((document, binary))
 }
 

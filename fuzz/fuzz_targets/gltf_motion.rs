@@ -1,0 +1,2 @@
+#![no_main]
+libfuzzer_sys::fuzz_target!(|data: &[u8]| drop(throng_precompute::damage::readers::gltf_motion(data)));

@@ -1,0 +1,136 @@
+use super::*;
+
+#[test]
+fn stars_stand_for_any_text() {
+    for (pattern, name, hit) in [
+        ("walk*.bvh", "walk_1.bvh", true),
+        ("*walk*.bvh", "a_walk_1.bvh", true),
+        ("*walk*.bvh", "walk.bvh", true),
+        ("walk*.bvh", "run.bvh", false),
+        ("ab*ba", "aba", false),
+        ("*", "x", true),
+        ("a*b*c", "abbc", true),
+        ("a*b*c", "acb", false),
+        ("a.bvh", "a.bvh", true),
+    ] {
+        assert_eq!(matches(pattern, name), hit, "{pattern} {name}");
+    }
+}
+
+#[test]
+fn a_skeleton_is_chosen_by_stem_and_else_refused_with_the_candidates() {
+    let dir = tempfile::tempdir().unwrap();
+    let put = |name: &str| std::fs::write(dir.path().join(name), "").unwrap();
+    let amc = dir.path().join("02_01.amc");
+    assert!(find_asf(&amc).unwrap_err().to_string().contains("no ASF file"));
+    put("x.asf");
+    assert!(find_asf(&amc).unwrap().ends_with("x.asf"));
+    put("02.asf");
+    assert!(find_asf(&amc).unwrap().ends_with("02.asf"));
+    let e = find_asf(&dir.path().join("walk.amc")).unwrap_err().to_string();
+    assert!(e.contains("02.asf") && e.contains("x.asf") && e.contains("`asf` in the config"), "{e}");
+}
+
+#[test]
+fn folders_give_their_motion_files_sorted() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["b.BVH", "a.amc", "a.asf", "c.txt"] {
+        std::fs::write(dir.path().join(name), "").unwrap();
+    }
+    let names = |p: &Path| {
+        let files = expand(&[p.to_owned(), dir.path().join("a.amc")]).unwrap();
+        files.iter().map(|f| f.file_name().unwrap().to_string_lossy().into_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(names(dir.path()), ["a.amc", "b.BVH"]);
+    assert_eq!(names(&dir.path().join("*.BVH")), ["a.amc", "b.BVH"]);
+    assert!(expand(&[dir.path().join("z*")]).is_err());
+}
+
+/// A folder with `one.bvh`, `deep/er/two.BVH`, `deep/three.amc`, an archive and what is to be passed over.
+fn tree() -> tempfile::TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    let put = |name: &str| {
+        let path = dir.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, name).unwrap();
+    };
+    let all = ["one.bvh", "deep/er/two.BVH", "deep/three.amc", "deep/a.asf", "read me.txt", ".git/four.bvh"];
+    all.into_iter().for_each(put);
+    put("deep/._three.amc");
+    let file = std::fs::File::create(dir.path().join("more.zip")).unwrap();
+    let mut zip = zip::ZipWriter::new(file);
+    for (name, method) in
+        [("x/five.bvh", zip::CompressionMethod::Deflated), ("x/b.asf", zip::CompressionMethod::Stored)]
+    {
+        let options = zip::write::SimpleFileOptions::default().compression_method(method);
+        zip.start_file(name, options).unwrap();
+        std::io::Write::write_all(&mut zip, name.as_bytes()).unwrap();
+    }
+    for name in ["__MACOSX/x/five.bvh", "x/six.amc"] {
+        zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+    }
+    zip.finish().unwrap();
+    dir
+}
+
+fn names(dir: &tempfile::TempDir, path: &str) -> Vec<String> {
+    find(&[dir.path().join(path)]).unwrap().into_iter().map(|f| f.name).collect()
+}
+
+#[test]
+fn folders_and_archives_are_searched_to_any_depth_and_names_are_relative_to_what_was_given() {
+    let dir = tree();
+    let all = ["deep/er/two", "deep/three", "more.zip/x/five", "more.zip/x/six", "one"];
+    assert_eq!(names(&dir, ""), all);
+    assert_eq!(names(&dir, "deep"), ["er/two", "three"]);
+    assert_eq!(names(&dir, "more.zip"), ["x/five", "x/six"]);
+    assert_eq!(names(&dir, "more.zip/x/five.bvh"), ["five"]);
+    assert_eq!(names(&dir, "deep/er/two.BVH"), ["two"]);
+}
+
+#[test]
+fn two_stars_stand_for_any_number_of_folders() {
+    let dir = tree();
+    assert_eq!(names(&dir, "**/*.BVH"), ["deep/er/two"]);
+    assert_eq!(names(&dir, "**/t*"), ["deep/er/two", "deep/three"]);
+    assert_eq!(names(&dir, "**"), names(&dir, ""));
+    assert_eq!(names(&dir, "d*/t*.amc"), ["deep/three"]);
+    assert_eq!(names(&dir, "*/*/*"), ["deep/er/two"]);
+    assert!(find(&[dir.path().join("d*/**/o*")]).is_err());
+}
+
+#[cfg(unix)]
+#[test]
+fn links_that_lead_back_end() {
+    let dir = tree();
+    std::os::unix::fs::symlink(dir.path(), dir.path().join("deep/again")).unwrap();
+    assert_eq!(names(&dir, "").len(), 5);
+    assert_eq!(names(&dir, "**/one.bvh"), ["one"]);
+}
+
+#[test]
+fn files_in_archives_are_read_up_to_a_limit_and_find_their_skeleton() {
+    let dir = tree();
+    let (zip, at) = (dir.path().join("more.zip"), |m: &str| dir.path().join("more.zip").join(m));
+    assert_eq!(archive::read_file(&at("x/five.bvh"), "motion", 100).unwrap(), b"x/five.bvh");
+    assert!(
+        archive::read_file(&at("x/five.bvh"), "motion", 9).unwrap_err().to_string().contains("five.bvh: it has more")
+    );
+    assert!(archive::read_file(&at("x/seven.bvh"), "motion", 9).unwrap_err().to_string().contains("seven.bvh"));
+    assert_eq!(find_asf(&at("x/six.amc")).unwrap(), at("x/b.asf"));
+    assert!(archive::is_file(&at("x/b.asf")) && !archive::is_file(&at("b.asf")));
+    // Every byte may be wrong: nothing panics.
+    let good = std::fs::read(&zip).unwrap();
+    for i in 0..good.len() {
+        let mut bad = good.clone();
+        bad[i] ^= 0x55;
+        std::fs::write(&zip, &bad[..]).unwrap();
+        for file in find(std::slice::from_ref(&zip)).unwrap_or_default() {
+            _ = archive::read_file(&file.path, "motion", 99);
+        }
+    }
+    std::fs::write(&zip, "no archive").unwrap();
+    assert!(find(&[zip]).unwrap_err().to_string().contains("more.zip: it is no archive that can be read"));
+    // A folder is no worse for it: the archive is a file that cannot be read.
+    assert_eq!(names(&dir, ""), ["deep/er/two", "deep/three", "more", "one"]);
+}

@@ -1,0 +1,160 @@
+//! Keys of glTF animations, and what is between them.
+
+use super::accessor::Reader;
+use super::document::{Interpolation, Sampler};
+use glam::{DQuat, DVec3, DVec4};
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// Times of keys are less than this (s).
+const MAX_TIME_S: f64 = 1e6;
+/// A time that misses a key by less than this is the key's: times have single precision (s).
+const NEAR_S: f64 = 5e-5;
+
+/// Reads samplers. Those that share accessors share their numbers.
+pub struct Samplers<'a> {
+    reader: &'a Reader<'a>,
+    times: BTreeMap<usize, Rc<[f64]>>,
+    values: BTreeMap<usize, Rc<[f32]>>,
+    /// Numbers that may still be read.
+    left: usize,
+}
+
+/// Values at times.
+pub struct Keys {
+    times: Rc<[f64]>,
+    values: Rc<[f32]>,
+    /// Numbers of a value.
+    width: usize,
+    interpolation: Interpolation,
+}
+
+impl<'a> Samplers<'a> {
+    /// - `num_bytes`: length of the file and its buffers; accessors may share bytes, so numbers are counted.
+    pub fn new(reader: &'a Reader<'a>, num_bytes: usize) -> Self {
+        let left = num_bytes.saturating_add(1 << 20);
+        Self { reader, times: BTreeMap::new(), values: BTreeMap::new(), left }
+    }
+
+    /// The keys of a sampler of rotations or of vectors.
+    pub fn keys(&mut self, sampler: &Sampler, rotation: bool) -> Result<Keys, String> {
+        let (kind, width) = if rotation { ("VEC4", 4) } else { ("VEC3", 3) };
+        let times = match self.times.get(&sampler.input) {
+            Some(times) => times.clone(),
+            None => {
+                self.take(sampler.input, 1)?;
+                let times = seconds(&self.reader.floats(sampler.input, "SCALAR")?);
+                let times: Rc<[f64]> = times.map_err(|e| format!("accessors[{}]: {e}", sampler.input))?.into();
+                self.times.insert(sampler.input, times.clone());
+                times
+            }
+        };
+        let values = match self.values.get(&sampler.output) {
+            Some(values) => values.clone(),
+            None => {
+                self.take(sampler.output, width)?;
+                let values: Rc<[f32]> = self.reader.floats(sampler.output, kind)?.into();
+                self.values.insert(sampler.output, values.clone());
+                values
+            }
+        };
+        let each = if sampler.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+        if values.len() != times.len() * each * width {
+            let expected = times.len() * each;
+            return Err(format!("expected {expected} values as {kind} for {} keys, found others", times.len()));
+        }
+        Ok(Keys { times, values, width, interpolation: sampler.interpolation })
+    }
+
+    fn take(&mut self, accessor: usize, width: usize) -> Result<(), String> {
+        let numbers = self.reader.count(accessor)?.checked_mul(width);
+        let left = numbers.and_then(|n| self.left.checked_sub(n));
+        self.left = left.ok_or_else(|| format!("accessors[{accessor}]: more numbers than its file can hold"))?;
+        Ok(())
+    }
+}
+
+fn seconds(times: &[f32]) -> Result<Vec<f64>, String> {
+    let times: Vec<f64> = times.iter().map(|&t| f64::from(t)).collect();
+    if times.is_empty() {
+        return Err("expected times, found none".into());
+    }
+    if let Some(t) = times.iter().find(|t| !(t.abs() < MAX_TIME_S)) {
+        return Err(format!("expected seconds below {MAX_TIME_S}, found {t}"));
+    }
+    match times.windows(2).find(|w| w[1] < w[0]) {
+        Some(w) => Err(format!("expected times in order, found {} after {}", w[1], w[0])),
+        None => Ok(times),
+    }
+}
+
+impl Keys {
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    pub fn vector(&self, seconds: f64) -> DVec3 {
+        let at = self.place(seconds);
+        let value = |key: usize| self.number(key).truncate();
+        match self.interpolation {
+            _ if at.share == 0.0 => value(at.key),
+            Interpolation::Step => value(at.key),
+            Interpolation::Linear => value(at.key).lerp(value(at.key + 1), at.share),
+            Interpolation::CubicSpline => self.spline(&at).truncate(),
+        }
+    }
+
+    pub fn rotation(&self, seconds: f64) -> DQuat {
+        let at = self.place(seconds);
+        let value = |key: usize| DQuat::from_vec4(self.number(key)).normalize();
+        match self.interpolation {
+            _ if at.share == 0.0 => value(at.key),
+            Interpolation::Step => value(at.key),
+            Interpolation::Linear => value(at.key).slerp(value(at.key + 1), at.share),
+            Interpolation::CubicSpline => DQuat::from_vec4(self.spline(&at)).normalize(),
+        }
+    }
+
+    /// The last key at or before a time, and the share of the way to the next one.
+    fn place(&self, seconds: f64) -> Place {
+        let after = self.times.partition_point(|&t| t <= seconds + NEAR_S);
+        let key = after.saturating_sub(1);
+        let span = self.times.get(after).map_or(0.0, |next| next - self.times[key]);
+        let passed = seconds - self.times[key];
+        let share = if passed <= NEAR_S || span <= 0.0 { 0.0 } else { (passed / span).min(1.0) };
+        Place { key, share, span }
+    }
+
+    /// The value of a key.
+    fn number(&self, key: usize) -> DVec4 {
+        match self.interpolation {
+            Interpolation::CubicSpline => self.vector_at(3 * key + 1),
+            _ => self.vector_at(key),
+        }
+    }
+
+    fn vector_at(&self, place: usize) -> DVec4 {
+        let at = place * self.width;
+        DVec4::from_array(std::array::from_fn(|k| if k < self.width { f64::from(self.values[at + k]) } else { 0.0 }))
+    }
+
+    /// Hermite's cubic between two keys: their values, and their tangents times the seconds between them.
+    fn spline(&self, at: &Place) -> DVec4 {
+        let (s, s2, s3) = (at.share, at.share.powi(2), at.share.powi(3));
+        let [from, to] = [at.key, at.key + 1];
+        let (leaving, arriving) = (self.vector_at(3 * from + 2) * at.span, self.vector_at(3 * to) * at.span);
+        self.number(from) * (2.0 * s3 - 3.0 * s2 + 1.0)
+            + leaving * (s3 - 2.0 * s2 + s)
+            + self.number(to) * (3.0 * s2 - 2.0 * s3)
+            + arriving * (s3 - s2)
+    }
+}
+
+/// Where a time is among keys.
+struct Place {
+    key: usize,
+    /// 0 at the key, less than 1.
+    share: f64,
+    /// Seconds to the next key.
+    span: f64,
+}

@@ -1,0 +1,268 @@
+//! Nodes of scene files (glTF, FBX) and their animations, to clips: one for each person that an animation moves.
+//!
+//! Nodes have frames of their own at rest, and scales; joints of clips have neither. A clip therefore holds where each
+//! joint is in the world, and how far it is turned from its rest. So nodes above a skeleton count for its root.
+
+mod people;
+mod rate;
+
+use super::rest::nearest_axis;
+use super::source::{FrameSink, SourceClip, content_error, duplicate_names};
+use crate::error::ImportError;
+use crate::raw::{RawJoint, SourceFormat};
+use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
+use people::Person;
+pub(super) use rate::{FALLBACK_HZ, rate_of_keys, without_rounding};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Most clips of a file.
+const MAX_CLIPS: usize = 10_000;
+/// Numbers of transforms are smaller than this (units of the file).
+const MAX_NUMBER: f64 = 1e9;
+/// Parts of a frame by which a time may miss a key (rounding of times).
+const ON_FRAME: f64 = 0.01;
+/// Joint transforms that a file may make however short it is: few keys may stand for long motion.
+const FREE_TRANSFORMS: usize = 1 << 20;
+
+/// A node's frame in that of its parent: scaled, then rotated, then moved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Transform {
+    pub scale: DVec3,
+    pub rotation: DQuat,
+    pub translation: DVec3,
+}
+
+impl Transform {
+    /// True where all numbers are moderate and the rotation is one; lengths of quaternions are made 1.
+    fn normalized(mut self) -> Option<Self> {
+        let moderate = |v: DVec3| v.is_finite() && v.abs().max_element() < MAX_NUMBER;
+        let length = self.rotation.length();
+        self.rotation = self.rotation / length;
+        (moderate(self.scale) && moderate(self.translation) && self.rotation.is_finite()).then_some(self)
+    }
+}
+
+/// A node of a scene.
+pub(super) struct Node {
+    pub name: String,
+    pub parent: Option<usize>,
+    /// Where no animation moves it.
+    pub local: Transform,
+    /// Its rotation in the space in which the skin was bound to it, where the file says so.
+    pub bind: Option<DQuat>,
+    /// True where it shows something itself, such as a mesh.
+    pub shows: bool,
+}
+
+/// Motion of nodes.
+pub(super) trait Animation {
+    fn name(&self) -> String;
+    /// The nodes that it moves.
+    fn moved(&self) -> &BTreeSet<usize>;
+    /// When it moves any of some nodes.
+    fn span(&self, nodes: &BTreeSet<usize>) -> Span;
+    /// A node that it moves at a time (s); `rest`: where it is otherwise.
+    fn local(&self, node: usize, seconds: f64, rest: Transform) -> Transform;
+}
+
+/// First and last time (s), and frames a second in between (Hz).
+pub(super) struct Span {
+    pub begin: f64,
+    pub end: f64,
+    pub rate_hz: f64,
+    /// Why that rate.
+    pub finding: String,
+}
+
+/// A scene file.
+pub(super) struct Scene<'a> {
+    pub path: &'a Path,
+    pub format: SourceFormat,
+    /// Its length, that of buffers beside it included (bytes).
+    pub num_bytes: usize,
+    pub nodes: Vec<Node>,
+    /// Nodes that carry a mesh together; none where the file has no such mesh.
+    pub skins: Vec<Vec<usize>>,
+    pub animations: Vec<Box<dyn Animation + 'a>>,
+}
+
+impl Scene<'_> {
+    /// A clip for each animation and each person that it moves, by animation.
+    ///
+    /// # Errors
+    /// [`ImportError::Content`] naming node or animation.
+    pub fn clips(&self) -> Result<Vec<SourceClip>, ImportError> {
+        let fail = |what: String, help: &str| content_error(self.path, what, help);
+        if self.animations.is_empty() {
+            return Err(fail("it holds no animation".into(), "Export it with animations, or leave it out"));
+        }
+        let people = people::find(self).map_err(|what| fail(what, "Export the skeleton and its motion again"))?;
+        let nodes = |p: &Person| p.above.iter().chain(&p.joints).copied().collect::<BTreeSet<usize>>();
+        let nodes: Vec<BTreeSet<usize>> = people.iter().map(nodes).collect();
+        let mut pairs = Vec::new();
+        for (a, animation) in self.animations.iter().enumerate() {
+            let moved = (0..people.len()).filter(|&p| animation.moved().iter().any(|n| nodes[p].contains(n)));
+            pairs.extend(moved.map(|p| (a, p)));
+            if pairs.len() > MAX_CLIPS {
+                return Err(fail(format!("expected {MAX_CLIPS} clips at most, found more"), "Export fewer at once"));
+            }
+        }
+        if pairs.is_empty() {
+            return Err(fail("its animations move no skeleton".into(), "Export it with the motion of its joints"));
+        }
+        let names = self.names(&pairs, &people);
+        let mut budget = FrameSink::budget(self.num_bytes).saturating_add(FREE_TRANSFORMS);
+        let mut clips = Vec::new();
+        for ((a, p), name) in pairs.into_iter().zip(names) {
+            let animation = &*self.animations[a];
+            let mut clip = self.clip(animation, &people[p], animation.span(&nodes[p]), &mut budget)?;
+            if let Some(name) = name {
+                clip.clip.name = format!("{}/{name}", clip.clip.name);
+                clip.clip.path.push(name);
+            }
+            clips.push(clip);
+        }
+        Ok(clips)
+    }
+
+    /// What clips are called in their file: by animation where there are several, by person where there are several; not
+    /// at all where there is one clip.
+    fn names(&self, pairs: &[(usize, usize)], people: &[Person]) -> Vec<Option<String>> {
+        let several = |of: fn(&(usize, usize)) -> usize| pairs.iter().any(|p| of(p) != of(&pairs[0]));
+        let (animations, persons) = (several(|p| p.0), several(|p| p.1));
+        let mut taken = BTreeSet::new();
+        let mut name = |&(a, p): &(usize, usize)| {
+            let parts = [animations.then(|| self.animations[a].name()), persons.then(|| people[p].name.clone())];
+            let words: Vec<String> = parts.iter().flatten().map(|n| plain(n)).filter(|n| !n.is_empty()).collect();
+            let base = if words.is_empty() { "clip".to_owned() } else { words.join("/") };
+            let numbered = (2..).map(|i| format!("{base} {i}"));
+            let free = std::iter::once(base.clone()).chain(numbered).find(|n| taken.insert(n.clone()));
+            free.filter(|_| pairs.len() > 1)
+        };
+        pairs.iter().map(&mut name).collect()
+    }
+
+    fn clip(
+        &self,
+        animation: &dyn Animation,
+        person: &Person,
+        span: Span,
+        budget: &mut usize,
+    ) -> Result<SourceClip, ImportError> {
+        let fail =
+            |what: String, help| content_error(self.path, format!("animation `{}`: {what}", animation.name()), help);
+        let Span { begin, end, rate_hz, finding } = span;
+        let rest = Rest::new(self, person).map_err(|e| fail(e, "Apply scales and mirrors, and export it again"))?;
+        let mut sink = FrameSink::new(rest.joints.clone(), *budget);
+        let mut turned = vec![(DVec3::ZERO, DQuat::IDENTITY); rest.joints.len()];
+        let num_frames = ((end - begin) * rate_hz + ON_FRAME).floor() as usize + 1;
+        for frame in 0..num_frames {
+            let seconds = begin + frame as f64 / rate_hz;
+            let local = |node: usize| animation.local(node, seconds, self.nodes[node].local);
+            let world = person.world(self, local).map_err(|e| fail(e, "Export it again"))?;
+            sink.begin_frame();
+            for (j, joint) in rest.joints.iter().enumerate() {
+                let World { affine, rotation } = world[j];
+                turned[j] = (affine.translation, rotation * rest.rotations[j].inverse());
+                let (at, by) = joint.parent.map_or((DVec3::ZERO, DQuat::IDENTITY), |p| turned[p]);
+                sink.translations[j] = by.inverse() * (turned[j].0 - at);
+                sink.rotations[j] = by.inverse() * turned[j].1;
+            }
+            if !sink.end_frame() {
+                let what = format!("{num_frames} frames of {} joints are too many for its file", rest.joints.len());
+                return Err(fail(what, "Check the times of its keys"));
+            }
+        }
+        *budget -= sink.num_frames() * sink.num_joints();
+        let warnings = duplicate_names(&rest.joints, self.path);
+        let clip = sink.into_clip(self.path, self.format, rate_hz);
+        Ok(SourceClip { clip, declared_metres_per_unit: Some(1.0), findings: vec![finding], warnings })
+    }
+}
+
+/// A name without what stands for folders in paths.
+fn plain(name: &str) -> String {
+    let of = |c: char| if c.is_control() || matches!(c, '/' | '\\' | ':') { '_' } else { c };
+    name.trim().trim_start_matches('.').chars().map(of).collect()
+}
+
+/// A node in the world.
+#[derive(Clone, Copy)]
+struct World {
+    affine: DAffine3,
+    /// The product of the rotations alone.
+    rotation: DQuat,
+}
+
+impl Person {
+    /// Joints in the world (joints.len()).
+    fn world(&self, scene: &Scene<'_>, local: impl Fn(usize) -> Transform) -> Result<Vec<World>, String> {
+        let step = |outer: World, node: usize| {
+            let wrong = || format!("node `{}`: expected moderate numbers and a rotation", scene.nodes[node].name);
+            let t = local(node).normalized().ok_or_else(wrong)?;
+            let inner = DAffine3::from_scale_rotation_translation(t.scale, t.rotation, t.translation);
+            let affine = outer.affine * inner;
+            let moderate = affine.is_finite() && affine.translation.abs().max_element() < MAX_NUMBER;
+            let rotation = (outer.rotation * t.rotation).normalize();
+            if moderate { Ok::<_, String>(World { affine, rotation }) } else { Err(wrong()) }
+        };
+        let mut above = World { affine: DAffine3::IDENTITY, rotation: DQuat::IDENTITY };
+        for &node in &self.above {
+            above = step(above, node)?;
+        }
+        let mut out: Vec<World> = Vec::with_capacity(self.joints.len());
+        for (&node, parent) in self.joints.iter().zip(&self.parents) {
+            out.push(step(parent.map_or(above, |p| out[p]), node)?);
+        }
+        Ok(out)
+    }
+}
+
+/// A skeleton at rest: rotations in the world, and joints whose rest rotations are the identity.
+struct Rest {
+    rotations: Vec<DQuat>,
+    joints: Vec<RawJoint>,
+}
+
+impl Rest {
+    /// The pose in which skins were bound, as far as the file has it; the pose without animation otherwise.
+    fn new(scene: &Scene<'_>, person: &Person) -> Result<Self, String> {
+        let world = person.world(scene, |node| scene.nodes[node].local)?;
+        let node = |j: usize| &scene.nodes[person.joints[j]];
+        if let Some(j) = (0..world.len()).find(|&j| world[j].affine.matrix3.determinant() < 0.0) {
+            return Err(format!("node `{}` is mirrored by a negative scale", node(j).name));
+        }
+        // Skins may be bound in axes of their own, such as those of a program with Z up.
+        let up = (0..world.len()).find_map(|j| Some(node(j).bind? * world[j].rotation.inverse() * DVec3::Y));
+        let up = up.map_or(Vec3::Y, |up| nearest_axis(up.as_vec3()));
+        let axes = DQuat::from_rotation_arc(up.as_dvec3(), DVec3::Y);
+        let mut rotations: Vec<DQuat> = Vec::new();
+        let mut joints: Vec<RawJoint> = Vec::new();
+        for (j, &parent) in person.parents.iter().enumerate() {
+            let above = parent.map_or(DQuat::IDENTITY, |p| rotations[p] * world[p].rotation.inverse());
+            rotations.push(node(j).bind.map_or(above * world[j].rotation, |bind| axes * bind).normalize());
+            let offset =
+                above * (world[j].affine.translation - parent.map_or(DVec3::ZERO, |p| world[p].affine.translation));
+            let name = node(j).name.clone();
+            // A root is where its motion has it.
+            let offset = if parent.is_some() { offset.as_vec3() } else { Vec3::ZERO };
+            joints.push(RawJoint { name, parent, offset, rest_rotation: Quat::IDENTITY, is_end: false });
+        }
+        Ok(Self { rotations, joints })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_hold_nothing_that_leads_elsewhere() {
+        for (name, want) in
+            [("Run", "Run"), ("a/b\\c", "a_b_c"), ("..", ""), ("../x", "_x"), (" |mixamo.com| ", "|mixamo.com|")]
+        {
+            assert_eq!(plain(name), want);
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! Which nodes of a scene are the skeletons of people.
+
+use super::super::source::MAX_JOINTS;
+use super::Scene;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Most levels of nodes; a skeleton has about thirty.
+const MAX_DEPTH: usize = 512;
+/// Most skeletons of a file.
+const MAX_PEOPLE: usize = 100;
+/// Skeletons of fewer joints are no persons: cameras, doors, weapons.
+const MIN_JOINTS: usize = 8;
+
+/// A skeleton in a scene.
+pub(super) struct Person {
+    /// What it is called: the node above the skeleton, or its root.
+    pub name: String,
+    /// Nodes above the root, outermost first.
+    pub above: Vec<usize>,
+    /// Nodes, parents first.
+    pub joints: Vec<usize>,
+    /// Place of each joint's parent among the joints (joints.len()).
+    pub parents: Vec<Option<usize>>,
+}
+
+/// Finds the skeletons: of each skin, what carries it; where there is no skin, what animations move.
+///
+/// Skins whose joints are below those of another one are of one body, as clothes are.
+///
+/// # Errors
+/// A node that is not in a tree, or what is missing.
+pub(super) fn find(scene: &Scene<'_>) -> Result<Vec<Person>, String> {
+    let tree = Tree::new(scene)?;
+    let moved: BTreeSet<usize> = scene.animations.iter().flat_map(|a| a.moved()).copied().collect();
+    let mut tops = BTreeMap::<usize, Vec<usize>>::new();
+    let mut add = |joints: &[usize]| {
+        if let Some(top) = joints.iter().copied().reduce(|a, b| tree.meeting(a, b).unwrap_or(a)) {
+            tops.entry(top).or_default().extend(joints);
+        }
+    };
+    if scene.skins.is_empty() {
+        let mut by_root = BTreeMap::<usize, Vec<usize>>::new();
+        for &node in &moved {
+            by_root.entry(tree.path_up(node).last().unwrap_or(node)).or_default().push(node);
+        }
+        by_root.values().for_each(|nodes| add(nodes));
+    }
+    for skin in &scene.skins {
+        if let Some(n) = skin.iter().find(|&&n| n >= scene.nodes.len()) {
+            return Err(format!("a skin names node {n} of {}: expected less", scene.nodes.len()));
+        }
+        add(skin);
+    }
+    let carriers: BTreeSet<usize> = scene.skins.iter().flatten().copied().collect();
+    let outermost = tops.keys().filter(|&&top| !tree.path_up(top).skip(1).any(|n| tops.contains_key(&n)));
+    let people =
+        outermost.take(MAX_PEOPLE).map(|&top| tree.person(top, &carriers, &moved)).collect::<Result<Vec<_>, _>>()?;
+    let most = people.iter().map(|p| p.joints.len()).max();
+    let people: Vec<Person> = people.into_iter().filter(|p| p.joints.len() >= MIN_JOINTS).collect();
+    match people.is_empty() {
+        true => Err(format!(
+            "no skeleton is there: expected at least {MIN_JOINTS} joints of a skin, or nodes that an animation moves, \
+             found {}",
+            most.unwrap_or(0)
+        )),
+        false => Ok(people),
+    }
+}
+
+/// Nodes of a scene and who is below whom.
+struct Tree<'a, 'b> {
+    scene: &'a Scene<'b>,
+    children: Vec<Vec<usize>>,
+    depth: Vec<usize>,
+}
+
+impl<'a, 'b> Tree<'a, 'b> {
+    fn new(scene: &'a Scene<'b>) -> Result<Self, String> {
+        let n = scene.nodes.len();
+        let mut children = vec![Vec::new(); n];
+        for (i, node) in scene.nodes.iter().enumerate() {
+            if let Some(p) = node.parent {
+                children[p].push(i);
+            }
+        }
+        let mut tree = Self { scene, children, depth: vec![0; n] };
+        let mut open: Vec<usize> = (0..n).filter(|&i| scene.nodes[i].parent.is_none()).collect();
+        let mut seen = 0;
+        while let Some(i) = open.pop() {
+            seen += 1;
+            if tree.depth[i] > MAX_DEPTH {
+                return Err(format!("node `{}`: expected at most {MAX_DEPTH} levels of nodes", scene.nodes[i].name));
+            }
+            for k in 0..tree.children[i].len() {
+                let child = tree.children[i][k];
+                tree.depth[child] = tree.depth[i] + 1;
+                open.push(child);
+            }
+        }
+        if seen < n {
+            return Err(format!("{} nodes are below themselves: expected a tree", n - seen));
+        }
+        Ok(tree)
+    }
+
+    /// A node and those above it, nearest first.
+    fn path_up(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
+        std::iter::successors(Some(node), |&n| self.scene.nodes[n].parent)
+    }
+
+    /// The nearest node that is above both, or one of them.
+    fn meeting(&self, mut a: usize, mut b: usize) -> Option<usize> {
+        while a != b {
+            let deeper = if self.depth[a] >= self.depth[b] { &mut a } else { &mut b };
+            *deeper = self.scene.nodes[*deeper].parent?;
+        }
+        Some(a)
+    }
+
+    /// The children that lead to joints.
+    fn leading(&self, node: usize, leads: &BTreeSet<usize>) -> Vec<usize> {
+        self.children[node].iter().copied().filter(|c| leads.contains(c)).collect()
+    }
+
+    /// A node and all below it, parents first.
+    fn below(&self, top: usize) -> Vec<usize> {
+        let mut below = Vec::new();
+        let mut open = vec![top];
+        while let Some(n) = open.pop() {
+            below.push(n);
+            open.extend(self.children[n].iter().rev());
+        }
+        below
+    }
+
+    /// The skeleton at or below a node: what carries a skin, is moved or leads there, and all else that shows nothing,
+    /// such as ends of chains.
+    fn person(&self, top: usize, carriers: &BTreeSet<usize>, moved: &BTreeSet<usize>) -> Result<Person, String> {
+        let mut leads = BTreeSet::from([top]);
+        for &n in self.below(top).iter().rev() {
+            if carriers.contains(&n) || moved.contains(&n) || self.children[n].iter().any(|c| leads.contains(c)) {
+                leads.insert(n);
+            }
+        }
+        // What moves all of a skeleton and is no part of it, such as an armature, is above it.
+        let mut top = top;
+        while let (false, [only]) = (carriers.contains(&top), &self.leading(top, &leads)[..]) {
+            top = *only;
+        }
+        let parent = |n: usize| self.scene.nodes[n].parent;
+        let mut places = BTreeMap::new();
+        let (mut joints, mut parents) = (Vec::new(), Vec::new());
+        for n in self.below(top) {
+            let above = parent(n).and_then(|p| places.get(&p).copied());
+            if leads.contains(&n) || (above.is_some() && !self.scene.nodes[n].shows) {
+                places.insert(n, joints.len());
+                joints.push(n);
+                parents.push(above);
+            }
+        }
+        let name = |n: usize| self.scene.nodes[n].name.clone();
+        if joints.len() > MAX_JOINTS {
+            return Err(format!("node `{}`: expected at most {MAX_JOINTS} joints, found {}", name(top), joints.len()));
+        }
+        let mut above: Vec<usize> = self.path_up(top).skip(1).collect();
+        above.reverse();
+        Ok(Person { name: name(above.last().copied().unwrap_or(top)), above, joints, parents })
+    }
+}

@@ -1,0 +1,75 @@
+//! How many frames a second a clip has whose file only has keys.
+
+use std::collections::BTreeMap;
+
+/// Frames a second where keys do not tell (Hz).
+pub const FALLBACK_HZ: f64 = 30.0;
+/// Keys further apart than this are poses that somebody set, not frames (s).
+const FRAMES_S: f64 = 0.05;
+/// Keys nearer to each other than this are one key whose value jumps (s).
+const JUMP_S: f64 = 0.001;
+/// Spacings that count as one (s).
+const BUCKET_S: f64 = 1e-5;
+/// How far a rate may be from a whole number that is meant: far below 29.97 and 30, above the rounding of times.
+const ROUNDING: f64 = 3e-4;
+
+/// Frames a second by the most frequent spacing of keys, and a sentence that says why (Hz).
+///
+/// - `tracks`: times of keys, in order (s).
+pub fn rate_of_keys<'a>(tracks: impl Iterator<Item = &'a [f64]> + Clone) -> Option<f64> {
+    let spacings = || {
+        tracks
+            .clone()
+            .flat_map(|t| t.windows(2).map(|w| w[1] - w[0]))
+            .filter(|s| (JUMP_S..=FRAMES_S + BUCKET_S).contains(s))
+    };
+    let mut counts = BTreeMap::<u64, usize>::new();
+    spacings().for_each(|s| *counts.entry((s / BUCKET_S).round() as u64).or_default() += 1);
+    let most = counts.into_iter().max_by_key(|&(bucket, count)| (count, std::cmp::Reverse(bucket)))?;
+    let near = most.0 as f64 * BUCKET_S;
+    // Rounding of times spreads one spacing over several buckets.
+    let (sum, count) =
+        spacings().filter(|s| (s - near).abs() < 0.02 * near).fold((0.0, 0usize), |(sum, n), s| (sum + s, n + 1));
+    Some(without_rounding(count as f64 / sum))
+}
+
+/// The whole number that a rate is but for rounding, or else the rate (Hz).
+pub fn without_rounding(rate_hz: f64) -> f64 {
+    let whole = rate_hz.round();
+    if (rate_hz - whole).abs() <= whole * ROUNDING { whole } else { rate_hz }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn keys(rate_hz: f64, from: f64, n: usize) -> Vec<f64> {
+        (0..n).map(|i| f64::from((from + i as f64 / rate_hz) as f32)).collect()
+    }
+
+    fn rate(tracks: &[Vec<f64>]) -> Option<f64> {
+        rate_of_keys(tracks.iter().map(Vec::as_slice))
+    }
+
+    #[test]
+    fn the_most_frequent_spacing_counts_and_rounding_does_not() {
+        for hz in [24.0, 25.0, 30.0, 60.0, 120.0, 240.0] {
+            // Times of single precision are rounded to 8 microseconds at 90 s.
+            for from in [0.0, 0.041_666_668, 90.0] {
+                assert_eq!(rate(&[keys(hz, from, 50)]), Some(hz), "{hz} from {from}");
+            }
+        }
+        for hz in [24_000.0 / 1001.0, 30_000.0 / 1001.0] {
+            let got = rate(&[keys(hz, 0.0, 500)]).unwrap();
+            assert!((got - hz).abs() < 1e-4 * hz && got != hz.round(), "{hz}: {got}");
+        }
+        assert_eq!(rate(&[vec![0.0, 1.0, 3.0], keys(60.0, 0.0, 9), vec![0.0, 0.04, 0.08]]), Some(60.0));
+    }
+
+    #[test]
+    fn poses_far_apart_and_jumps_tell_no_rate() {
+        for keys in [vec![], vec![0.0], vec![0.0, 0.5, 1.0], vec![0.0, 1.0, 1.0, 2.0, 2.000_01], vec![0.0, 60.0]] {
+            assert_eq!(rate(&[keys.clone()]), None, "{keys:?}");
+        }
+    }
+}
