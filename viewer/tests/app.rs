@@ -250,7 +250,7 @@ fn a_dropped_scene_runs_and_counts_its_blows() {
     let mut v = Viewing::empty();
     drop_file(&mut v, &boxing.pairs(4));
     v.until("the scene", |v| v.model().document.scene().is_some());
-    assert_eq!(v.model().settings.recent[0].file_name(), Some("pairs.toml".as_ref()));
+    assert_eq!(v.model().settings.opened[0][0].file_name(), Some("pairs.toml".as_ref()));
     v.apply(Command::TogglePanel(PanelKind::Statistics));
     let thrown = |v: &Viewing| scene(v).run().figures().bout.expect("figures of blows").blows.thrown;
     v.until("some blows", |v| thrown(v) > 3);

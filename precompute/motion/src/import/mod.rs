@@ -116,7 +116,8 @@ pub type Reader<'a> =
 /// [`ImportedSet::skipped`].
 ///
 /// # Errors
-/// The first bad file (by path) where `config.strict` is set; a path that yields no file; a bad profile.
+/// The first bad file (by path) where `config.strict` is set; a path that yields no file; a bad profile;
+/// [`ImportError::Stopped`].
 pub fn read_by(
     reader: &Reader<'_>,
     paths: &[PathBuf],
@@ -129,6 +130,7 @@ pub fn read_by(
     let results: Vec<_> = files
         .par_iter()
         .map(|file| {
+            progress.check()?;
             let result = reader(file, &|| read_with(&file.path, config, &profiles));
             progress.advance(1);
             let mut imported = result?;
@@ -141,7 +143,7 @@ pub fn read_by(
     for result in results {
         match result {
             Ok(clip) => set.clips.push(clip),
-            Err(e) if config.strict => return Err(e),
+            Err(e) if config.strict || matches!(e, ImportError::Stopped(_)) => return Err(e),
             Err(e) => set.skipped.push(e),
         }
     }
