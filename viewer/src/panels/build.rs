@@ -1,7 +1,7 @@
 //! A build: how far it is, what is made and what not, how it ended, and what characters do with what was made.
 
 use crate::command::Command;
-use crate::document::{Built, End, Told};
+use crate::document::{Build, Built, End, Told};
 use crate::model::{Model, name_of};
 use crate::theme::Palette;
 use eframe::egui::{
@@ -36,29 +36,33 @@ const STAGES: [(&str, &str); 15] = [
     ("trial", "trying it out"),
 ];
 
+/// True for a build that there is something to say of: files that are only read are none.
+pub fn is_shown(build: &Build) -> bool {
+    match build {
+        Build::UnderWay { building, .. } => building.has_begun(),
+        Build::Ended(_) => true,
+    }
+}
+
 /// Shows the build under way, or the last one, in a frame of its own; nothing where there is none.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let (under_way, last) = (model.building(), model.built.as_ref());
-    if under_way.is_none() && last.is_none() {
-        return;
-    }
+    let Some(build) = model.build.as_ref().filter(|b| is_shown(b)) else { return };
     let palette = Palette::of(ui.visuals());
-    let edge = match last.map(|b| &b.end).filter(|_| under_way.is_none()) {
-        None => palette.right,
-        Some(End::Done) => palette.good,
-        Some(End::Stopped(_)) => palette.warning,
-        Some(End::Failed(_)) => ui.visuals().error_fg_color,
+    let edge = match build {
+        Build::UnderWay { .. } => palette.right,
+        Build::Ended(Built { end: End::Done, .. }) => palette.good,
+        Build::Ended(Built { end: End::Stopped(_), .. }) => palette.warning,
+        Build::Ended(Built { end: End::Failed(_), .. }) => ui.visuals().error_fg_color,
     };
     let frame = Frame::group(ui.style()).fill(ui.visuals().extreme_bg_color).stroke((1.0, edge));
     frame.inner_margin(Margin::same(12)).corner_radius(8).show(ui, |ui| {
         ui.set_width(ui.available_width());
-        match (under_way, last) {
-            (Some(building), _) => {
+        match build {
+            Build::UnderWay { paths, building } => {
                 let told = building.told().clone();
-                running(ui, &name_of(model.loading().unwrap_or_default()), &told, commands);
+                running(ui, &name_of(paths), &told, commands);
             }
-            (None, Some(built)) => ended(ui, built, commands),
-            (None, None) => {}
+            Build::Ended(built) => ended(ui, built, commands),
         }
     });
 }
