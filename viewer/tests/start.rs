@@ -30,19 +30,19 @@ fn ended(v: &Viewing) -> Option<&Built> {
     }
 }
 
-/// A folder with a walk of a minute in two files.
-fn walks() -> (tempfile::TempDir, PathBuf) {
+/// A folder with so many minutes of walking.
+fn walks(minutes: f64) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
     let clips = folder.path().join("walks");
     std::fs::create_dir(&clips).expect("a folder in it");
-    common::walk(&clips, 1.0);
+    common::walk(&clips, minutes);
     (folder, clips)
 }
 
 #[test]
 fn a_dropped_folder_is_built_told_judged_and_run() {
     let (mut v, _) = start();
-    let (_folder, clips) = walks();
+    let (_folder, clips) = walks(1.0);
     drop_files(&mut v, &[&clips]);
     v.until("the build", |v| v.model().building().is_some());
     v.harness.step();
@@ -77,7 +77,7 @@ fn a_dropped_folder_is_built_told_judged_and_run() {
 #[test]
 fn a_build_that_is_stopped_says_what_is_kept_and_goes_on_when_it_is_asked_for_again() {
     let (mut v, _) = start();
-    let (_folder, clips) = walks();
+    let (_folder, clips) = walks(3.0);
     drop_files(&mut v, &[&clips]);
     v.until("the build", |v| v.model().building().is_some());
     v.harness.step();
@@ -119,7 +119,7 @@ fn what_cannot_be_built_is_said_in_whole_and_the_page_stays_usable() {
 #[test]
 fn several_files_are_built_together_and_a_single_clip_is_only_opened() {
     let (mut v, _) = start();
-    let (_folder, clips) = walks();
+    let (_folder, clips) = walks(1.0);
     let mut files: Vec<PathBuf> = std::fs::read_dir(&clips).expect("clips").map(|e| e.expect("one").path()).collect();
     files.sort();
     let paths: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();

@@ -32,11 +32,12 @@ impl Model {
                 self.watch = Some(Watch::from(loaded.stamp));
                 let name = name_of(&loaded.paths);
                 self.adopt(loaded.paths, opened, is_reload);
-                self.say(if is_reload {
-                    format!("{name} has changed and was reloaded")
-                } else {
-                    format!("Opened {name}")
-                });
+                match (is_reload, is_told) {
+                    (true, _) => self.say(format!("{name} has changed and was reloaded")),
+                    (false, false) => self.say(format!("Opened {name}")),
+                    // The record of the build says it.
+                    (false, true) => {}
+                }
             }
             // The record of the build says it.
             Err(_) if is_told => {}

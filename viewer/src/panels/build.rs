@@ -14,6 +14,8 @@ use throng_precompute::verdict::Verdict;
 const WIDTH: f32 = 430.0;
 /// Height of the lines that are seen at once (points).
 const LINES: f32 = 150.0;
+/// Size of the letters of lines (points).
+const SMALL: f32 = 12.0;
 /// Lines that are shown at most; a folder may hold thousands of files.
 const MAX_LINES: usize = 200;
 
@@ -94,7 +96,7 @@ fn running(ui: &mut Ui, name: &str, told: &Told, commands: &mut Vec<Command>) {
     ui.add(bar.animate(status.share().is_none()));
     if !status.stages_kept().is_empty() {
         let kept = format!("done and kept: {}", status.stages_kept().join(", "));
-        ui.add(Label::new(RichText::new(kept).weak().small()).wrap());
+        ui.add(Label::new(RichText::new(kept).weak().size(SMALL)).wrap());
     }
     lines(ui, &told.news);
 }
@@ -154,11 +156,11 @@ fn marked(ui: &mut Ui, mark: RichText, words: RichText) {
 
 fn verdict(ui: &mut Ui, verdict: &Verdict) {
     let palette = Palette::of(ui.visuals());
-    let colour = if verdict.word == "good" { palette.good } else { palette.warning };
+    let (mark, colour) = if verdict.word == "good" { ("✔", palette.good) } else { ("⚠", palette.warning) };
     let sentences = verdict.sentences.join("; ");
-    marked(ui, RichText::new("●").color(colour), RichText::new(format!("{sentences}.")));
+    marked(ui, RichText::new(mark).color(colour), RichText::new(format!("{sentences}.")));
     for advice in &verdict.advice {
-        marked(ui, RichText::new("➡").color(colour), RichText::new(format!("{advice}.")));
+        marked(ui, RichText::new("•").color(colour), RichText::new(format!("{advice}.")));
     }
 }
 
@@ -177,7 +179,7 @@ fn lines(ui: &mut Ui, news: &[News]) {
                 News::Warning(what) => ("⚠", palette.warning, what.clone()),
                 News::Skipped(what) => ("⚠", palette.warning, format!("left out: {what}")),
             };
-            marked(ui, RichText::new(mark).color(colour), RichText::new(words).small());
+            marked(ui, RichText::new(mark).size(SMALL).color(colour), RichText::new(words).size(SMALL));
         }
         if news.len() > MAX_LINES {
             ui.weak(format!("and {} more", news.len() - MAX_LINES));

@@ -76,8 +76,9 @@ impl egui::DroppedFile for Dropped {
 
 /// Drops files or folders on the window.
 pub fn drop_files(v: &mut Viewing, paths: &[&Path]) {
-    let dropped = &mut v.harness.input_mut().dropped_files;
-    dropped.extend(paths.iter().map(|p| Arc::new(Dropped(p.to_path_buf())) as Arc<dyn egui::DroppedFile>));
+    for path in paths {
+        v.harness.input_mut().dropped_files.push(Arc::new(Dropped(path.to_path_buf())));
+    }
     v.harness.step();
 }
 

@@ -82,8 +82,9 @@ fn page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec
         return recent::show(ui, &states.start.recent, commands);
     }
     ui.horizontal_top(|ui| {
+        let spacing = ui.spacing().item_spacing.x;
         ui.vertical(|ui| {
-            ui.set_width(width - SIDE - 2.0 * GAP);
+            ui.set_width(width - SIDE - GAP - spacing);
             demos::show(ui, &mut states.start.demos, commands);
         });
         ui.add_space(GAP);
