@@ -121,7 +121,7 @@ fn ended(ui: &mut Ui, built: &Built, commands: &mut Vec<Command>) {
         End::Stopped(what) => text(ui, RichText::new(what)),
         End::Failed(why) => {
             let colour = ui.visuals().error_fg_color;
-            let area = ScrollArea::vertical().id_salt("fault").max_height(LINES);
+            let area = ScrollArea::vertical().id_salt("fault").max_height(LINES).min_scrolled_height(LINES);
             area.show(ui, |ui| text(ui, RichText::new(why).color(colour)));
         }
     }
@@ -170,7 +170,9 @@ fn lines(ui: &mut Ui, news: &[News]) {
     }
     ui.separator();
     let palette = Palette::of(ui.visuals());
-    ScrollArea::vertical().id_salt("news").max_height(LINES).stick_to_bottom(true).show(ui, |ui| {
+    // An area that grows upwards offers no more room than it had.
+    let area = ScrollArea::vertical().id_salt("news").max_height(LINES).min_scrolled_height(LINES);
+    area.show(ui, |ui| {
         for one in news.iter().take(MAX_LINES) {
             let (mark, colour, words) = match one {
                 News::Making(what) => ("…", ui.visuals().weak_text_color(), what.clone()),
