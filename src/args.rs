@@ -1,12 +1,11 @@
 //! Arguments that several subcommands share.
 
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::trial::TrialConfig;
 use throng_runtime::Bundle;
-use throng_runtime::base::limits::{self, Limit};
+use throng_runtime::base::limits;
 use throng_runtime::characters::Choice;
 use throng_runtime::simulation::Scene;
 
@@ -45,9 +44,6 @@ pub fn open(path: &Path) -> Result<Bundle, Box<dyn std::error::Error>> {
         e => format!("{}: {e}", path.display()).into(),
     })
 }
-
-/// Keeps the outputs of stages where nothing else is said.
-pub const CACHE_FOLDER: &str = ".throng-cache";
 
 /// How motion files are read.
 #[derive(clap::Args)]
@@ -89,7 +85,7 @@ pub fn is_toml(path: &Path) -> bool {
 #[derive(clap::Args)]
 pub struct CacheArgs {
     /// Folder that keeps the outputs of stages between builds.
-    #[arg(long, value_name = "DIR", default_value = CACHE_FOLDER)]
+    #[arg(long, value_name = "DIR", default_value = Cache::FOLDER)]
     cache: PathBuf,
     /// Most that the folder may keep, in GB; what was not used for longest makes room.
     #[arg(long, value_name = "GB", default_value_t = Cache::LIMIT_BYTES as f64 / 1e9, value_parser = parse_gb)]
@@ -120,32 +116,6 @@ impl CacheArgs {
     }
 }
 
-/// A number of the command line.
-pub trait Number: FromStr + Clone + Send + Sync + 'static {
-    /// The number, for its limit.
-    fn value(&self) -> f64;
-}
-
-macro_rules! numbers {
-    ($($t:ty),*) => {
-        $(impl Number for $t {
-            fn value(&self) -> f64 {
-                *self as f64
-            }
-        })*
-    };
-}
-
-numbers!(usize, u32, u64, f32, f64);
-
-/// Reads a number within its limit; what else is given is refused with the range.
-pub fn number<T: Number>(limit: &'static Limit) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
-    move |text| {
-        let number = text.trim().parse::<T>().ok().filter(|n| limit.holds(n.value()));
-        number.ok_or_else(|| format!("expected {} ({})", limit.range, limit.quantity))
-    }
-}
-
 /// Reads a point of the ground plane, X,Z (m).
 pub fn parse_point(text: &str) -> Result<[f32; 2], String> {
     let limit = &limits::COORDINATE;
@@ -161,10 +131,10 @@ const SECONDS: f32 = 15.0;
 #[derive(clap::Args)]
 pub struct CrowdArgs {
     /// Number of characters; 1000, or what the scene says, where absent.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::<usize>(&limits::CHARACTERS))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::CHARACTERS))]
     characters: Option<usize>,
     /// Simulated time; 15, or what the scene says, where absent.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number::<f32>(&limits::SECONDS))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f32>(&limits::SECONDS))]
     seconds: Option<f32>,
     /// Steps a simulated second.
     #[arg(
@@ -172,17 +142,17 @@ pub struct CrowdArgs {
         default_value_t = 60.0,
         value_name = "HZ",
         allow_negative_numbers = true,
-        value_parser = number::<f32>(&limits::STEP_HZ)
+        value_parser = limits::number::<f32>(&limits::STEP_HZ)
     )]
     step_hz: f32,
     /// Seed of places, targets and choices; 1, or what the scene says, where absent.
-    #[arg(long, allow_negative_numbers = true, value_parser = number::<u64>(&limits::SEED))]
+    #[arg(long, allow_negative_numbers = true, value_parser = limits::number::<u64>(&limits::SEED))]
     seed: Option<u64>,
     /// Choose by the stored best action instead of looking ahead; not for scenes.
     #[arg(long)]
     single_load: bool,
     /// Choose at random among the best few actions, 0 for always the best; 0, or what the scene says, where absent.
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = number::<f32>(&limits::TEMPERATURE))]
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = limits::number::<f32>(&limits::TEMPERATURE))]
     temperature: Option<f32>,
     /// How far a walked action may be bent towards the target, in radians a metre; 0 plays motion as captured. Not
     /// for scenes.
@@ -191,7 +161,7 @@ pub struct CrowdArgs {
         default_value_t = 0.0,
         value_name = "RAD_PER_M",
         allow_negative_numbers = true,
-        value_parser = number::<f32>(&limits::BEND)
+        value_parser = limits::number::<f32>(&limits::BEND)
     )]
     bend: f32,
     /// Character shown as a strip of poses; not for scenes.
@@ -200,7 +170,7 @@ pub struct CrowdArgs {
         default_value_t = 0,
         value_name = "N",
         allow_negative_numbers = true,
-        value_parser = number::<usize>(&limits::FOLLOWED)
+        value_parser = limits::number::<usize>(&limits::FOLLOWED)
     )]
     follow: usize,
 }

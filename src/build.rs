@@ -131,23 +131,12 @@ pub fn run(args: &Args) -> Outcome {
     }
 }
 
-/// What was made of some motion, in a few words.
-fn made(r: &BuildReport) -> String {
-    let policies: Vec<&str> = r.policies.iter().map(|p| &*p.name).collect();
-    let spaces: Vec<&str> = r.blend_spaces.iter().map(|b| &*b.name).collect();
-    let patches: Vec<&str> = r.patches.iter().map(|p| &*p.name).collect();
-    let list = |what: &str, names: Vec<&str>| (!names.is_empty()).then(|| format!("{what} {}", names.join(", ")));
-    let all = [list("policies", policies), list("blend spaces", spaces), list("motion patches", patches)];
-    let all: Vec<String> = all.into_iter().flatten().collect();
-    if all.is_empty() { "clips alone".into() } else { all.join("; ") }
-}
-
 /// What was built, for people.
 pub fn print(r: &BuildReport, out: &str) -> Outcome {
     let g = &r.graph;
     let stages: Vec<_> = r.stage_s.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
     let cached = if r.cached.is_empty() { String::new() } else { format!(", from cache: {}", r.cached.join(", ")) };
-    let mut rows = vec![("made", made(r))];
+    let mut rows = vec![("made", r.made())];
     rows.extend(r.not_made.iter().map(|n| ("not made", format!("{}: {}", n.part, n.why))));
     rows.extend(vec![
         (

@@ -1,6 +1,6 @@
 //! `throng cache`: what earlier builds left to be used again.
 
-use crate::args::{CACHE_FOLDER, Outcome};
+use crate::args::Outcome;
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -16,7 +16,7 @@ pub struct Args {
     #[command(subcommand)]
     what: Option<What>,
     /// Folder that keeps the outputs of stages between builds.
-    #[arg(long, value_name = "DIR", default_value = CACHE_FOLDER, global = true)]
+    #[arg(long, value_name = "DIR", default_value = Cache::FOLDER, global = true)]
     cache: PathBuf,
     /// Print one JSON object.
     #[arg(long, global = true)]

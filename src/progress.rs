@@ -4,8 +4,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
-use throng_precompute::progress::Progress;
+use std::time::Duration;
+use throng_precompute::progress::{Progress, Status};
 
 /// Time between lines where standard error is no terminal.
 const EVERY: Duration = Duration::from_secs(5);
@@ -22,14 +22,7 @@ pub struct Bar {
 /// Where a build is.
 #[derive(Debug, Default)]
 struct Now {
-    stage: &'static str,
-    unit: &'static str,
-    done: u64,
-    /// 0 where it is not known.
-    total: u64,
-    since: Option<Instant>,
-    /// Stages whose outputs are kept.
-    kept: Vec<&'static str>,
+    status: Status,
     /// The build has ended.
     is_over: bool,
 }
@@ -49,7 +42,7 @@ impl Default for Bar {
                 loop {
                     std::thread::sleep(EVERY);
                     let Some(now) = watched.upgrade() else { return };
-                    if let Some(line) = lock(&now).line() {
+                    if let Some(line) = lock(&now).status.line() {
                         eprintln!("{line}");
                     }
                 }
@@ -70,7 +63,7 @@ impl Bar {
         _ = ctrlc::set_handler(move || {
             let now = lock(&now);
             if !now.is_over {
-                eprintln!("\n{}", now.farewell(cache.as_deref()));
+                eprintln!("\n{}", now.status.farewell(cache.as_deref(), "the same command"));
             }
             std::process::exit(INTERRUPTED);
         });
@@ -86,49 +79,9 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Now {
-    /// Where the build is, such as `graph: 43 % of 3584 frames, 12 s left`.
-    fn line(&self) -> Option<String> {
-        let spent = self.since?.elapsed();
-        Some(told(self.stage, (self.done, self.total, self.unit), spent))
-    }
-
-    fn farewell(&self, cache: Option<&std::path::Path>) -> String {
-        let stage = if self.stage.is_empty() { String::new() } else { format!(" in stage {}", self.stage) };
-        let kept = match cache {
-            None => "Nothing is kept, as the cache is off: the same command begins anew.".into(),
-            Some(folder) => {
-                let kept = if self.kept.is_empty() { String::new() } else { format!(" ({})", self.kept.join(", ")) };
-                let folder = folder.display();
-                format!(
-                    "{folder} keeps the stages that were done{kept} and files that were read: the same command goes on there."
-                )
-            }
-        };
-        format!("interrupted{stage}; no bundle was written. {kept}")
-    }
-}
-
-fn told(stage: &str, (done, total, unit): (u64, u64, &str), spent: Duration) -> String {
-    let spent_s = spent.as_secs_f64();
-    match (done.min(total), total) {
-        (_, 0) if done > 0 => format!("{stage}: {done} {unit}, for {spent_s:.0} s"),
-        (_, 0) => format!("{stage}: for {spent_s:.0} s"),
-        (0, _) => format!("{stage}: 0 % of {total} {unit}, for {spent_s:.0} s"),
-        (done, total) => {
-            let left_s = spent_s * (total - done) as f64 / done as f64;
-            format!("{stage}: {} % of {total} {unit}, about {left_s:.0} s left", 100 * done / total)
-        }
-    }
-}
-
 impl Progress for Bar {
     fn begin(&self, stage: &'static str, total: u64, unit: &'static str) {
-        {
-            let mut now = lock(&self.now);
-            let kept = std::mem::take(&mut now.kept);
-            *now = Now { stage, unit, total, since: Some(Instant::now()), kept, ..Now::default() };
-        }
+        lock(&self.now).status.begin(stage, total, unit);
         if !self.is_terminal {
             return;
         }
@@ -143,51 +96,20 @@ impl Progress for Bar {
     }
 
     fn advance(&self, done: u64) {
-        lock(&self.now).done += done;
+        lock(&self.now).status.advance(done);
         self.with(|b| b.iter().for_each(|b| b.inc(done)));
     }
 
     fn end(&self) {
-        lock(&self.now).since = None;
+        lock(&self.now).status.end();
         self.with(|b| b.take().iter().for_each(ProgressBar::finish_and_clear));
     }
 
     fn comes_to(&self, stage: &'static str) {
-        let mut now = lock(&self.now);
-        let kept = std::mem::take(&mut now.kept);
-        *now = Now { stage, kept, since: Some(Instant::now()), ..Now::default() };
+        lock(&self.now).status.comes_to(stage);
     }
 
     fn kept(&self, stage: &'static str) {
-        lock(&self.now).kept.push(stage);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_say_stage_share_and_time_left() {
-        let line = |done, total, s| told("graph", (done, total, "frames"), Duration::from_secs(s));
-        assert_eq!(line(25, 100, 10), "graph: 25 % of 100 frames, about 30 s left");
-        assert_eq!(line(0, 100, 10), "graph: 0 % of 100 frames, for 10 s");
-        assert_eq!(line(7, 0, 10), "graph: 7 frames, for 10 s");
-        assert_eq!(line(0, 0, 10), "graph: for 10 s");
-        assert_eq!(line(120, 100, 10), "graph: 100 % of 100 frames, about 0 s left");
-    }
-
-    #[test]
-    fn who_interrupts_is_told_what_is_kept() {
-        let bar = Bar::default();
-        assert_eq!(lock(&bar.now).line(), None);
-        bar.comes_to("motion");
-        bar.kept("motion");
-        bar.begin("graph", 10, "frames");
-        bar.advance(5);
-        assert!(lock(&bar.now).line().is_some_and(|l| l.starts_with("graph: 50 % of 10 frames")));
-        let told = lock(&bar.now).farewell(Some("cache".as_ref()));
-        assert!(told.contains("in stage graph") && told.contains("cache keeps") && told.contains("(motion)"), "{told}");
-        assert!(lock(&bar.now).farewell(None).contains("begins anew"));
+        lock(&self.now).status.keep(stage);
     }
 }

@@ -174,7 +174,7 @@ pub fn make_bundle(bundle: &Path, config: Option<&Path>, cache: &CacheArgs) -> O
 /// Lets something be made with the cache, a progress bar, and messages on standard error.
 pub fn with<T>(cache: &CacheArgs, make: impl FnOnce(&Cached<'_>) -> T) -> T {
     let (cache, progress) = (cache.cache(), progress::Bar::on_interrupt(cache.folder()));
-    make(&Cached { cache: &cache, progress: &progress, tell: &|message| eprintln!("{message}") })
+    make(&Cached { cache: &cache, progress: &progress, tell: &|news| eprintln!("{news}") })
 }
 
 /// What was measured of a scene, for people.

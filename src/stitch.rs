@@ -85,8 +85,8 @@ fn make(
 /// The stitched world of a world file. Stitches it first if that has not been done, or if the bundle or the source changed.
 pub fn open(source: &WorldSource, file: &Path, tables: &Bundle) -> Result<World, Box<dyn std::error::Error>> {
     let out = source.stitched_path();
-    let tell: &dyn Fn(&str) = &|message| eprintln!("{message}");
-    let with = Cached { cache: &Cache::none(), progress: &progress::Bar::default(), tell };
+    let progress = progress::Bar::default();
+    let with = Cached { cache: &Cache::none(), progress: &progress, tell: &|news| eprintln!("{news}") };
     run::ensure_world(source, file, tables, &out, &with)?;
     Ok(World::open(&out, tables)?)
 }

@@ -1,6 +1,6 @@
 //! `throng synth`: synthetic motion as ordinary files.
 
-use crate::args::{Outcome, number};
+use crate::args::Outcome;
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -22,13 +22,13 @@ pub struct Args {
     out: PathBuf,
     /// Length of the set in minutes; the default depends on the set. The locomotion set is a list of clips of 4 s: below
     /// 15 minutes it is cut short, above it holds further takes.
-    #[arg(long, allow_negative_numbers = true, value_parser = number::<f64>(&limits::SYNTH_MINUTES))]
+    #[arg(long, allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::SYNTH_MINUTES))]
     minutes: Option<f64>,
     /// Same seed, same motion.
-    #[arg(long, default_value_t = SynthConfig::default().seed, allow_negative_numbers = true, value_parser = number::<u64>(&limits::SEED))]
+    #[arg(long, default_value_t = SynthConfig::default().seed, allow_negative_numbers = true, value_parser = limits::number::<u64>(&limits::SEED))]
     seed: u64,
     /// Frames a second.
-    #[arg(long, default_value_t = SynthConfig::default().rate_hz, value_name = "HZ", allow_negative_numbers = true, value_parser = number::<f64>(&limits::RATE_HZ))]
+    #[arg(long, default_value_t = SynthConfig::default().rate_hz, value_name = "HZ", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::RATE_HZ))]
     rate_hz: f64,
     /// Print one JSON object.
     #[arg(long)]

@@ -1,14 +1,10 @@
 //! `throng view`: starts the viewer, an executable of its own beside this one.
 
-use crate::args::CACHE_FOLDER;
-use crate::progress::Bar;
 use std::error::Error;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, ExitCode};
-use throng_precompute::cache::Cache;
-use throng_precompute::run::{self, Cached};
 
 /// Builds the viewer beside this executable, in the same profile.
 const HOW_TO_BUILD: &str = if cfg!(debug_assertions) {
@@ -17,8 +13,8 @@ const HOW_TO_BUILD: &str = if cfg!(debug_assertions) {
     "`cargo build --release -p throng-viewer` builds it"
 };
 
-/// Open the viewer on a bundle, a scene, a motion file, or a folder or archive of motion, which is built first, into the
-/// cache: `throng view FILE`.
+/// Open the viewer: on its start page, or on a bundle, a scene, a motion file, or a folder or archive of motion, which is
+/// built first, into the cache: `throng view FILE`.
 ///
 /// The viewer is an executable of its own beside this one; `cargo build --release -p throng-viewer` builds it. All
 /// arguments are handed on to it. Where it is built, `throng view --help` prints its own help.
@@ -47,25 +43,8 @@ pub fn run(args: &Args) -> Result<ExitCode, Box<dyn Error>> {
     Err(format!("the viewer is not built; {HOW_TO_BUILD}").into())
 }
 
-/// The arguments, with the bundle of a folder or an archive of motion in place of it.
-fn built(rest: &[OsString]) -> Result<Vec<OsString>, Box<dyn Error>> {
-    let is_motion = |a: &OsString| {
-        let path = Path::new(a);
-        path.is_dir() || (path.is_file() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("zip")))
-    };
-    let mut rest = rest.to_vec();
-    // What stands first is what is shown; later ones may be values of flags.
-    if let Some(motion) = rest.first_mut().filter(|a| is_motion(a)) {
-        let (cache, progress) = (Cache::in_folder(CACHE_FOLDER), Bar::on_interrupt(Some(CACHE_FOLDER.into())));
-        let with = Cached { cache: &cache, progress: &progress, tell: &|message| eprintln!("{message}") };
-        *motion = run::ensure_motion(&[motion.clone().into()], Path::new("motion.throng"), &with)?.into();
-    }
-    Ok(rest)
-}
-
 fn start(viewer: &Path, args: &Args) -> Result<ExitCode, Box<dyn Error>> {
-    let status =
-        Command::new(viewer).args(built(&args.rest)?).status().map_err(|e| format!("{}: {e}", viewer.display()))?;
+    let status = Command::new(viewer).args(&args.rest).status().map_err(|e| format!("{}: {e}", viewer.display()))?;
     match status.code() {
         Some(code) => Ok(ExitCode::from(u8::try_from(code).unwrap_or(1))),
         None => Err(format!("the viewer ended unexpectedly: {status}").into()),

@@ -1,6 +1,6 @@
 //! `throng bench blend`: what blending costs, and how it moves beside cross-fading.
 
-use crate::args::{CacheArgs, Outcome, fail, number};
+use crate::args::{CacheArgs, Outcome, fail};
 use crate::{keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -24,7 +24,7 @@ pub struct Args {
     #[arg(value_name = "BUNDLE")]
     file: Option<PathBuf>,
     /// Time given to each figure.
-    #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = number::<f64>(&limits::MEASURING_S))]
+    #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::MEASURING_S))]
     seconds: f64,
     #[command(flatten)]
     cache: CacheArgs,

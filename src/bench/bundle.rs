@@ -1,6 +1,6 @@
 //! `throng bench bundle`: what queries, sampling and steps cost, and what policies are worth.
 
-use crate::args::{Outcome, fail, number};
+use crate::args::{Outcome, fail};
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -17,20 +17,20 @@ pub struct Args {
     #[arg(value_name = "BUNDLE")]
     file: PathBuf,
     /// Numbers of characters.
-    #[arg(long, value_delimiter = ',', default_value = "1000,10000", value_name = "N,...", allow_negative_numbers = true, value_parser = number::<usize>(&limits::CHARACTERS))]
+    #[arg(long, value_delimiter = ',', default_value = "1000,10000", value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::CHARACTERS))]
     characters: Vec<usize>,
     /// Numbers of threads.
-    #[arg(long, value_delimiter = ',', default_value = "1,2", value_name = "N,...", allow_negative_numbers = true, value_parser = number::<usize>(&limits::THREADS))]
+    #[arg(long, value_delimiter = ',', default_value = "1,2", value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::THREADS))]
     threads: Vec<usize>,
     /// Time given to each figure.
-    #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = number::<f64>(&limits::MEASURING_S))]
+    #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::MEASURING_S))]
     seconds: f64,
     /// Also measure what the policies collect against search to a depth of four actions, and against motion matching over
     /// all frames of the bundle, with the same targets.
     #[arg(long)]
     quality: bool,
     /// Random (state, target) pairs that are searched.
-    #[arg(long, default_value_t = 1000, value_name = "N", allow_negative_numbers = true, value_parser = number::<usize>(&limits::PAIRS))]
+    #[arg(long, default_value_t = 1000, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::PAIRS))]
     pairs: usize,
     /// Print one JSON object.
     #[arg(long)]

@@ -1,6 +1,6 @@
 //! `throng bench crowd`: cost, progress and overlaps of crowds.
 
-use crate::args::{Outcome, fail, number};
+use crate::args::{Outcome, fail};
 use crate::run::{figures, named_engine};
 use crate::{keys, output};
 use serde::Serialize;
@@ -24,19 +24,19 @@ pub struct Args {
     scene: Vec<String>,
     /// Numbers of agents; that of the scene where absent. Of several scenes, those that do not grow leave out larger
     /// numbers than their own.
-    #[arg(long, value_delimiter = ',', value_name = "N,...", allow_negative_numbers = true, value_parser = number::<usize>(&limits::CHARACTERS))]
+    #[arg(long, value_delimiter = ',', value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::CHARACTERS))]
     agents: Vec<usize>,
     /// Engines: events, occupancy, fixed; that of the scene where absent.
     #[arg(long, value_delimiter = ',', value_name = "ENGINE,...")]
     engine: Vec<String>,
     /// Number of runs of each; the fastest counts, as one that nothing else slowed down.
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = number::<u32>(&limits::REPEATS))]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = limits::number::<u32>(&limits::REPEATS))]
     repeats: u32,
     /// Number of threads.
-    #[arg(long, default_value_t = 1, value_name = "N", allow_negative_numbers = true, value_parser = number::<usize>(&limits::THREADS))]
+    #[arg(long, default_value_t = 1, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::THREADS))]
     threads: usize,
     /// Simulated time; what the scene says where absent.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number::<f64>(&limits::SECONDS))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::SECONDS))]
     seconds: Option<f64>,
     /// Plot of the time for one simulated second over the number of agents.
     #[arg(long, value_name = "FILE")]

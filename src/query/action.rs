@@ -1,6 +1,6 @@
 //! The action that a policy chooses.
 
-use crate::args::{Outcome, fail, number, parse_point};
+use crate::args::{Outcome, fail, parse_point};
 use crate::{keys, output};
 use glam::Vec3;
 use schemars::JsonSchema;
@@ -20,7 +20,7 @@ pub struct Args {
     #[arg(long, default_value = "approach", value_name = "NAME")]
     behaviour: String,
     /// State of the motion graph.
-    #[arg(long, allow_negative_numbers = true, value_parser = number::<u32>(&limits::STATE))]
+    #[arg(long, allow_negative_numbers = true, value_parser = limits::number::<u32>(&limits::STATE))]
     state: u32,
     /// Target in the frame of the character, in metres: X to its left, Z ahead.
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_point)]

@@ -1,8 +1,9 @@
 //! The viewer but for its window: the same in a window, in a picture and in a test.
 
 use crate::command::{Command, WorldCommand};
+use crate::document::Document;
 use crate::model::Model;
-use crate::panels::{PANELS, PanelStates, dock, keys, top_bar, transport, viewport};
+use crate::panels::{Dialog, PANELS, PanelStates, dock, keys, messages, start, top_bar, transport, viewport};
 use crate::render::{Body, DrawReport, SceneCallback, SceneFrame, SceneRenderer};
 use crate::settings::Dock;
 use crate::settings::{BODIES, Settings};
@@ -12,6 +13,7 @@ use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use eframe::egui_wgpu::RenderState;
 use keys::Action;
 use std::path::PathBuf;
+use std::pin::Pin;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -32,7 +34,7 @@ pub struct Viewer {
     layout: Layout,
     /// What the panels asked for in the last frame.
     pending: Vec<Command>,
-    dialog: Option<Receiver<PathBuf>>,
+    dialog: Option<Receiver<Vec<PathBuf>>>,
     /// Scale of the window as it was last set.
     zoom: Option<f32>,
 }
@@ -65,9 +67,9 @@ impl Viewer {
             self.model.times.frame_s = f64::from(wall_s);
         }
         self.model.times.drawing_s = self.drawn().time.as_secs_f64();
-        if let Some(path) = self.dialog.as_ref().and_then(|d| d.try_recv().ok()) {
+        if let Some(paths) = self.dialog.as_ref().and_then(|d| d.try_recv().ok()) {
             self.dialog = None;
-            self.model.apply(ctx, Command::Open(path));
+            self.model.apply(ctx, Command::Open(paths));
         }
         let begin = Instant::now();
         for command in self.pending.drain(..) {
@@ -77,6 +79,8 @@ impl Viewer {
         self.model.times.simulation_s = begin.elapsed().as_secs_f64();
         if self.model.is_playing() || self.model.is_busy() {
             ctx.request_repaint();
+        } else if self.model.loading().is_some() {
+            ctx.request_repaint_after(std::time::Duration::from_millis(100));
         } else {
             // Files are watched while nothing moves, too.
             ctx.request_repaint_after(std::time::Duration::from_millis(500));
@@ -90,7 +94,9 @@ impl Viewer {
         let mut commands = Vec::new();
         self.keys(&ctx, &mut commands);
         let dropped = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect::<Vec<_>>());
-        commands.extend(dropped.into_iter().map(Command::Open));
+        if !dropped.is_empty() {
+            commands.push(Command::Open(dropped));
+        }
         self.upload(ctx.theme() == egui::Theme::Dark);
         self.panels(ui, &mut commands);
         self.model.aspect = self.states.viewport.aspect;
@@ -99,8 +105,8 @@ impl Viewer {
             self.pending.append(&mut commands);
             ctx.request_repaint();
         }
-        if std::mem::take(&mut self.states.open_dialog) {
-            self.open_dialog(&ctx);
+        if let Some(wanted) = self.states.dialog.take() {
+            self.open_dialog(&ctx, wanted);
         }
     }
 
@@ -126,6 +132,9 @@ impl Viewer {
 
     fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let (model, states) = (&self.model, &mut self.states);
+        if matches!(model.document, Document::Nothing) {
+            return start_page(ui, model, states, commands);
+        }
         if !states.bare {
             bars(ui, model, states, commands);
         }
@@ -226,7 +235,7 @@ impl Viewer {
             Action::FrameAll => Command::FrameAll,
             Action::SelectNone => Command::SelectCharacter(None),
             Action::Reload => Command::Reload,
-            Action::Open => return self.states.open_dialog = true,
+            Action::Open => return self.states.dialog = Some(Dialog::Files),
             Action::Undo => Command::World(WorldCommand::Undo),
             Action::Redo => Command::World(WorldCommand::Redo),
             Action::Help => return self.states.help = !self.states.help,
@@ -244,21 +253,26 @@ impl Viewer {
         });
     }
 
-    /// Asks for a file in the system's own dialog, away from this thread.
-    fn open_dialog(&mut self, ctx: &egui::Context) {
-        let dialog = rfd::AsyncFileDialog::new()
-            .add_filter(
-                "bundles, scenes, worlds and motion files",
-                &[&["throng", "toml"], &import::EXTENSIONS[..]].concat(),
-            )
-            .add_filter("all files", &["*"])
-            .pick_file();
+    /// Asks for files or a folder in the system's own dialog, away from this thread.
+    fn open_dialog(&mut self, ctx: &egui::Context, wanted: Dialog) {
+        let dialog = rfd::AsyncFileDialog::new();
+        let chosen: Pin<Box<dyn Future<Output = Option<Vec<_>>> + Send>> = match wanted {
+            Dialog::Files => {
+                let extensions = [&["throng", "toml", "zip"], &import::EXTENSIONS[..]].concat();
+                let dialog = dialog.add_filter("bundles, scenes, worlds, motion files, archives of them", &extensions);
+                Box::pin(dialog.add_filter("all files", &["*"]).pick_files())
+            }
+            Dialog::Folder => {
+                let chosen = dialog.pick_folder();
+                Box::pin(async { chosen.await.map(|folder| vec![folder]) })
+            }
+        };
         let (send, receive) = channel();
         let ctx = ctx.clone();
         std::thread::spawn(move || {
             // Nothing is sent where the dialog is closed, or where the viewer is.
-            if let Some(file) = pollster::block_on(dialog)
-                && send.send(file.path().to_path_buf()).is_ok()
+            if let Some(files) = pollster::block_on(chosen)
+                && send.send(files.iter().map(|f| f.path().to_path_buf()).collect()).is_ok()
             {
                 ctx.request_repaint();
             }
@@ -271,6 +285,17 @@ impl Viewer {
 fn next_body(body: Body) -> Body {
     let at = BODIES.iter().position(|b| b.0 == body).unwrap_or(0);
     BODIES[(at + 1) % BODIES.len()].0
+}
+
+/// What is shown where nothing is open.
+fn start_page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
+    if !states.bare {
+        Panel::top("top bar").show(ui, |ui| top_bar::show(ui, model, states, commands));
+    }
+    CentralPanel::default().show(ui, |ui| {
+        start::show(ui, model, states, commands);
+        messages::show(ui, ui.max_rect(), model, commands);
+    });
 }
 
 /// The bars at the top and at the bottom.

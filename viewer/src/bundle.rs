@@ -2,17 +2,10 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use throng_precompute::cache::Cache;
-use throng_precompute::config::BuildConfig;
-use throng_precompute::pipeline;
-use throng_precompute::progress::Progress;
 use throng_runtime::blend::BlendSpace;
 use throng_runtime::characters::MotionSet;
 use throng_runtime::format::{BlendMeta, ClipMeta, ClipRecord};
 use throng_runtime::{Bundle, Error, FormatError, Planar};
-
-/// Outputs of the stages of a build are kept here, as `throng` does.
-pub const CACHE_FOLDER: &str = ".throng-cache";
 
 /// An open bundle.
 pub struct OpenBundle {
@@ -44,36 +37,6 @@ impl OpenBundle {
         let blends = (0..tables.blends().spaces.len()).map(|space| BlendSpace::new(tables.blends(), space));
         let blends = blends.collect::<Result<_, _>>().map_err(|e| fail(&e))?;
         Ok(Self { path: path.to_path_buf(), motion_set: MotionSet::new(&tables), blends, tables })
-    }
-
-    /// Reads the bundle of a scene or a world; one that is missing is built first, as `throng run` does.
-    ///
-    /// - `file`: the scene or the world, for messages.
-    /// - `config`: what the bundle is built from.
-    ///
-    /// # Errors
-    /// A message that names both files, what is wrong and the way out.
-    pub fn open_or_build(
-        file: &Path,
-        bundle: &Path,
-        config: Option<&Path>,
-        progress: &dyn Progress,
-    ) -> Result<Self, String> {
-        if !bundle.exists() {
-            let (file, missing) = (file.display(), bundle.display());
-            let config = config.ok_or_else(|| {
-                format!("{file}: its bundle {missing} is missing; run `throng build`, or correct the key `bundle`")
-            })?;
-            let built = BuildConfig::load(config)
-                .and_then(|c| pipeline::build(&c, bundle, &Cache::in_folder(CACHE_FOLDER), progress));
-            built.map_err(|e| {
-                format!(
-                    "{file}: its bundle {missing} is missing, and building it from {} failed: {e}",
-                    config.display()
-                )
-            })?;
-        }
-        Self::open(bundle).map_err(|e| format!("{}: its bundle: {e}", file.display()))
     }
 
     /// The file.

@@ -27,10 +27,19 @@ pub enum Stage {
 /// A request of a panel, carried out by the model after all panels have been shown.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// Open a bundle, a scene, a world or a motion file.
-    Open(PathBuf),
-    /// Read the open file again.
+    /// Open a bundle, a scene, a world or a motion file; of a folder, an archive and several files of motion, build a
+    /// bundle first.
+    Open(Vec<PathBuf>),
+    /// Read what is open again.
     Reload,
+    /// Close what is open, and show the start page.
+    Close,
+    /// Stop what is being made or read.
+    Stop,
+    /// Take away what is said of the last build.
+    DismissBuild,
+    /// Take something off the list of what was opened last.
+    Forget(Vec<PathBuf>),
     /// Take a message away.
     Dismiss(u64),
 

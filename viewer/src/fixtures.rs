@@ -13,7 +13,9 @@ pub(crate) mod paces;
 pub(crate) mod square;
 
 use crate::bundle::OpenBundle;
+use crate::document::Building;
 use std::path::{Path, PathBuf};
+use throng_precompute::run::Cached;
 use throng_runtime::format::VERSION;
 
 /// The bundle of the current version that every checkout has.
@@ -24,6 +26,11 @@ pub(crate) fn golden_path() -> PathBuf {
 /// The bundle that is always there.
 pub(crate) fn golden() -> OpenBundle {
     OpenBundle::open(&golden_path()).unwrap()
+}
+
+/// Lets something be opened without a word.
+pub(crate) fn quietly<T>(open: impl FnOnce(&Cached<'_>) -> T) -> T {
+    Building::default().with(open)
 }
 
 /// A file of captured motion; none, with a word on it, where there is no captured motion.

@@ -7,14 +7,16 @@ mod played;
 mod shown;
 pub mod world;
 
+pub use documents::name_of;
+
 use crate::command::{SceneLook, Stage, WorldLook};
-use crate::document::{Document, Loader, Watch};
+use crate::document::{Build, Building, Document, Loader, Watch};
 use crate::render::Camera;
 use crate::settings::PanelKind;
 use crate::settings::Settings;
 use eframe::egui;
 use glam::Vec3;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// Time that news stay on the screen; errors stay until they are taken away (s).
 const NEWS_S: f64 = 6.0;
@@ -114,7 +116,11 @@ pub struct Model {
     pub is_unhurried: bool,
     /// Grows with every file that is shown, so that what was worked out of an older version is known for what it is.
     pub generation: u64,
+    /// The build under way, or the last one until it is taken away.
+    pub build: Option<Build>,
     weights: Vec<f32>,
+    /// What is open, as it was asked for.
+    asked: Vec<PathBuf>,
     loader: Loader,
     watch: Option<Watch>,
     num_messages: u64,
@@ -133,14 +139,22 @@ impl Model {
         Self { settings, ..Self::default() }
     }
 
-    /// The file that is being read.
-    pub fn loading(&self) -> Option<&Path> {
-        self.loader.path()
+    /// What is being read.
+    pub fn loading(&self) -> Option<&[PathBuf]> {
+        self.loader.paths()
     }
 
-    /// What is built for the file that is being read; none if nothing is.
-    pub fn build_notice(&self) -> Option<String> {
-        self.loader.notice()
+    /// What is made for what is being read; none while files are only read.
+    pub fn building(&self) -> Option<&Building> {
+        match &self.build {
+            Some(Build::UnderWay { building, .. }) if building.has_begun() => Some(building),
+            _ => None,
+        }
+    }
+
+    /// What is open, as it was asked for.
+    pub fn asked(&self) -> &[PathBuf] {
+        &self.asked
     }
 
     /// Frames and rate of the clip shown (frames, Hz).

@@ -4,9 +4,9 @@ use crate::render::{Body, Camera};
 use crate::run::RunConfig;
 use eframe::egui::ThemePreference;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Files remembered.
+/// Entries remembered.
 const MAX_RECENT: usize = 8;
 
 /// Bodies, with what they are called.
@@ -157,8 +157,8 @@ pub struct Settings {
     pub follow: bool,
     /// What runs are made of.
     pub run: RunConfig,
-    /// Files opened last, the latest first.
-    pub recent: Vec<PathBuf>,
+    /// What was opened last, the latest first; several files of motion together are one entry.
+    pub opened: Vec<Vec<PathBuf>>,
 }
 
 impl Default for Settings {
@@ -175,7 +175,7 @@ impl Default for Settings {
             camera: Camera::default(),
             follow: false,
             run: RunConfig::default(),
-            recent: Vec::new(),
+            opened: Vec::new(),
         }
     }
 }
@@ -205,12 +205,17 @@ impl Settings {
         }
     }
 
-    /// Puts a file at the head of those opened last.
-    pub fn remember(&mut self, path: &Path) {
-        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-        self.recent.retain(|p| *p != path);
-        self.recent.insert(0, path);
-        self.recent.truncate(MAX_RECENT);
+    /// Puts something at the head of what was opened last.
+    pub fn remember(&mut self, paths: &[PathBuf]) {
+        let paths: Vec<PathBuf> = paths.iter().map(|p| std::path::absolute(p).unwrap_or_else(|_| p.clone())).collect();
+        self.forget(&paths);
+        self.opened.insert(0, paths);
+        self.opened.truncate(MAX_RECENT);
+    }
+
+    /// Takes something off the list of what was opened last.
+    pub fn forget(&mut self, paths: &[PathBuf]) {
+        self.opened.retain(|p| p != paths);
     }
 }
 
@@ -222,12 +227,15 @@ mod tests {
     fn the_latest_files_are_remembered_once_each() {
         let mut settings = Settings::default();
         for i in 0..20 {
-            settings.remember(Path::new(&format!("/{}.throng", i % 10)));
+            settings.remember(&[format!("/{}.throng", i % 10).into()]);
         }
-        assert_eq!(settings.recent.len(), MAX_RECENT);
-        assert_eq!(settings.recent[0], Path::new("/9.throng"));
-        settings.remember(Path::new("/5.throng"));
-        assert_eq!(settings.recent[0], Path::new("/5.throng"));
-        assert_eq!(settings.recent.iter().filter(|p| p.ends_with("5.throng")).count(), 1);
+        assert_eq!(settings.opened.len(), MAX_RECENT);
+        assert_eq!(settings.opened[0], [PathBuf::from("/9.throng")]);
+        let five = [PathBuf::from("/5.throng")];
+        settings.remember(&five);
+        assert_eq!(settings.opened[0], five);
+        assert_eq!(settings.opened.iter().filter(|p| **p == five).count(), 1);
+        settings.forget(&five);
+        assert!(settings.opened.len() == MAX_RECENT - 1 && !settings.opened.contains(&five.to_vec()));
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::app::{SETTINGS_KEY, Viewer};
 use crate::args::{Args, Size};
+use crate::document::{Document, may_be_made};
 use crate::render::device_descriptor;
 use crate::settings::Settings;
 use eframe::egui;
@@ -26,7 +27,7 @@ pub fn run(args: &Args) -> Result<(), String> {
     if needs_display() && !["DISPLAY", "WAYLAND_DISPLAY"].iter().any(has_value) {
         return Err(format!("there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {WAY_OUT}"));
     }
-    if let Some(file) = &args.file {
+    if let Some(file) = args.file.as_ref().filter(|f| !f.is_dir()) {
         open_file(file, "a file to show", MAX_BUNDLE_BYTES).map_err(|e| e.to_string())?;
     }
     let is_open = Arc::new(AtomicBool::new(false));
@@ -82,6 +83,8 @@ fn options(size: Option<Size>) -> eframe::NativeOptions {
 /// The viewer with what only a window has: settings that are kept, and an end.
 struct Window {
     viewer: Viewer,
+    /// To be shown of what is being made, when it is there.
+    waiting: Option<Args>,
     /// The window closes after so many frames.
     frames_left: Option<u32>,
 }
@@ -94,15 +97,32 @@ impl Window {
             settings.zoom = scale;
         }
         let mut viewer = Viewer::new(settings, cc.wgpu_render_state.as_ref());
-        args.open(&cc.egui_ctx, &mut viewer.model)?;
-        Ok(Self { viewer, frames_left: args.frames })
+        let made = args.file.as_ref().filter(|f| may_be_made(f));
+        match made {
+            Some(file) => viewer.model.start_reading(&cc.egui_ctx, std::slice::from_ref(file)),
+            None => args.open(&cc.egui_ctx, &mut viewer.model)?,
+        }
+        Ok(Self { viewer, waiting: made.map(|_| args.clone()), frames_left: args.frames })
+    }
+
+    /// Shows what the arguments say of what has been made.
+    fn show_waiting(&mut self, ctx: &egui::Context) {
+        let model = &mut self.viewer.model;
+        if model.loading().is_none()
+            && let Some(args) = self.waiting.take()
+            && !matches!(model.document, Document::Nothing)
+            && let Err(why) = args.show(ctx, model)
+        {
+            model.complain(why);
+        }
     }
 }
 
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
         eframe::App::logic(&mut self.viewer, ctx, frame);
-        if let Some(left) = &mut self.frames_left {
+        self.show_waiting(ctx);
+        if let Some(left) = self.frames_left.as_mut().filter(|_| self.waiting.is_none()) {
             *left = left.saturating_sub(1);
             if *left == 0 {
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);

@@ -73,6 +73,8 @@ pub struct Entry {
 }
 
 impl Cache {
+    /// The folder that keeps the outputs of stages where nothing else is said.
+    pub const FOLDER: &str = ".throng-cache";
     /// Bytes that a cache keeps at most unless something else is said.
     pub const LIMIT_BYTES: u64 = 5_000_000_000;
 

@@ -161,6 +161,19 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
     }
 }
 
+impl BuildReport {
+    /// What was made, in a few words, such as `policies approach; blend spaces ahead`.
+    pub fn made(&self) -> String {
+        let policies: Vec<&str> = self.policies.iter().map(|p| &*p.name).collect();
+        let spaces: Vec<&str> = self.blend_spaces.iter().map(|b| &*b.name).collect();
+        let patches: Vec<&str> = self.patches.iter().map(|p| &*p.name).collect();
+        let list = |what: &str, names: Vec<&str>| (!names.is_empty()).then(|| format!("{what} {}", names.join(", ")));
+        let all = [list("policies", policies), list("blend spaces", spaces), list("motion patches", patches)];
+        let all: Vec<String> = all.into_iter().flatten().collect();
+        if all.is_empty() { "clips alone".into() } else { all.join("; ") }
+    }
+}
+
 /// How many frames the groups have.
 fn group_frames(groups: &PoseGroups) -> Spread {
     let mut frames = vec![0u32; groups.num_groups()];

@@ -79,7 +79,7 @@ impl<'a> Stages<'a> {
     /// Runs a stage; its time is what the stages that run within it leave of it.
     ///
     /// # Errors
-    /// The stage's own.
+    /// The stage's own; [`BuildError::Stopped`].
     pub fn run<T>(
         &self,
         stage: &'static str,
@@ -87,6 +87,7 @@ impl<'a> Stages<'a> {
     ) -> Result<T, BuildError> {
         let spent = || self.timing.borrow().stage_s.iter().map(|(_, s)| s).sum::<f64>();
         let (begin, before) = (Instant::now(), spent());
+        self.progress.check()?;
         self.progress.comes_to(stage);
         let out = work(self.progress);
         let within = spent() - before;

@@ -1,5 +1,6 @@
 //! What can go wrong between files and tables, in words that name the place and the way out.
 
+use crate::progress::Stopped;
 use std::path::{Path, PathBuf};
 use throng_base::text::Source;
 
@@ -44,6 +45,9 @@ pub enum ImportError {
         /// The way out.
         help: String,
     },
+    /// Reading was told to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
 }
 
 impl ImportError {
@@ -52,7 +56,7 @@ impl ImportError {
         match self {
             Self::Io { path, .. } | Self::Syntax { path, .. } | Self::Content { path, .. } => Some(path),
             Self::Settings(throng_base::Error::Io { path, .. } | throng_base::Error::Format { path, .. }) => Some(path),
-            Self::Settings(_) => None,
+            Self::Settings(_) | Self::Stopped(_) => None,
         }
     }
 }
@@ -102,6 +106,9 @@ pub enum BuildError {
     /// The tables could not be opened again.
     #[error("{0}")]
     Format(String),
+    /// The build was told to stop.
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
 }
 
 impl BuildError {

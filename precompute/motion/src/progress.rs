@@ -1,4 +1,12 @@
-//! How long work tells how far it is.
+//! How long work tells how far it is, and is told to stop.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// The work was told to stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("stopped before it was done")]
+pub struct Stopped;
 
 /// Receives the progress of the stages. Calls may come from any thread.
 pub trait Progress: Sync {
@@ -12,6 +20,118 @@ pub trait Progress: Sync {
     fn comes_to(&self, _stage: &'static str) {}
     /// The output of a stage is kept: a build that is begun again goes on behind it.
     fn kept(&self, _stage: &'static str) {}
+    /// True where the work is to stop.
+    fn is_stopped(&self) -> bool {
+        false
+    }
+
+    /// Asked between two pieces of work.
+    ///
+    /// # Errors
+    /// [`Stopped`] where the work is to stop.
+    fn check(&self) -> Result<(), Stopped> {
+        if self.is_stopped() { Err(Stopped) } else { Ok(()) }
+    }
+}
+
+/// Where a build is: what its [`Progress`] was told last.
+#[derive(Clone, Debug, Default)]
+pub struct Status {
+    stage: &'static str,
+    unit: &'static str,
+    done: u64,
+    /// 0 where it is not known.
+    total: u64,
+    /// When the stage began; none between two stages.
+    since: Option<Instant>,
+    /// Stages whose outputs are kept.
+    kept: Vec<&'static str>,
+}
+
+impl Status {
+    /// As [`Progress::begin`].
+    pub fn begin(&mut self, stage: &'static str, total: u64, unit: &'static str) {
+        let kept = std::mem::take(&mut self.kept);
+        *self = Self { stage, unit, total, since: Some(Instant::now()), kept, done: 0 };
+    }
+
+    /// As [`Progress::advance`].
+    pub fn advance(&mut self, done: u64) {
+        self.done += done;
+    }
+
+    /// As [`Progress::end`].
+    pub fn end(&mut self) {
+        self.since = None;
+    }
+
+    /// As [`Progress::comes_to`].
+    pub fn comes_to(&mut self, stage: &'static str) {
+        self.begin(stage, 0, "");
+    }
+
+    /// As [`Progress::kept`].
+    pub fn keep(&mut self, stage: &'static str) {
+        self.kept.push(stage);
+    }
+
+    /// The stage that runs or ran last; empty before the first.
+    pub fn stage(&self) -> &'static str {
+        self.stage
+    }
+
+    /// Stages whose outputs are kept, in the order in which they were made or found.
+    pub fn stages_kept(&self) -> &[&'static str] {
+        &self.kept
+    }
+
+    /// Share of the stage that is done (0 to 1); none where its length is not known.
+    pub fn share(&self) -> Option<f64> {
+        (self.total > 0).then(|| self.done.min(self.total) as f64 / self.total as f64)
+    }
+
+    /// What of the stage is done, and how long the rest will take, such as `43 % of 3584 frames, about 12 s left`; none
+    /// between two stages.
+    pub fn far(&self) -> Option<String> {
+        Some(self.after(self.since?.elapsed()))
+    }
+
+    /// Where the build is, such as `graph: 43 % of 3584 frames, about 12 s left`; none between two stages.
+    pub fn line(&self) -> Option<String> {
+        Some(format!("{}: {}", self.stage, self.far()?))
+    }
+
+    fn after(&self, spent: Duration) -> String {
+        let (spent_s, total, unit) = (spent.as_secs_f64(), self.total, self.unit);
+        match (self.done, self.share()) {
+            (0, None) => format!("for {spent_s:.0} s"),
+            (done, None) => format!("{done} {unit}, for {spent_s:.0} s"),
+            (0, Some(_)) => format!("0 % of {total} {unit}, for {spent_s:.0} s"),
+            (_, Some(share)) => {
+                let left_s = spent_s * (1.0 - share) / share;
+                format!("{:.0} % of {total} {unit}, about {left_s:.0} s left", (100.0 * share).floor())
+            }
+        }
+    }
+
+    /// Says of a build that was interrupted what is kept.
+    ///
+    /// - `cache`: the folder of the cache; none where nothing is kept.
+    /// - `again`: what makes it go on, such as `the same command`.
+    pub fn farewell(&self, cache: Option<&Path>, again: &str) -> String {
+        let stage = if self.stage.is_empty() { String::new() } else { format!(" in stage {}", self.stage) };
+        let kept = match cache {
+            None => format!("Nothing is kept, as the cache is off: {again} begins anew."),
+            Some(folder) => {
+                let kept = if self.kept.is_empty() { String::new() } else { format!(" ({})", self.kept.join(", ")) };
+                let folder = folder.display();
+                format!(
+                    "{folder} keeps the stages that were done{kept} and files that were read: {again} goes on there."
+                )
+            }
+        };
+        format!("interrupted{stage}; no bundle was written. {kept}")
+    }
 }
 
 /// Reports nothing.
@@ -22,4 +142,38 @@ impl Progress for Silent {
     fn begin(&self, _: &'static str, _: u64, _: &'static str) {}
     fn advance(&self, _: u64) {}
     fn end(&self) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_say_share_and_time_left() {
+        let line = |done, total, s| {
+            let status = Status { unit: "frames", done, total, ..Status::default() };
+            status.after(Duration::from_secs(s))
+        };
+        assert_eq!(line(25, 100, 10), "25 % of 100 frames, about 30 s left");
+        assert_eq!(line(0, 100, 10), "0 % of 100 frames, for 10 s");
+        assert_eq!(line(7, 0, 10), "7 frames, for 10 s");
+        assert_eq!(line(0, 0, 10), "for 10 s");
+        assert_eq!(line(120, 100, 10), "100 % of 100 frames, about 0 s left");
+    }
+
+    #[test]
+    fn who_interrupts_is_told_what_is_kept() {
+        let mut status = Status::default();
+        assert_eq!((status.line(), status.share()), (None, None));
+        status.comes_to("motion");
+        status.keep("motion");
+        status.begin("graph", 10, "frames");
+        status.advance(5);
+        assert!(status.line().is_some_and(|l| l.starts_with("graph: 50 % of 10 frames")));
+        let told = status.farewell(Some("cache".as_ref()), "the same command");
+        assert!(told.contains("in stage graph") && told.contains("cache keeps") && told.contains("(motion)"), "{told}");
+        assert!(status.farewell(None, "the same command").contains("the same command begins anew"));
+        status.end();
+        assert_eq!(status.line(), None);
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::error::check;
 use crate::{Id, Result};
+use std::str::FromStr;
 
 /// Range of a quantity, its ends included.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,19 +65,50 @@ limits! {
     CHARACTERS = "number of characters or agents": 1 to 1_000_000 "";
     COORDINATE = "coordinate": -100_000 to 100_000 " m";
     FOLLOWED = "number of a character": 0 to 999_999 "";
+    FRAMES = "number of frames": 1 to 1_000_000 "";
     MEASURING_S = "time given to a figure": 0.000_1 to 3600 " s";
     PAIRS = "number of pairs": 1 to 10_000_000 "";
     PATH_STEPS = "steps of all paths that are kept": 0 to 300_000_000 "";
+    PICTURE_SIDE = "side of a picture or a window": 16 to 8192 " pixels";
     RATE_HZ = "frames a second": 20 to 240 " Hz";
     REPEATS = "number of runs": 1 to 100 "";
+    SCALE = "scale of what is shown": 0.5 to 3 "";
     SECONDS = "simulated time": 0.001 to 100_000 " s";
     SEED = "seed": 0 to 18_446_744_073_709_551_615u64 "";
+    SHOWN_CHARACTERS = "number of characters shown": 1 to 20_000 "";
+    SHOWN_FRAME = "frame of a clip": 0 to 4_294_967_295u32 "";
     STATE = "state of a motion graph": 0 to 4_294_967_295u32 "";
     STEP_HZ = "steps a second": 1 to 10_000 " Hz";
     STEP_S = "time step": 0 to 1 " s";
     SYNTH_MINUTES = "length of synthetic motion": 0.05 to 240 " min";
     TEMPERATURE = "temperature of choices": 0 to 1000 "";
     THREADS = "number of threads": 1 to 1024 "";
+}
+
+/// A number as people write it.
+pub trait Number: FromStr + Clone + Send + Sync + 'static {
+    /// The number, for its limit.
+    fn value(&self) -> f64;
+}
+
+macro_rules! numbers {
+    ($($t:ty),*) => {
+        $(impl Number for $t {
+            fn value(&self) -> f64 {
+                *self as f64
+            }
+        })*
+    };
+}
+
+numbers!(usize, u32, u64, f32, f64);
+
+/// Reads a number within its limit; what else is given is refused with the range.
+pub fn number<T: Number>(limit: &'static Limit) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let number = text.trim().parse::<T>().ok().filter(|n| limit.holds(n.value()));
+        number.ok_or_else(|| format!("expected {} ({})", limit.range, limit.quantity))
+    }
 }
 
 #[cfg(test)]

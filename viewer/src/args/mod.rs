@@ -7,6 +7,7 @@ pub use parse::{Adapter, Character, PanelChoice, Size, StageName, ThemeName, Vie
 
 use crate::render::Body;
 use std::path::PathBuf;
+use throng_runtime::base::limits::{self, number};
 use throng_runtime::crowd::Scheme;
 
 /// Frames that run before a picture, unless given (1/60 s).
@@ -23,6 +24,8 @@ With --bench adapter, width, height, and crowds, a list with characters, frames 
 Exit codes: 0 done, 1 failed (the message names what and the way out), 2 wrong usage.
 
 Examples:
+  throng-viewer
+  throng-viewer FOLDER
   throng-viewer walk.throng
   throng-viewer clip.bvh
   throng-viewer data/scenes/boxing-pair.toml
@@ -31,15 +34,15 @@ Examples:
   throng-viewer walk.throng --png crowd.png --characters 1000 --panel none --camera yaw=30,pitch=20,distance=25
   throng-viewer walk.throng --bench 1000,10000 --json";
 
-/// Shows what is baked, and lets it be tried: bundles (*.throng), scenes and worlds (*.toml) and
-/// motion files (*.bvh, *.amc, *.npz, *.glb, *.gltf, *.fbx).
+/// Shows what is baked, and lets it be tried: bundles (*.throng), scenes and worlds (*.toml), motion files (*.bvh, *.amc,
+/// *.npz, *.glb, *.gltf, *.fbx), and folders and archives (*.zip) of motion, which are built first, into the cache.
 ///
-/// Opens a window, in which H lists the keys. With --png or --bench it needs no screen.
+/// Opens a window, in which H lists the keys; without a file, its start page. With --png or --bench it needs no screen.
 #[derive(clap::Parser, Clone, Debug, Default)]
 #[command(name = "throng-viewer", version, after_help = AFTER_HELP)]
 #[command(group(clap::ArgGroup::new("screenless").args(["png", "bench"])))]
 pub struct Args {
-    /// Bundle, scene, world of motion patches or motion file.
+    /// Bundle, scene, world of motion patches, motion file, or folder or archive of motion; the start page where absent.
     pub file: Option<PathBuf>,
 
     /// Draw a picture instead of opening a window.
@@ -50,7 +53,8 @@ pub struct Args {
         long,
         value_name = "N,...",
         value_delimiter = ',',
-        value_parser = parse::characters,
+        allow_negative_numbers = true,
+        value_parser = number::<usize>(&limits::SHOWN_CHARACTERS),
         requires = "file",
         help_heading = "Without a screen"
     )]
@@ -73,11 +77,11 @@ pub struct Args {
     #[arg(long, value_name = "WxH", value_parser = parse::size)]
     pub size: Option<Size>,
     /// Scale of text and everything else, 0.5 to 3.
-    #[arg(long, value_name = "FACTOR", value_parser = parse::scale)]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = number::<f32>(&limits::SCALE))]
     pub scale: Option<f32>,
     /// Frames of 1/60 s that run before the picture [default: 150] or are measured [default: 60]; a window closes
-    /// after so many.
-    #[arg(long, value_name = "N")]
+    /// after so many, not counting those in which something is built.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::<u32>(&limits::FRAMES))]
     pub frames: Option<u32>,
     /// Dark or light.
     #[arg(long, value_enum)]
@@ -101,16 +105,22 @@ pub struct Args {
     #[arg(long, value_name = "NAME", requires = "file")]
     pub clip: Option<String>,
     /// Stop the clip at a frame of it.
-    #[arg(long, value_name = "N", requires = "file")]
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "file",
+        allow_negative_numbers = true,
+        value_parser = number::<u32>(&limits::SHOWN_FRAME)
+    )]
     pub frame: Option<u32>,
     /// Select a character, counted from 0, or `none`.
-    #[arg(long, value_name = "N", requires = "file")]
+    #[arg(long, value_name = "N", requires = "file", allow_negative_numbers = true)]
     pub character: Option<Character>,
     /// Number of characters of the crowd, scene or world.
-    #[arg(long, value_name = "N", value_parser = parse::characters)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number::<usize>(&limits::SHOWN_CHARACTERS))]
     pub characters: Option<usize>,
     /// Seed of places, targets and choices.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true, value_parser = number::<u64>(&limits::SEED))]
     pub seed: Option<u64>,
     /// What finds out when an agent of a scene has to act: events, occupancy or fixed.
     #[arg(long, value_name = "NAME", value_parser = parse::engine, requires = "file")]
@@ -156,7 +166,14 @@ mod tests {
             ("--bench 10", ErrorKind::MissingRequiredArgument, "FILE"),
             ("a.throng --bench 10 --png a.png", ErrorKind::ArgumentConflict, "--png"),
             ("a.throng --bench 0", ErrorKind::ValueValidation, "1 to 20000"),
-            ("a.throng --bench 10,x", ErrorKind::ValueValidation, "`x`"),
+            ("a.throng --bench 10,x", ErrorKind::ValueValidation, "'x'"),
+            ("a.throng --bench -1", ErrorKind::ValueValidation, limits::SHOWN_CHARACTERS.range),
+            ("a.throng --characters 20001", ErrorKind::ValueValidation, limits::SHOWN_CHARACTERS.range),
+            ("a.throng --seed -1", ErrorKind::ValueValidation, limits::SEED.range),
+            ("a.throng --frames 0", ErrorKind::ValueValidation, limits::FRAMES.range),
+            ("a.throng --frame 4294967296", ErrorKind::ValueValidation, limits::SHOWN_FRAME.range),
+            ("a.throng --character -1", ErrorKind::ValueValidation, limits::FOLLOWED.range),
+            ("a.throng --scale NaN", ErrorKind::ValueValidation, limits::SCALE.range),
             ("a.throng --size 640", ErrorKind::ValueValidation, "640x400"),
             ("a.throng --size 0x5", ErrorKind::ValueValidation, "8192"),
             ("a.throng --panel kitchen", ErrorKind::ValueValidation, "control"),

@@ -2,15 +2,12 @@
 
 use crate::panels::{PANELS, Panel};
 use crate::render::{Body, Camera, CameraParseError};
-use crate::run::MAX_CHARACTERS;
 use crate::settings::PanelKind;
 use eframe::egui::ThemePreference;
 use std::str::FromStr;
+use throng_runtime::base::limits::{self, number};
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::scene::engine as engines;
-
-/// Sides that a picture may have (pixels).
-const SIDES: std::ops::RangeInclusive<u32> = 16..=8192;
 
 /// Size of a picture or a window (pixels).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,7 +92,7 @@ impl FromStr for Character {
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             "none" => Ok(Self(None)),
-            _ => text.parse().map(|n| Self(Some(n))).map_err(|_| "expected a number from 0 on, or `none`".into()),
+            _ => number::<usize>(&limits::FOLLOWED)(text).map(|n| Self(Some(n))).map_err(|e| format!("{e}, or `none`")),
         }
     }
 }
@@ -136,21 +133,11 @@ pub(super) fn panel(text: &str) -> Result<PanelChoice, String> {
 }
 
 pub(super) fn size(text: &str) -> Result<Size, String> {
-    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-    match sides {
-        Some((width, height)) if SIDES.contains(&width) && SIDES.contains(&height) => Ok(Size { width, height }),
-        Some(_) => Err(format!("both sides must be {} to {} pixels", SIDES.start(), SIDES.end())),
-        None => Err("expected width x height, as in 640x400".into()),
-    }
-}
-
-pub(super) fn scale(text: &str) -> Result<f32, String> {
-    text.parse().ok().filter(|s| (0.5..=3.0).contains(s)).ok_or_else(|| "expected a number from 0.5 to 3".into())
-}
-
-pub(super) fn characters(text: &str) -> Result<usize, String> {
-    let number = text.trim().parse().ok().filter(|n| (1..=MAX_CHARACTERS).contains(n));
-    number.ok_or_else(|| format!("`{text}` is no number of characters; expected 1 to {MAX_CHARACTERS}"))
+    let side = number::<u32>(&limits::PICTURE_SIDE);
+    let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some((side(w).ok()?, side(h).ok()?)));
+    let (width, height) = sides
+        .ok_or_else(|| format!("expected width x height, as in 640x400; each is {}", limits::PICTURE_SIDE.range))?;
+    Ok(Size { width, height })
 }
 
 pub(super) fn engine(text: &str) -> Result<Scheme, String> {
@@ -193,13 +180,5 @@ mod tests {
         assert_eq!(placed("front, distance=4"), Ok(true));
         assert_eq!(placed("target=0:1:0"), Ok(true));
         assert!(placed("distance").is_err());
-    }
-
-    #[test]
-    fn scales_are_limited() {
-        assert_eq!(scale("2"), Ok(2.0));
-        for wrong in ["0.4", "3.1", "nan", "inf", "big"] {
-            assert!(scale(wrong).is_err(), "{wrong}");
-        }
     }
 }

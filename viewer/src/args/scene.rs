@@ -6,7 +6,9 @@ use crate::document::{Document, SceneChoice};
 use crate::model::Model;
 use crate::settings::Settings;
 use eframe::egui;
+use throng_precompute::cache::Cache;
 use throng_precompute::progress::Progress;
+use throng_precompute::run::Cached;
 use throng_runtime::simulation::scene::engine;
 
 /// Prints the stages of a build, on standard error.
@@ -54,13 +56,22 @@ impl Args {
         s
     }
 
-    /// Opens the file and shows of it what the arguments say.
+    /// Opens the file at once and shows of it what the arguments say. What has to be made first is told on standard error.
     ///
     /// # Errors
     /// A message that names what is wrong and the way out.
     pub fn open(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
         let Some(file) = &self.file else { return Ok(()) };
-        model.open_now(file, &StageNames)?;
+        let cache = Cache::in_folder(Cache::FOLDER);
+        model.open_now(file, &Cached { cache: &cache, progress: &StageNames, tell: &|news| eprintln!("{news}") })?;
+        self.show(ctx, model)
+    }
+
+    /// Shows of what is open what the arguments say.
+    ///
+    /// # Errors
+    /// A message that names what is wrong and the way out.
+    pub fn show(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
         self.change_scene(ctx, model)?;
         if let Some(stage) = self.stage {
             self.check_stage(stage.into(), model)?;

@@ -1,12 +1,13 @@
-//! Opens files away from the window's thread.
+//! Opens files away from the window's thread, and makes what is missing first.
 
-use super::notice::BuildNotice;
-use super::{RawMotion, SceneDocument, Stamp, WorldDocument};
+use super::{Building, RawMotion, SceneDocument, Stamp, WorldDocument};
 use crate::bundle::OpenBundle;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_precompute::import;
 use throng_precompute::progress::Progress;
+use throng_precompute::run::{Cached, News, ensure_motion, is_motion};
+use throng_precompute::verdict;
 
 /// A file as it was read.
 #[derive(Debug)]
@@ -21,24 +22,55 @@ pub enum Opened {
     Scene(Box<SceneDocument>),
 }
 
+/// Extension of a file, in lower case.
+fn extension(path: &Path) -> String {
+    path.extension().map_or_else(String::new, |e| e.to_string_lossy().to_lowercase())
+}
+
+/// True for what may have to be made before it can be shown: motion, scenes and worlds.
+pub fn may_be_made(path: &Path) -> bool {
+    is_motion(path) || extension(path) == "toml"
+}
+
 impl Opened {
     /// Reads a file: motion by its extension (`.bvh` and others), `.toml` as a scene or a world, anything else as a bundle.
+    /// Of a folder, an archive and several files of motion, the bundle that `throng build` makes of them is made first, in
+    /// the cache.
     ///
-    /// - `progress`: of building a bundle that is missing.
+    /// - `with`: how what is missing is made.
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
-    pub fn read(path: &Path, progress: &dyn Progress) -> Result<Self, String> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        Ok(match extension.as_deref() {
+    pub fn read(paths: &[PathBuf], with: &Cached<'_>) -> Result<Self, String> {
+        let path = match paths {
+            [path] if !is_motion(path) => path,
+            several if several.iter().any(|p| ["toml", "throng"].contains(&&*extension(p))) => {
+                return Err("expected one bundle, one scene or one world, or motion alone; open them one by one".into());
+            }
+            motion => {
+                let bundle = ensure_motion(motion, Path::new("motion.throng"), with).map_err(|e| e.to_string())?;
+                return Ok(Self::Bundle(Box::new(OpenBundle::open(&bundle)?)));
+            }
+        };
+        Ok(match &*extension(path) {
             _ if import::is_motion(path) => Self::Clip(Box::new(RawMotion::open(path)?)),
-            Some("toml") if WorldDocument::is_one(path) => Self::World(Box::new(WorldDocument::open(path, progress)?)),
-            Some("toml") => Self::Scene(Box::new(SceneDocument::open(path, progress)?)),
+            "toml" if WorldDocument::is_one(path) => Self::World(Box::new(WorldDocument::open(path, with)?)),
+            "toml" => Self::Scene(Box::new(SceneDocument::open(path, with)?)),
             _ => Self::Bundle(Box::new(OpenBundle::open(path)?)),
         })
     }
 
-    /// Files that it was read from, beside the one that was asked for.
+    /// The file; of motion, the bundle that was made of it.
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Bundle(bundle) => bundle.path(),
+            Self::Clip(clip) => clip.path(),
+            Self::World(world) => world.path(),
+            Self::Scene(scene) => scene.path(),
+        }
+    }
+
+    /// Files that it was read from, beside its own.
     pub fn more_files(&self) -> Vec<PathBuf> {
         match self {
             Self::World(world) => vec![world.bundle().path().to_path_buf()],
@@ -46,66 +78,114 @@ impl Opened {
             Self::Bundle(_) | Self::Clip(_) => Vec::new(),
         }
     }
+
+    /// Its bundle, where it has one.
+    fn bundle(&self) -> Option<&OpenBundle> {
+        match self {
+            Self::Bundle(bundle) => Some(bundle),
+            Self::Scene(scene) => scene.bundle(),
+            Self::World(world) => Some(world.bundle()),
+            Self::Clip(_) => None,
+        }
+    }
 }
 
-/// A file that has been read, or why it could not be.
+/// What has been read, or why it could not be.
 #[derive(Debug)]
 pub struct Loaded {
-    /// The file.
-    pub path: PathBuf,
+    /// What was asked for.
+    pub paths: Vec<PathBuf>,
     /// The version that was read.
     pub stamp: Option<Stamp>,
     /// What it holds.
     pub result: Result<Opened, String>,
+    /// How what was missing was made.
+    pub building: Building,
 }
 
-/// Reads one file at a time on a thread of its own; a new request replaces an old one.
+/// What is being read.
+#[derive(Debug)]
+struct Running {
+    paths: Vec<PathBuf>,
+    loaded: Receiver<Loaded>,
+    building: Building,
+}
+
+/// Reads on a thread of its own what is asked for; a new request stops and replaces an old one.
 #[derive(Debug, Default)]
 pub struct Loader {
-    running: Option<(PathBuf, Receiver<Loaded>, BuildNotice)>,
+    running: Option<Running>,
 }
 
 impl Loader {
-    /// Starts to read a file. `wake` is called when it is done.
-    pub fn start(&mut self, path: &Path, wake: impl FnOnce() + Send + 'static) {
-        let (send, receive) = channel();
-        let owned = path.to_path_buf();
-        let notice = BuildNotice::default();
-        self.running = Some((owned.clone(), receive, notice.clone()));
+    /// Starts to read. `wake` is called when it is done.
+    ///
+    /// - returns what is told of what is made for it.
+    pub fn start(&mut self, paths: &[PathBuf], wake: impl FnOnce() + Send + 'static) -> Building {
+        self.stop();
+        let (send, loaded) = channel();
+        let building = Building::default();
+        let told = building.clone();
+        self.running = Some(Running { paths: paths.to_vec(), loaded, building: building.clone() });
+        let paths = paths.to_vec();
         std::thread::spawn(move || {
-            let before = Stamp::of(&owned);
-            let result = Opened::read(&owned, &notice);
-            let more = result.as_ref().map_or(Vec::new(), Opened::more_files);
-            let stamp = Stamp::with(before, &more);
+            let before = if let [path] = &*paths { Stamp::of(path) } else { None };
+            let result = building.with(|with| Opened::read(&paths, with));
+            if let Ok(opened) = &result
+                && building.has_begun()
+            {
+                judge(opened, &building);
+            }
+            let stamp = result.as_ref().ok().and_then(|opened| {
+                // A bundle that was made of motion is as it is now.
+                let own = if paths[..] == [opened.path()] { before } else { Stamp::of(opened.path()) };
+                Stamp::with(own, &opened.more_files())
+            });
             // The receiver is gone if another file was asked for meanwhile.
-            if send.send(Loaded { path: owned, stamp, result }).is_ok() {
+            if send.send(Loaded { paths, stamp, result, building }).is_ok() {
                 wake();
             }
         });
+        told
     }
 
-    /// The file that is being read.
-    pub fn path(&self) -> Option<&Path> {
-        self.running.as_ref().map(|r| r.0.as_path())
+    /// Lets what is made for it end, which [`Loader::poll`] then says.
+    pub fn stop(&self) {
+        self.running.iter().for_each(|r| r.building.stop());
     }
 
-    /// What is built for it at the moment; none while it is only read.
-    pub fn notice(&self) -> Option<String> {
-        self.running.as_ref()?.2.text()
+    /// What is being read.
+    pub fn paths(&self) -> Option<&[PathBuf]> {
+        self.running.as_ref().map(|r| &*r.paths)
     }
 
     /// What has been read since the last call.
     pub fn poll(&mut self) -> Option<Loaded> {
-        let (path, receive, _) = self.running.as_ref()?;
-        let loaded = match receive.try_recv() {
+        let running = self.running.as_ref()?;
+        let loaded = match running.loaded.try_recv() {
             Ok(loaded) => loaded,
             Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => {
-                let result = Err(format!("{}: reading the file failed unexpectedly", path.display()));
-                Loaded { path: path.clone(), stamp: None, result }
+                let (paths, building) = (running.paths.clone(), running.building.clone());
+                let all: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
+                let result = Err(format!("{}: reading failed unexpectedly", all.join(", ")));
+                Loaded { paths, stamp: None, result, building }
             }
         };
         self.running = None;
         Some(loaded)
+    }
+}
+
+/// Lets some characters try what was made, as `throng build` does.
+fn judge(opened: &Opened, building: &Building) {
+    let Some(bundle) = opened.bundle() else { return };
+    building.comes_to("trial");
+    let tried = verdict::try_out(bundle.tables());
+    building.end();
+    let mut told = building.told();
+    match tried {
+        Ok(tried) => told.verdict = tried.map(|(_, verdict)| verdict),
+        Err(e) => told.news.push(News::Warning(e.to_string())),
     }
 }

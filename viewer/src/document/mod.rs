@@ -1,15 +1,16 @@
 //! What is open: nothing, a bundle, a scene, a world of motion patches, or a raw motion file.
 
+mod building;
 mod clip;
 mod load;
-mod notice;
 mod obstacles;
 mod scene;
 mod watch;
 pub mod world;
 
+pub use building::{Build, Building, Built, End, Told};
 pub use clip::RawMotion;
-pub use load::{Loader, Opened};
+pub use load::{Loader, Opened, may_be_made};
 pub use scene::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument, Standing, StandingUnit};
 pub use watch::{Stamp, Watch};
 pub use world::WorldDocument;

@@ -10,10 +10,8 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::files::write_atomically;
-use throng_precompute::progress::Progress;
 use throng_precompute::run::{Cached, SeenObstacle, ensure, seen_obstacle};
 use throng_precompute::stitch::Kit;
 use throng_runtime::base::file::{MAX_SNAPSHOT_BYTES, read_file};
@@ -108,7 +106,7 @@ impl SceneDocument {
     ///
     /// # Errors
     /// A message that names the file, the line or key, or what could not be made, and the way out.
-    pub fn open(path: &Path, progress: &dyn Progress) -> Result<Self, String> {
+    pub fn open(path: &Path, with: &Cached<'_>) -> Result<Self, String> {
         let scene = Scene::load(path).map_err(|e| match BuildConfig::load(path) {
             Ok(_) => format!(
                 "{}: this is the config of a build, not a scene; open the bundle that `throng build` makes of it",
@@ -117,8 +115,7 @@ impl SceneDocument {
             Err(_) => e.to_string(),
         })?;
         let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
-        let cache = Cache::in_folder(crate::bundle::CACHE_FOLDER);
-        ensure(&scene, &Cached { cache: &cache, progress, tell: &|_| {} }).map_err(|e| fail(&e))?;
+        ensure(&scene, with).map_err(|e| fail(&e))?;
         let compiled = scene.open().map_err(|e| e.to_string())?;
         let (run, standing) = begin(&compiled, None)?;
         let with_bundle = (0..scene.groups.len()).find(|&g| compiled.bundle(g).is_ok());

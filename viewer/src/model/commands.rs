@@ -6,18 +6,21 @@ use crate::document::{Document, SceneChoice};
 use crate::run::{Blending, Head, Run};
 use crate::settings::PanelKind;
 use eframe::egui;
-use std::path::Path;
 
 impl Model {
     /// Carries out a command.
     pub fn apply(&mut self, ctx: &egui::Context, command: Command) {
         match command {
-            Command::Open(path) => self.start_reading(ctx, &path),
+            Command::Open(paths) => self.start_reading(ctx, &paths),
             Command::Reload => {
-                if let Some(path) = self.document.path().map(Path::to_path_buf) {
-                    self.start_reading(ctx, &path);
+                if !matches!(self.document, Document::Nothing) {
+                    self.start_reading(ctx, &self.asked.clone());
                 }
             }
+            Command::Close => self.close(),
+            Command::Stop => self.loader.stop(),
+            Command::DismissBuild => self.build = None,
+            Command::Forget(paths) => self.settings.forget(&paths),
             Command::Dismiss(id) => self.messages.retain(|m| m.id != id),
             Command::Play(_) | Command::Step(_) | Command::Seek(_) | Command::Speed(_) => self.move_time(&command),
             Command::Restart => self.restart(ctx),

@@ -3,34 +3,61 @@
 use super::{ClipPlayer, Model, Selection};
 use crate::bundle::OpenBundle;
 use crate::command::{Stage, WorldLook};
-use crate::document::{BundleDocument, Document, Opened, SceneDocument, Stamp, Watch};
+use crate::document::{Build, BundleDocument, Document, Opened, SceneDocument, Stamp, Watch};
 use crate::run::{BlendRun, Run};
 use crate::settings::PanelKind;
 use eframe::egui;
 use std::f32::consts::FRAC_PI_2;
-use std::path::Path;
-use throng_precompute::progress::Progress;
+use std::path::{Path, PathBuf};
+use throng_precompute::run::{Cached, is_motion, motion_name};
+
+/// What something that was asked for is called: a file by its name, motion as the bundle that is made of it.
+pub fn name_of(paths: &[PathBuf]) -> String {
+    match paths {
+        [path] if !is_motion(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        motion => motion_name(motion),
+    }
+}
 
 impl Model {
     /// Shows a file that has been read; one that could not be leaves the old one in place.
     pub(super) fn take_in(&mut self) {
         let Some(loaded) = self.loader.poll() else { return };
-        let is_reload = self.document.path() == Some(loaded.path.as_path());
+        let is_reload = !matches!(self.document, Document::Nothing) && self.asked == loaded.paths;
+        let built = loaded.building.ended(&loaded.paths, loaded.result.as_ref().err().map(String::as_str));
+        let is_told = built.is_some();
+        self.build = built.map(Build::Ended);
         match loaded.result {
             Ok(opened) => {
                 self.watch = Some(Watch::from(loaded.stamp));
-                self.settings.remember(&loaded.path);
-                self.show(opened, is_reload);
-                let name = loaded.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                self.say(if is_reload {
-                    format!("{name} has changed and was reloaded")
-                } else {
-                    format!("Opened {name}")
-                });
+                let name = name_of(&loaded.paths);
+                self.adopt(loaded.paths, opened, is_reload);
+                match (is_reload, is_told) {
+                    (true, _) => self.say(format!("{name} has changed and was reloaded")),
+                    (false, false) => self.say(format!("Opened {name}")),
+                    // The record of the build says it.
+                    (false, true) => {}
+                }
             }
+            // The record of the build says it.
+            Err(_) if is_told => {}
             Err(why) if matches!(self.document, Document::Nothing) => self.complain(why),
             Err(why) => self.complain(format!("{why}\nThe open file stays open.")),
         }
+    }
+
+    /// Shows what was read for what was asked for.
+    fn adopt(&mut self, paths: Vec<PathBuf>, opened: Opened, is_reload: bool) {
+        self.settings.remember(&paths);
+        self.asked = paths;
+        self.show(opened, is_reload);
+    }
+
+    /// Closes what is open.
+    pub(super) fn close(&mut self) {
+        self.generation += 1;
+        (self.document, self.watch, self.selection) = (Document::Nothing, None, Selection::default());
+        self.asked.clear();
     }
 
     fn show(&mut self, opened: Opened, is_reload: bool) {
@@ -130,29 +157,31 @@ impl Model {
     pub(super) fn look_for_changes(&mut self, ctx: &egui::Context) {
         let Some(path) = self.document.path().map(Path::to_path_buf) else { return };
         let more = self.document.more_files();
-        if self.loader.path().is_none() && self.watch.as_mut().is_some_and(|w| w.has_changed(&path, &more)) {
-            self.start_reading(ctx, &path);
+        if self.loader.paths().is_none() && self.watch.as_mut().is_some_and(|w| w.has_changed(&path, &more)) {
+            self.start_reading(ctx, &self.asked.clone());
         }
     }
 
-    /// Starts to read a file; [`Model::advance`] takes it in when it is there.
-    pub fn start_reading(&mut self, ctx: &egui::Context, path: &Path) {
+    /// Starts to read what is asked for, and to make what of it is missing; [`Model::advance`] takes it in when it is
+    /// there.
+    pub fn start_reading(&mut self, ctx: &egui::Context, paths: &[PathBuf]) {
         let ctx = ctx.clone();
-        self.loader.start(path, move || ctx.request_repaint());
+        let building = self.loader.start(paths, move || ctx.request_repaint());
+        self.build = Some(Build::UnderWay { paths: paths.to_vec(), building });
     }
 
     /// Shows a file at once.
     ///
-    /// - `progress`: of building a bundle that is missing.
+    /// - `with`: how what is missing is made.
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
-    pub fn open_now(&mut self, path: &Path, progress: &dyn Progress) -> Result<(), String> {
-        let before = Stamp::of(path);
-        let opened = Opened::read(path, progress)?;
-        self.watch = Some(Watch::from(Stamp::with(before, &opened.more_files())));
-        self.settings.remember(path);
-        self.show(opened, false);
+    pub fn open_now(&mut self, path: &Path, with: &Cached<'_>) -> Result<(), String> {
+        let (paths, before) = (vec![path.to_path_buf()], Stamp::of(path));
+        let opened = Opened::read(&paths, with)?;
+        let own = if opened.path() == path { before } else { Stamp::of(opened.path()) };
+        self.watch = Some(Watch::from(Stamp::with(own, &opened.more_files())));
+        self.adopt(paths, opened, false);
         Ok(())
     }
 }

@@ -4,10 +4,12 @@
 //! only concerns how it looks (a filter, a zoom) is its own state.
 
 pub mod blend;
+pub mod build;
 pub mod control;
 pub mod crowd;
 pub mod database;
 pub mod dock;
+pub mod glitches;
 pub mod graph;
 pub mod hits;
 pub mod keys;
@@ -16,6 +18,7 @@ pub mod paint;
 pub mod patches;
 pub mod policy;
 pub mod report;
+pub mod start;
 pub mod statistics;
 pub mod top_bar;
 pub mod transport;
@@ -116,6 +119,15 @@ pub const PANELS: &[Panel] = &[
     },
 ];
 
+/// A dialog of the system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialog {
+    /// That chooses one or several files.
+    Files,
+    /// That chooses a folder.
+    Folder,
+}
+
 /// What panels remember of how they look.
 #[derive(Clone, Debug, Default)]
 pub struct PanelStates {
@@ -131,8 +143,10 @@ pub struct PanelStates {
     pub help: bool,
     /// The 3-D view is shown alone, without bars.
     pub bare: bool,
-    /// A dialog to open a file is wanted.
-    pub open_dialog: bool,
+    /// A dialog of the system is wanted.
+    pub dialog: Option<Dialog>,
+    /// The start page.
+    pub start: start::State,
     /// The database browser.
     pub database: database::State,
     /// The import report.

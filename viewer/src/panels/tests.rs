@@ -1,12 +1,12 @@
 //! What tests of panels share.
 
 use crate::command::Command;
+use crate::fixtures::quietly;
 use crate::model::Model;
 use crate::settings::Settings;
 use eframe::egui::{Modifiers, PointerButton, Pos2, Ui, Vec2};
 use egui_kittest::Harness;
 use std::path::Path;
-use throng_precompute::progress::Silent;
 
 /// What a panel is tried with: a model, the panel's own state, and what it has asked for.
 pub(crate) struct Trial<S> {
@@ -23,7 +23,7 @@ pub(crate) fn trial<S: Default + 'static>(
 ) -> Harness<'static, Trial<S>> {
     let mut model = Model::new(Settings::default());
     if let Some(path) = path {
-        model.open_now(path, &Silent).unwrap();
+        quietly(|with| model.open_now(path, with)).unwrap();
     }
     let trial = Trial { model, state: S::default(), commands: Vec::new() };
     Harness::builder().with_size(size).build_ui_state(

@@ -1,9 +1,10 @@
 //! The bar at the top: file, view, panels, help.
 
-use super::{PANELS, PanelStates};
+use super::words::all;
+use super::{Dialog, PANELS, PanelStates};
 use crate::command::{Command, Stage};
 use crate::document::Document;
-use crate::model::Model;
+use crate::model::{Model, name_of};
 use crate::render::Preset;
 use crate::settings::{BODIES, Colouring, RawView, Settings};
 use eframe::egui::{self, MenuBar, ThemePreference, Ui};
@@ -29,17 +30,20 @@ pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut
 }
 
 fn title(model: &Model) -> String {
-    if let Some(path) = model.loading() {
-        let notice = model.build_notice().map_or(String::new(), |notice| format!("{notice} "));
-        return format!("Reading {}: {notice}…", path.display()).replace(": …", " …");
+    if let Some(paths) = model.loading() {
+        let line = model.building().and_then(|b| b.told().status.line());
+        return match line {
+            Some(line) => format!("Building {}: {line}", name_of(paths)),
+            None => format!("Reading {} …", name_of(paths)),
+        };
     }
+    let name = name_of(model.asked());
     match &model.document {
         Document::Nothing => "Nothing open".into(),
         Document::Bundle(b) => {
             let t = b.bundle.tables();
-            let bundle = b.bundle.path().file_name().unwrap_or_default().to_string_lossy();
             let (clips, states, spaces) = (t.clips().len(), t.graph().states.len(), b.bundle.blends().len());
-            let mut parts = vec![bundle.into_owned(), format!("{clips} clips")];
+            let mut parts = vec![name, format!("{clips} clips")];
             if states > 0 || spaces == 0 {
                 parts.push(format!("{states} states · {} actions", t.graph().action_segments.len()));
             }
@@ -49,23 +53,20 @@ fn title(model: &Model) -> String {
             parts.join(" · ")
         }
         Document::World(w) => {
-            let name = w.path().file_name().unwrap_or_default().to_string_lossy();
             let (units, instances) = (w.placed().len(), w.graph().num_instances());
             let edits = if w.revision() > 0 { " · edited" } else { "" };
             format!("{name} · {units} units · {instances} patches · {} characters{edits}", w.run().num_characters())
         }
         Document::Scene(s) => {
-            let file = s.path().file_name().unwrap_or_default().to_string_lossy();
             let (groups, choice) = (s.run().simulation().groups().len(), s.choice());
             let engine = match choice.engine == Scheme::default() {
                 true => String::new(),
                 false => format!(" · engine {}", engine::name(choice.engine)),
             };
             let s = if groups == 1 { "" } else { "s" };
-            format!("{file} · {groups} group{s} · {} characters · seed {}{engine}", choice.characters, choice.seed)
+            format!("{name} · {groups} group{s} · {} characters · seed {}{engine}", choice.characters, choice.seed)
         }
         Document::Clip(c) => {
-            let name = c.path().file_name().unwrap_or_default().to_string_lossy();
             format!("{name} · {} joints · {:.1} s at {} Hz", c.report.joints, c.duration_s(), c.report.rate_hz)
         }
     }
@@ -74,25 +75,29 @@ fn title(model: &Model) -> String {
 fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
     if ui
         .button("Open…")
-        .on_hover_text(
-            "A bundle, a scene, a world or a motion file (.bvh, .glb, .fbx ...); or drop one on the window (Ctrl+O)",
-        )
+        .on_hover_text("A bundle, a scene, a world, or files of motion; or drop them on the window (Ctrl+O)")
         .clicked()
     {
-        states.open_dialog = true;
+        states.dialog = Some(Dialog::Files);
+    }
+    if ui.button("Open folder…").on_hover_text("A folder of motion, which is built first").clicked() {
+        states.dialog = Some(Dialog::Folder);
     }
     ui.menu_button("Open recent", |ui| {
-        if model.settings.recent.is_empty() {
+        if model.settings.opened.is_empty() {
             ui.weak("Nothing yet");
         }
-        for path in &model.settings.recent {
-            if ui.button(path.display().to_string()).clicked() {
-                commands.push(Command::Open(path.clone()));
+        for paths in &model.settings.opened {
+            if ui.button(all(paths)).clicked() {
+                commands.push(Command::Open(paths.clone()));
             }
         }
     });
     if ui.add_enabled(model.document.path().is_some(), egui::Button::new("Reload")).clicked() {
         commands.push(Command::Reload);
+    }
+    if ui.add_enabled(model.document.path().is_some(), egui::Button::new("Start page")).clicked() {
+        commands.push(Command::Close);
     }
     ui.separator();
     if ui.button("Quit").clicked() {

@@ -4,9 +4,8 @@ mod edits;
 mod label;
 pub mod world;
 
-use super::{messages, words};
+use super::{build, messages, words};
 use crate::command::Command;
-use crate::document::Document;
 use crate::model::Model;
 use crate::render::{self, Camera, Ray};
 use crate::run::{Input, TargetMode};
@@ -68,16 +67,13 @@ pub fn show(
         Ok(()) => {}
         Err(why) => note(ui, rect, &why, ui.visuals().error_fg_color),
     }
-    if matches!(model.document, Document::Nothing) && model.loading().is_none() {
-        let text = "Drop a bundle (.throng), a scene or a world (.toml)\nor a motion file (.bvh, .glb, .fbx ...) here,\nor open one with File > Open (Ctrl+O)";
-        note(ui, rect, text, ui.visuals().text_color());
-    }
     drag(ui, &response, model, state, commands);
     click(ui, &response, model, layout, commands);
     label::show(ui, rect, model);
     tell_value(response, model, layout);
     edits::show(ui, rect, model, commands);
     messages::show(ui, rect, model, commands);
+    build::over(ui, rect, model, commands);
 }
 
 /// Text in the middle of the view, in as many rows as it needs.

@@ -1,6 +1,7 @@
 //! Places, ways and numbers in plain words.
 
 use glam::{Vec2, Vec3};
+use std::path::PathBuf;
 use throng_runtime::Planar;
 use throng_runtime::simulation::{GroupCast, Simulation};
 use throng_runtime::world::inhabitants::{Doing, InhabitantState, Wish};
@@ -46,6 +47,11 @@ pub fn way(d: Planar) -> String {
         a => format!("{a:.0}° {}", side(angle)),
     };
     format!("{:.2} m {towards}{turns}", p.length())
+}
+
+/// Paths in a row.
+pub fn all(paths: &[PathBuf]) -> String {
+    paths.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
 /// 1st, 2nd, 3rd, ...

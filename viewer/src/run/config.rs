@@ -1,12 +1,13 @@
 //! What a run is made of.
 
 use serde::{Deserialize, Serialize};
+use throng_runtime::base::limits;
 use throng_runtime::characters::{CharactersConfig, Choice, FootLockConfig};
 
 /// Steps a second of simulated time (Hz).
 pub const STEP_HZ: f32 = 60.0;
 /// Most characters of a run.
-pub const MAX_CHARACTERS: usize = 20_000;
+pub const MAX_CHARACTERS: usize = limits::SHOWN_CHARACTERS.most as usize;
 
 /// Farthest from the origin that a target may be moved (m).
 pub const MAX_TARGET_M: f32 = 1e4;

@@ -138,16 +138,16 @@ mod tests {
     use crate::command::{Command, Stage};
     use crate::document::Document;
     use crate::fixtures::golden_path;
+    use crate::fixtures::quietly;
     use crate::run::RunConfig;
     use crate::settings::Settings;
     use eframe::egui;
-    use throng_precompute::progress::Silent;
     use throng_runtime::NUM_JOINTS;
 
     fn open() -> Model {
         let run = RunConfig { characters: 12, ..RunConfig::default() };
         let mut model = Model::new(Settings { run, ..Settings::default() });
-        model.open_now(&golden_path(), &Silent).unwrap();
+        quietly(|with| model.open_now(&golden_path(), with)).unwrap();
         model
     }
 

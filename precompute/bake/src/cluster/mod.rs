@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use throng_motion::clip::{ClipSet, FrameId};
 use throng_motion::error::BuildError;
-use throng_motion::progress::Progress;
+use throng_motion::progress::{Progress, Stopped};
 use tree::Item;
 
 /// Which frame belongs to which group.
@@ -84,11 +84,12 @@ pub fn group(
     progress.begin("cluster", classes.iter().map(|frames| frames.len() as u64).sum(), "frames");
     let space = Space::new(features);
     let merged = classes.par_iter().with_max_len(1).map(|frames| {
+        progress.check()?;
         let items = agglomerate::agglomerate(&space, frames, limit, agglomerate::max_pairs(frames.len()));
         progress.advance(frames.len() as u64);
-        items
+        Ok(items)
     });
-    let items: Vec<Vec<Item>> = merged.collect();
+    let items: Vec<Vec<Item>> = merged.collect::<Result<_, Stopped>>()?;
     progress.end();
     let items = items.concat();
     let max_diameter = items.iter().fold(0.0, |largest, item| item.diameter(&space, largest));

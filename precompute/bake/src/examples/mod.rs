@@ -144,6 +144,7 @@ pub fn fit(
     let mut out = BlendSpaces::default();
     progress.begin("examples", all.len() as u64, "spaces");
     for (name, config) in &all {
+        progress.check()?;
         let (space, report) = space(name, config, clips, &mut out.warnings)?;
         out.spaces.push(space);
         out.report.push(report);

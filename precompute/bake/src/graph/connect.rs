@@ -10,7 +10,7 @@ use crate::features::Features;
 use throng_core::Planar;
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
-use throng_motion::progress::Progress;
+use throng_motion::progress::{Progress, Stopped};
 
 /// Steps of the search for the threshold; each halves the interval.
 const SEARCH_STEPS: usize = 16;
@@ -46,7 +46,7 @@ pub fn connect(
         let message = format!("expected features of {} frames, found {}", clips.num_frames(), features.num_frames());
         return Err(fail(message, "Extract the features from the same clips"));
     }
-    let search = Search::new(clips, features, config, rate_hz, progress);
+    let search = Search::new(clips, features, config, rate_hz, progress)?;
     let (graph, threshold) = search.run();
     let standing = events::standing_frames(clips, config);
     let report = report::report(&graph, clips, &standing, search.events.len(), threshold);
@@ -136,7 +136,7 @@ impl<'a> Search<'a> {
         config: &'a GraphConfig,
         rate_hz: f64,
         progress: &dyn Progress,
-    ) -> Self {
+    ) -> Result<Self, Stopped> {
         let events = events::find(clips, config);
         let next = matches::successors(&events);
         let (mut frames, mut worth) = (vec![0; events.len()], vec![0; events.len()]);
@@ -150,13 +150,13 @@ impl<'a> Search<'a> {
         }
         let limit = config.max_error.max(config.threshold.unwrap_or(0.0)) as f32;
         let min_jump = (config.min_jump_s * rate_hz).round() as u32;
-        let links = matches::find(&events, features, limit, min_jump, progress);
+        let links = matches::find(&events, features, limit, min_jump, progress)?;
         let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
         let mut whole = EventGraph { next, frames, worth, links };
         let most_frames = (config.max_action_s * rate_hz).round() as u32;
         let alive = largest_component(&whole, most_frames);
         whole.restrict(&alive);
-        Self { clips, config, events, outcomes, whole, alive, most_frames }
+        Ok(Self { clips, config, events, outcomes, whole, alive, most_frames })
     }
 
     /// The graph at the threshold that is given, or at the least one that reaches the wanted branching, or at

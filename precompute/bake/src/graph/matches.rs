@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use throng_core::Planar;
 use throng_core::planar::wrap_angle;
 use throng_motion::clip::{ClipSet, FrameId};
-use throng_motion::progress::Progress;
+use throng_motion::progress::{Progress, Stopped};
 
 /// A transition that is possible: the motion that follows event `event` may be laid after another event.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,24 +29,28 @@ pub(super) fn successors(events: &[Event]) -> Vec<Option<usize>> {
 ///
 /// Left out are events after which no other event comes, events nearer than `min_jump` frames in the same run,
 /// and within one standing run all but the local minima of the distance.
+///
+/// # Errors
+/// [`Stopped`] where the progress says so.
 pub(super) fn find(
     events: &[Event],
     features: &Features,
     limit: f32,
     min_jump: u32,
     progress: &dyn Progress,
-) -> Vec<Vec<Link>> {
+) -> Result<Vec<Vec<Link>>, Stopped> {
     progress.begin("graph", events.len() as u64, "event frames");
     let next = successors(events);
     let matches = (0..events.len())
         .into_par_iter()
         .map(|i| {
+            progress.check()?;
             let mut links = similar(events, features, i, limit);
             keep_local_minima(&mut links, events);
             links.retain(|l| next[l.event].is_some() && !is_near(&events[i], &events[l.event], min_jump));
             links.sort_unstable_by(|a, b| a.error.total_cmp(&b.error).then(a.event.cmp(&b.event)));
             progress.advance(1);
-            links
+            Ok(links)
         })
         .collect();
     progress.end();

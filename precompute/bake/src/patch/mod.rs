@@ -110,6 +110,7 @@ pub fn build(
     let given = tile::Given { clips, tracks, settings, units, hips, bounds: &bounds, min_frames };
     progress.begin("patch", config.tiles.len() as u64, "tiles");
     for (i, tile) in config.tiles.iter().enumerate() {
+        progress.check()?;
         let (patch, report) = tile::build(&given, tile).map_err(|e| e.within(&format!("patches.tiles[{i}]")))?;
         out.patches.push(patch);
         out.report.push(report);
@@ -117,7 +118,7 @@ pub fn build(
     }
     progress.end();
     let heights: Vec<f32> = clips.clips.iter().flat_map(|c| &c.root_positions).map(|p| p.y).collect();
-    for (patch, report) in block::build(tracks, settings, units, config, &bounds, &heights, progress) {
+    for (patch, report) in block::build(tracks, settings, units, config, &bounds, &heights, progress)? {
         out.patches.push(patch);
         out.report.push(report);
     }

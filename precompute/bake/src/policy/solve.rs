@@ -10,7 +10,7 @@ use throng_core::policy::{
     ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
 };
 use throng_motion::error::BuildError;
-use throng_motion::progress::Progress;
+use throng_motion::progress::{Progress, Stopped};
 
 /// Values of a solved policy, and what it took.
 #[derive(Clone, Debug)]
@@ -58,7 +58,8 @@ pub fn tolerance(epsilon: f64, discount: f64, least_frames: u32) -> f64 {
 /// In a space-time grid, values stay 0 here.
 ///
 /// # Errors
-/// [`BuildError::Stage`] where the grid is too large, or with the last residual after `cfg.max_sweeps`.
+/// [`BuildError::Stage`] where the grid is too large, or with the last residual after `cfg.max_sweeps`;
+/// [`BuildError::Stopped`].
 ///
 /// # Source
 /// Values as in Lee and Lee (2004), equation 4, with linear interpolation between cells. Differs: full sweeps instead
@@ -85,7 +86,7 @@ pub fn value_iteration(
     solution.setup_s = begin.elapsed().as_secs_f64();
     let begin = Instant::now();
     let tolerance = tolerance(cfg.epsilon, behaviour.spec().discount, model.least_frames()) as f32;
-    let values = iterate(&mut sweeper, tolerance, cfg.max_sweeps, &mut solution, progress);
+    let values = iterate(&mut sweeper, tolerance, cfg.max_sweeps, &mut solution, progress)?;
     solution.sweep_s = begin.elapsed().as_secs_f64();
     if solution.residual > tolerance {
         let (residual, sweeps) = (solution.residual, solution.num_sweeps);
@@ -137,7 +138,7 @@ fn iterate(
     max_sweeps: u32,
     solution: &mut Solution,
     progress: &dyn Progress,
-) -> Vec<f32> {
+) -> Result<Vec<f32>, Stopped> {
     let mut values = vec![0.0; sweeper.num_values()];
     let mut next = values.clone();
     progress.begin("policy", 0, "sweeps");
@@ -153,6 +154,7 @@ fn iterate(
         // Far from the end the greedy policy will change anyway; near it, what is left must be below the tolerance.
         let enough = (residual * GREEDY_PRECISION).max(tolerance * GREEDY_TOLERANCE);
         for _ in 0..MAX_GREEDY_SWEEPS {
+            progress.check()?;
             let change = sweeper.greedy(&values, &mut next);
             std::mem::swap(&mut values, &mut next);
             solution.num_greedy_sweeps += 1;
@@ -162,7 +164,7 @@ fn iterate(
         }
     }
     progress.end();
-    values
+    Ok(values)
 }
 
 /// Greedy sweeps stop at this share of the full sweep's change.

@@ -1,5 +1,6 @@
 //! Makes what a scene names and is missing: bundles from their configs, worlds from their world files.
 
+use super::News;
 use std::path::{Path, PathBuf};
 use throng_bake::cache::Cache;
 use throng_bake::config::BuildConfig;
@@ -19,7 +20,7 @@ pub struct Cached<'a> {
     /// Is told how far a stage is.
     pub progress: &'a dyn Progress,
     /// Is told what is made, and what was found tolerable.
-    pub tell: &'a dyn Fn(&str),
+    pub tell: &'a dyn Fn(News),
 }
 
 /// Makes every bundle and world of a scene that is missing, and every world that was made from another text.
@@ -39,6 +40,14 @@ pub fn ensure(scene: &Scene, with: &Cached<'_>) -> Result<(), BuildError> {
     Ok(())
 }
 
+/// True where no bundle and no world of a scene is missing.
+pub fn is_complete(scene: &Scene) -> bool {
+    (0..scene.groups.len()).filter(|&g| scene.groups[g].motion != Motion::None).all(|g| {
+        let world = scene.world_of(g).0.filter(|_| scene.groups[g].motion == Motion::Patches);
+        scene.bundle_of(g).0.into_iter().chain(world).all(Path::exists)
+    })
+}
+
 /// Builds a bundle where it is missing.
 ///
 /// # Errors
@@ -53,7 +62,7 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) ->
             format!("{name}: there is no such bundle; build it with `throng build`, or name another with --bundle");
         return Err(BuildError::Config { message });
     };
-    (with.tell)(&format!("{name} is not there: building it from {} ...", config.display()));
+    (with.tell)(News::Making(format!("{name} is not there: building it from {}", config.display())));
     let report = BuildConfig::load(config)
         .and_then(|c| pipeline::build(&c, bundle, with.cache, with.progress))
         .map_err(|e| e.in_file(config));
@@ -61,8 +70,7 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) ->
         let message = format!("{name} is missing, and building it from {} failed: {e}", config.display());
         BuildError::Config { message }
     })?;
-    report.warnings.iter().for_each(|w| (with.tell)(&format!("warning: {w}")));
-    report.skipped.iter().for_each(|s| (with.tell)(&format!("skipped: {s}")));
+    News::of(&report).for_each(with.tell);
     Ok(())
 }
 
@@ -75,6 +83,7 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &Cached<'_>) ->
 /// As [`pipeline::build_possible`].
 pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &Cached<'_>) -> Result<PathBuf, BuildError> {
     let config = BuildConfig::of_motion(motion_name(inputs), inputs.to_vec())?;
+    with.progress.comes_to("hash");
     let kept = pipeline::kept_bundle(&config, with.cache)?;
     if let Some(bundle) = kept.iter().find(|b| b.is_file()) {
         return Ok(bundle.clone());
@@ -83,12 +92,15 @@ pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &Cached<'_>) ->
     if let Some(folder) = bundle.parent() {
         std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
     }
-    (with.tell)(&format!("building {} ...", config.name));
+    (with.tell)(News::Making(format!("building {}", config.name)));
     let report = pipeline::build_possible(&config, &bundle, with.cache, with.progress)?;
-    report.warnings.iter().for_each(|w| (with.tell)(&format!("warning: {w}")));
-    report.skipped.iter().for_each(|s| (with.tell)(&format!("skipped: {s}")));
-    report.not_made.iter().for_each(|n| (with.tell)(&format!("no {}: {}", n.part, n.why)));
+    News::of(&report).for_each(with.tell);
     Ok(bundle)
+}
+
+/// True for a folder or an archive of motion, which is built before it is run or seen.
+pub fn is_motion(path: &Path) -> bool {
+    path.is_dir() || (path.is_file() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("zip")))
 }
 
 /// What a database of some motion is called: as the folder, archive or file that comes first.
@@ -120,7 +132,7 @@ pub fn ensure_world(
         return Ok(None);
     }
     stitch::check_replaced(file, out)?;
-    (with.tell)(&format!("stitching {} ...", source.name));
+    (with.tell)(News::Making(format!("stitching {}", source.name)));
     let (mut world, mut report) = stitch::stitch_source(source, file, tables, &kit, with.progress)?;
     report.world_bytes = stitch::save(&mut world, file, tables.patches(), out)?;
     Ok(Some(report))

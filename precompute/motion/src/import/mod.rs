@@ -32,7 +32,7 @@ use crate::progress::Progress;
 use crate::raw::RawClip;
 pub use config::{Forward, ImportConfig, UpAxis};
 pub use files::{EXTENSIONS, FORMATS, MotionFile, clip_in_file, expand, find, is_motion, matches, read_along};
-pub use glitches::{Glitch, GlitchKind, Glitches};
+pub use glitches::{Glitch, GlitchKind, Glitches, Treated};
 use profile::Profile;
 use rayon::prelude::*;
 pub use rest::{RestPose, RestPoseKind};
@@ -122,7 +122,8 @@ pub type Reader<'a> = dyn Fn(&MotionFile, &dyn Fn() -> Clips) -> Clips + Sync + 
 /// [`ImportedSet::skipped`].
 ///
 /// # Errors
-/// The first bad file (by path) where `config.strict` is set; a path that yields no file; a bad profile.
+/// The first bad file (by path) where `config.strict` is set; a path that yields no file; a bad profile;
+/// [`ImportError::Stopped`].
 pub fn read_by(
     reader: &Reader<'_>,
     paths: &[PathBuf],
@@ -135,6 +136,7 @@ pub fn read_by(
     let results: Vec<_> = files
         .par_iter()
         .map(|file| {
+            progress.check()?;
             let result = reader(file, &|| read_with(&file.path, config, &profiles));
             progress.advance(1);
             let mut clips = result?;
@@ -147,7 +149,7 @@ pub fn read_by(
     for result in results {
         match result {
             Ok(clips) => set.clips.extend(clips),
-            Err(e) if config.strict => return Err(e),
+            Err(e) if config.strict || matches!(e, ImportError::Stopped(_)) => return Err(e),
             Err(e) => set.skipped.push(e),
         }
     }

@@ -4,7 +4,7 @@ use super::*;
 use crate::fixtures::boxing::Boxing;
 use crate::fixtures::meeting::Meeting;
 use crate::fixtures::paces::Paces;
-use throng_precompute::progress::Silent;
+use crate::fixtures::quietly;
 
 const GROUPS: &str = r#"
 bundle = "boxing.throng"
@@ -28,7 +28,7 @@ disc = { centre = [0.0, 0.0], radius_m = 0.5 }
 fn open(folder: &Path, text: &str) -> Result<SceneDocument, String> {
     let path = folder.join("both.toml");
     std::fs::write(&path, text).unwrap();
-    SceneDocument::open(&path, &Silent)
+    quietly(|with| SceneDocument::open(&path, with))
 }
 
 /// Places of all characters and joints of all bodies, as bits.
@@ -76,7 +76,7 @@ fn groups_of_all_kinds_are_played_rewound_and_restarted() {
 #[test]
 fn a_saved_state_is_restored_and_anything_else_refused() {
     let meeting = Meeting::new();
-    let mut document = SceneDocument::open(&meeting.scene(12), &Silent).unwrap();
+    let mut document = quietly(|with| SceneDocument::open(&meeting.scene(12), with)).unwrap();
     assert!(document.bundle().is_none());
     let file = meeting.folder().join("a.state");
     (0..90).for_each(|_| document.run_mut().step().unwrap());
@@ -99,14 +99,14 @@ fn a_missing_bundle_of_bodies_is_built() {
     let paces = Paces::new();
     let path = paces.crowd(2);
     std::fs::remove_file(paces.bundle()).unwrap();
-    let document = SceneDocument::open(&path, &Silent).unwrap();
+    let document = quietly(|with| SceneDocument::open(&path, with)).unwrap();
     assert!(paces.bundle().exists() && document.run().simulation().pose(0).is_some());
     std::fs::write(paces.bundle(), "no bundle").unwrap();
-    let e = SceneDocument::open(&path, &Silent).map(|_| ()).unwrap_err();
+    let e = quietly(|with| SceneDocument::open(&path, with)).map(|_| ()).unwrap_err();
     assert!(e.contains("people.toml") && e.contains("paces.throng"), "{e}");
     std::fs::remove_file(paces.bundle()).unwrap();
     std::fs::remove_file(paces.folder().join("paces.toml")).unwrap();
-    let e = SceneDocument::open(&path, &Silent).map(|_| ()).unwrap_err();
+    let e = quietly(|with| SceneDocument::open(&path, with)).map(|_| ()).unwrap_err();
     assert!(e.contains("people.toml") && e.contains("paces.throng") && e.contains("paces.toml"), "{e}");
 }
 
@@ -117,7 +117,7 @@ fn impossible_scenes_are_refused_by_name() {
     let text = std::fs::read_to_string(&path).unwrap();
     for (from, to, say) in [("count = 12", "count = 0", "count"), ("[-9.0, -3.0]", "[-2.2, -3.0]", "overlap")] {
         std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
-        let e = SceneDocument::open(&path, &Silent).map(|_| ()).unwrap_err();
+        let e = quietly(|with| SceneDocument::open(&path, with)).map(|_| ()).unwrap_err();
         assert!(e.contains("meeting") && e.contains(say), "{e}");
     }
     for (text, say) in [
@@ -130,7 +130,7 @@ fn impossible_scenes_are_refused_by_name() {
         ),
     ] {
         std::fs::write(&path, text).unwrap();
-        let e = SceneDocument::open(&path, &Silent).map(|_| ()).unwrap_err();
+        let e = quietly(|with| SceneDocument::open(&path, with)).map(|_| ()).unwrap_err();
         assert!(e.contains("meeting.toml") && e.contains(say), "{e}");
     }
 }

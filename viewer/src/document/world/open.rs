@@ -9,7 +9,7 @@ use crate::run::WorldRun;
 use std::path::Path;
 use std::sync::Arc;
 use throng_precompute::environment::{PlacedGeometry, Solid, UnitGeometry};
-use throng_precompute::progress::Progress;
+use throng_precompute::run::{Cached, ensure_bundle};
 use throng_precompute::stitch::{Kit, WorldSource};
 use throng_runtime::world::inhabitants::scatter;
 
@@ -27,16 +27,17 @@ impl WorldDocument {
     /// # Errors
     /// A message that names the file and line or key, why the bundle cannot be opened, or the units that do not go
     /// together, and the way out.
-    pub fn open(path: &Path, progress: &dyn Progress) -> Result<Self, String> {
+    pub fn open(path: &Path, with: &Cached<'_>) -> Result<Self, String> {
         let source = WorldSource::load(path).map_err(|e| e.to_string())?;
-        let config = source.config.as_deref();
-        let bundle = Arc::new(OpenBundle::open_or_build(path, &source.bundle, config, progress)?);
+        let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
+        ensure_bundle(&source.bundle, source.config.as_deref(), with).map_err(|e| fail(&e))?;
+        let bundle = Arc::new(OpenBundle::open(&source.bundle).map_err(|e| fail(&format!("its bundle: {e}")))?);
         let kit = Arc::new(Kit::new(bundle.tables(), &source.bundle).map_err(|e| e.to_string())?);
         let environment = source.environment(&kit.units, path).map_err(|e| e.to_string())?;
         let geometry = PlacedGeometry::new(&environment, &kit.geometries);
         let meshes = kit.geometries.iter().map(|g| unit_mesh(g)).collect();
         let workshop = Workshop::new(Arc::clone(&bundle), Arc::clone(&kit), environment.clone(), &source.stitch)
-            .map_err(|e| format!("{}: {e}", path.display()))?;
+            .map_err(|e| fail(&e))?;
         let stitched = workshop.with(|editor| (editor.world().clone(), editor.report().clone()));
         let (world, report) = stitched.ok_or("stitching the world ended unexpectedly")?;
         let ground = Arc::new(Ground::new(bundle, &world)?);
@@ -86,14 +87,14 @@ pub fn unit_mesh(geometry: &UnitGeometry) -> SolidMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_precompute::progress::Silent;
+    use crate::fixtures::quietly;
 
     fn refused(name: &str, text: &str) -> String {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
         assert!(WorldDocument::is_one(&path));
-        WorldDocument::open(&path, &Silent).map(|_| ()).unwrap_err()
+        quietly(|with| WorldDocument::open(&path, with)).map(|_| ()).unwrap_err()
     }
 
     #[test]
@@ -102,6 +103,6 @@ mod tests {
         let e = refused("square.toml", &format!("bundle = \"no.throng\"\nconfig = \"tiles.toml\"\n{place}"));
         assert!(e.contains("square.toml") && e.contains("no.throng") && e.contains("tiles.toml"), "{e}");
         let e = refused("square.toml", &format!("bundle = \"no.throng\"\n{place}"));
-        assert!(e.contains("no.throng is missing") && e.contains("`bundle`"), "{e}");
+        assert!(e.contains("no.throng: there is no such bundle") && e.contains("`throng build`"), "{e}");
     }
 }

@@ -1,10 +1,10 @@
 //! A small world: opened, lived in, edited, saved.
 
 use super::*;
+use crate::fixtures::quietly;
 use crate::fixtures::square::Square;
 use crate::render::Ray;
 use std::sync::mpsc::channel;
-use throng_precompute::progress::Silent;
 use throng_runtime::world::inhabitants::Doing;
 
 fn panel(x: i32, z: i32) -> Placement {
@@ -56,7 +56,7 @@ fn all_are_on_panels(world: &WorldDocument) -> bool {
 #[test]
 fn a_world_is_populated_edited_and_saved() {
     let square = Square::new();
-    let mut world = WorldDocument::open(&square.world(3), &Silent).unwrap();
+    let mut world = quietly(|with| WorldDocument::open(&square.world(3), with)).unwrap();
     assert_eq!((world.placed().len(), world.graph().num_instances()), (10, 9));
     assert!(world.run().num_characters() >= 2);
     lives(&mut world);
@@ -67,7 +67,7 @@ fn a_world_is_populated_edited_and_saved() {
     saves(&world, square.folder());
     survives_its_threads(&mut world);
     // As many as there is room for.
-    let mut world = WorldDocument::open(&square.world(3), &Silent).unwrap();
+    let mut world = quietly(|with| WorldDocument::open(&square.world(3), with)).unwrap();
     populate(&mut world, 500, 3);
     assert!((3..=9).contains(&world.run().num_characters()), "{}", world.run().num_characters());
 }
@@ -242,7 +242,7 @@ fn survives_its_threads(world: &mut WorldDocument) {
 fn saves(world: &WorldDocument, folder: &Path) {
     let file = folder.join("saved.toml");
     world.save(&file).unwrap();
-    let again = WorldDocument::open(&file, &Silent).unwrap();
+    let again = quietly(|with| WorldDocument::open(&file, with)).unwrap();
     assert_eq!(again.report().transitions, world.report().transitions);
     for (a, b) in again.placed().iter().zip(world.placed()) {
         assert!(a.unit == b.unit && a.placement.to_local(b.placement).wrapped().is_moderate(1e-4), "{a:?} {b:?}");

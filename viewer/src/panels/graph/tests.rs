@@ -14,11 +14,11 @@ struct Panel {
     state: State,
     commands: Vec<Command>,
 }
-use throng_precompute::progress::Silent;
+use crate::fixtures::quietly;
 
 fn panel(prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
     let mut model = Model::new(Settings::default());
-    model.open_now(&golden_path(), &Silent).unwrap();
+    quietly(|with| model.open_now(&golden_path(), with)).unwrap();
     prepare(&mut model);
     let panel = Panel { model, state: State::default(), commands: Vec::new() };
     Harness::builder()

@@ -3,11 +3,11 @@
 use super::*;
 use crate::fixtures::boxing::Boxing;
 use crate::fixtures::golden_path;
+use crate::fixtures::quietly;
 use crate::run::{Run, RunConfig};
 use crate::settings::Settings;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use throng_precompute::progress::Silent;
 
 /// The bundle that every checkout has, and a run of some seconds.
 pub fn golden_run(config: RunConfig) -> (OpenBundle, Run) {
@@ -29,7 +29,7 @@ fn panel(prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
 
 fn panel_of_width(width: f32, prepare: impl FnOnce(&mut Model)) -> Harness<'static, Panel> {
     let mut model = Model::new(Settings::default());
-    model.open_now(&golden_path(), &Silent).unwrap();
+    quietly(|with| model.open_now(&golden_path(), with)).unwrap();
     prepare(&mut model);
     let panel = Panel { model, state: State::default(), commands: Vec::new() };
     Harness::builder()
@@ -110,7 +110,7 @@ fn a_choice_of_few_candidates_leaves_the_length_of_the_list_as_it_was() {
 fn all_heights_are_shown_with_the_same_colours_and_a_click_looks_at_one() {
     let boxing = Boxing::new();
     let mut model = Model::new(Settings::default());
-    model.open_now(&boxing.bundle(), &Silent).unwrap();
+    quietly(|with| model.open_now(&boxing.bundle(), with)).unwrap();
     model.selection.state = Some(0);
     for (policy, heights, name) in [(1, 3, "high"), (2, 4, "left")] {
         model.selection.policy = policy;

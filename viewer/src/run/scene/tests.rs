@@ -5,13 +5,13 @@ use crate::document::SceneDocument;
 use crate::fixtures::boxing::Boxing;
 use crate::fixtures::meeting::Meeting;
 use crate::fixtures::paces::Paces;
+use crate::fixtures::quietly;
 use crate::run::{Met, explain};
 use std::path::Path;
-use throng_precompute::progress::Silent;
 use throng_runtime::NUM_JOINTS;
 
 fn open(path: &Path) -> SceneDocument {
-    SceneDocument::open(path, &Silent).unwrap()
+    quietly(|with| SceneDocument::open(path, with)).unwrap()
 }
 
 fn steps(run: &mut SceneRun, count: u32) {

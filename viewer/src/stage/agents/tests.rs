@@ -3,16 +3,16 @@ use super::*;
 use crate::command::{Command, SceneCommand, SceneLook};
 use crate::fixtures::meeting::Meeting;
 use crate::fixtures::paces::Paces;
+use crate::fixtures::quietly;
 use crate::settings::Settings;
 use eframe::egui;
 use glam::Vec2;
 use std::path::Path;
-use throng_precompute::progress::Silent;
 
 fn open(path: &Path) -> Model {
     let mut model = Model::new(Settings::default());
     model.is_unhurried = true;
-    model.open_now(path, &Silent).unwrap();
+    quietly(|with| model.open_now(path, with)).unwrap();
     model
 }
 

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use shape::Shape;
 use throng_core::patch::{KIND_BLOCK, LinkRecord, Placement};
 use throng_motion::clip::FrameRange;
-use throng_motion::progress::Progress;
+use throng_motion::progress::{Progress, Stopped};
 
 pub use spans::spans;
 
@@ -37,6 +37,9 @@ struct Block {
 ///
 /// - returns blocks of one unit, then of two and so on as `config.block_units` lists them, each in the order of the
 ///   motion, named by their units; blocks without any link are left out.
+///
+/// # Errors
+/// [`Stopped`] where the progress says so.
 pub(super) fn build(
     tracks: &[Track],
     settings: &[Option<Setting>],
@@ -45,7 +48,7 @@ pub(super) fn build(
     bounds: &Bounds,
     root_heights: &[f32],
     progress: &dyn Progress,
-) -> Vec<(Patch, PatchReport)> {
+) -> Result<Vec<(Patch, PatchReport)>, Stopped> {
     let mut blocks = Vec::new();
     for &k in &config.block_units {
         find(tracks, settings, units, config, k, &mut blocks);
@@ -54,11 +57,12 @@ pub(super) fn build(
     let made: Vec<_> = blocks
         .par_iter()
         .map(|b| {
+            progress.check()?;
             let patch = embed::embed(tracks, &b.segments, root_heights, config);
             progress.advance(1);
-            patch
+            Ok(patch)
         })
-        .collect();
+        .collect::<Result<_, Stopped>>()?;
     let mut out = Vec::new();
     for (block, (cells, links)) in blocks.iter().zip(made).filter(|(_, (_, links))| !links.is_empty()) {
         let placed = block.shape.units().map(|p| (units.units[p.unit].name.clone(), p.placement));
@@ -77,7 +81,7 @@ pub(super) fn build(
         out.push((Patch { name, units: placed, kind: KIND_BLOCK, edges: Vec::new(), cells, links, bounds }, report));
     }
     progress.end();
-    out
+    Ok(out)
 }
 
 /// Adds the blocks of `k` units, or their motion where they are there already.

@@ -46,7 +46,9 @@ pub(in crate::stitch) fn make<'a>(
         None => (stitcher.placer.lay(environment)?, None),
     };
     let past = kept.as_ref().map(|(made, kept)| Past { made, kept });
+    progress.check()?;
     let prepared = stitcher.prepare(&laid, past, progress);
+    progress.check()?;
     let joined = allow(&stitcher.placer.patches, &laid, prepared)?;
     progress.begin("component", joined.num_nodes as u64, "cells");
     let before = past.map(|Past { made, kept }| Before {
