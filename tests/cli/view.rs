@@ -1,6 +1,6 @@
 //! `throng view` hands everything on to the viewer, or says how to build it.
 
-use super::{Place, folder, text};
+use super::{folder, text};
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -47,23 +47,4 @@ fn the_viewer_gets_all_arguments_and_gives_its_exit_code() {
     let killed = view("kill -9 $$");
     assert_eq!(killed.status.code(), Some(1));
     assert!(text(&killed.stderr).contains("ended unexpectedly"));
-}
-
-#[cfg(unix)]
-#[test]
-fn a_folder_is_built_before_it_is_shown() {
-    use std::os::unix::fs::PermissionsExt;
-    let (place, folder) = (Place::shared(), folder());
-    let (alone, viewer) = (lonely_throng(&folder), folder.path().join("throng-viewer"));
-    std::fs::write(&viewer, "#!/bin/sh\necho \"$@\"\n").expect("a script in its place");
-    std::fs::set_permissions(&viewer, std::fs::Permissions::from_mode(0o755)).expect("it can be started");
-    let mut view = Command::new(&alone);
-    view.current_dir(folder.path()).args(["view", &place.path("clips"), "--png", "a.png"]);
-    let (first, again) = (view.output().expect("the copy starts"), view.output().expect("the copy starts"));
-    let shown = text(&first.stdout);
-    let bundle = shown.strip_suffix(" --png a.png\n").unwrap_or_else(|| panic!("{shown}{}", text(&first.stderr)));
-    assert!(bundle.starts_with(".throng-cache") && bundle.ends_with(".throng"), "{bundle}");
-    assert!(folder.path().join(bundle).is_file());
-    assert!(text(&first.stderr).contains("building clips") && !text(&again.stderr).contains("building"));
-    assert_eq!(text(&again.stdout), shown);
 }

@@ -10,7 +10,7 @@ pub mod world;
 pub use documents::name_of;
 
 use crate::command::{SceneLook, Stage, WorldLook};
-use crate::document::{Building, Built, Document, Loader, Watch};
+use crate::document::{Build, Building, Document, Loader, Watch};
 use crate::render::Camera;
 use crate::settings::PanelKind;
 use crate::settings::Settings;
@@ -116,8 +116,8 @@ pub struct Model {
     pub is_unhurried: bool,
     /// Grows with every file that is shown, so that what was worked out of an older version is known for what it is.
     pub generation: u64,
-    /// The last build, until it is taken away.
-    pub built: Option<Built>,
+    /// The build under way, or the last one until it is taken away.
+    pub build: Option<Build>,
     weights: Vec<f32>,
     /// What is open, as it was asked for.
     asked: Vec<PathBuf>,
@@ -146,7 +146,10 @@ impl Model {
 
     /// What is made for what is being read; none while files are only read.
     pub fn building(&self) -> Option<&Building> {
-        self.loader.building()
+        match &self.build {
+            Some(Build::UnderWay { building, .. }) if building.has_begun() => Some(building),
+            _ => None,
+        }
     }
 
     /// What is open, as it was asked for.

@@ -3,32 +3,17 @@
 mod common;
 
 use common::boxing::Boxing;
-use common::{Viewing, golden};
+use common::{Viewing, drop_files, golden};
 use eframe::egui::{self, Key, Modifiers, PointerButton, pos2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::PathBuf;
 use throng_runtime::simulation::GroupCast;
 use throng_viewer::command::{Command, SceneCommand};
 use throng_viewer::document::{SceneChoice, SceneDocument};
 use throng_viewer::panels::PANELS;
 use throng_viewer::run::Run;
 use throng_viewer::settings::PanelKind;
-
-/// A file as the window system drops it.
-#[derive(Debug)]
-struct Dropped(PathBuf);
-
-impl egui::DroppedFile for Dropped {
-    fn path(&self) -> &Path {
-        &self.0
-    }
-
-    fn bytes(&self) -> Result<Vec<u8>, String> {
-        std::fs::read(&self.0).map_err(|e| e.to_string())
-    }
-}
 
 fn scene(v: &Viewing) -> &SceneDocument {
     v.model().document.scene().expect("a scene")
@@ -48,11 +33,6 @@ fn run(v: &Viewing) -> &Run {
 fn poses(v: &Viewing) -> Vec<u32> {
     let matrices = run(v).characters().model_matrices();
     bytemuck::cast_slice::<_, f32>(matrices).iter().map(|f| f.to_bits()).collect()
-}
-
-fn drop_file(v: &mut Viewing, path: &Path) {
-    v.harness.input_mut().dropped_files.push(Arc::new(Dropped(path.to_path_buf())));
-    v.harness.step();
 }
 
 /// A copy of the golden bundle in a folder of its own.
@@ -199,7 +179,7 @@ fn a_dropped_broken_file_is_refused_and_the_open_bundle_stays() {
     let folder = tempfile::tempdir().expect("a folder");
     let broken = folder.path().join("broken.throng");
     std::fs::write(&broken, "no tables").expect("a file");
-    drop_file(&mut v, &broken);
+    drop_files(&mut v, &[&broken]);
     v.until("a message about the broken file", |v| has_message(v, "broken.throng"));
     assert!(has_message(&v, "The open file stays open"));
     assert_eq!(v.model().document.path(), Some(golden().as_path()));
@@ -219,11 +199,11 @@ fn a_dropped_broken_file_is_refused_and_the_open_bundle_stays() {
 #[test]
 fn bundles_and_motion_files_that_are_dropped_are_opened() {
     let mut v = Viewing::empty();
-    drop_file(&mut v, &golden());
+    drop_files(&mut v, &[&golden()]);
     v.until("the bundle", |v| v.model().document.bundle().is_some());
     let folder = tempfile::tempdir().expect("a folder");
     let motion = common::bvh(folder.path());
-    drop_file(&mut v, &motion);
+    drop_files(&mut v, &[&motion]);
     v.until("the motion file", |v| v.model().document.raw_motion().is_some());
     assert_eq!(v.model().document.path(), Some(motion.as_path()));
     v.harness.run_steps(5);
@@ -248,7 +228,7 @@ fn a_file_that_changes_on_disk_is_read_again_unless_it_is_broken() {
 fn a_dropped_scene_runs_and_counts_its_blows() {
     let boxing = Boxing::new();
     let mut v = Viewing::empty();
-    drop_file(&mut v, &boxing.pairs(4));
+    drop_files(&mut v, &[&boxing.pairs(4)]);
     v.until("the scene", |v| v.model().document.scene().is_some());
     assert_eq!(v.model().settings.opened[0][0].file_name(), Some("pairs.toml".as_ref()));
     v.apply(Command::TogglePanel(PanelKind::Statistics));

@@ -58,6 +58,25 @@ fn colours_in_the_middle(path: &Path) -> usize {
 }
 
 #[test]
+fn a_folder_is_built_before_it_is_drawn() {
+    if adapter().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(folder.path().join("clips")).expect("a folder in it");
+    common::walk(&folder.path().join("clips"), 1.0);
+    let mut command = viewer(&["clips", "--png", "a.png", "--size", "320x200", "--frames", "2"]);
+    let mut run = || command.current_dir(folder.path()).output().expect("the viewer starts");
+    let (first, again) = (run(), run());
+    let told = text(&first.stderr);
+    assert!(first.status.success() && told.contains("building clips ...") && told.contains("made: "), "{told}");
+    assert!(again.status.success() && !text(&again.stderr).contains("made: "), "{}", text(&again.stderr));
+    let kept = std::fs::read_dir(folder.path().join(".throng-cache")).expect("a cache");
+    let bundles = kept.filter(|e| e.as_ref().is_ok_and(|e| e.path().extension().is_some_and(|x| x == "throng")));
+    assert_eq!(bundles.count(), 1);
+}
+
+#[test]
 fn a_bundle_and_a_motion_file_are_drawn_the_same_every_time() {
     if adapter().is_none() {
         return;

@@ -9,14 +9,17 @@ use common::boxing::Boxing;
 use common::meeting::Meeting;
 use common::paces::Paces;
 use common::square::Square;
-use common::{Viewing, adapter, bvh, golden};
+use common::{Viewing, adapter, bvh, drop_files, faulty_bvh, golden, walk};
 use eframe::egui::{self, Rect, vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{SnapshotOptions, SnapshotResults};
+use std::path::PathBuf;
+use throng_precompute::run::News;
 use throng_runtime::patch::Placement;
 use throng_viewer::args::{Args, Character, PanelChoice, ThemeName};
 use throng_viewer::command::{Command, SceneCommand, SceneLook, Tool, Whose, WorldCommand};
 use throng_viewer::document::world::Change;
+use throng_viewer::document::{Build, Building, Built, End};
 use throng_viewer::panels::PANELS;
 use throng_viewer::run::{Beside, Blending};
 use throng_viewer::settings::{Dock, PanelKind};
@@ -111,13 +114,111 @@ fn the_view_of_a_motion_file() {
     }
 }
 
+/// The start page with two entries in its list, one of which is missing.
+fn start_page(size: egui::Vec2, theme: Option<ThemeName>) -> Viewing {
+    let mut v = Viewing::new(&Args { theme, ..Args::default() }, size);
+    let opened = [vec![PathBuf::from("/motion/walks.zip")], vec![golden(), golden()], vec![golden()]];
+    v.harness.state_mut().model.settings.opened = opened.to_vec();
+    v.harness.run_steps(4);
+    v
+}
+
+/// What a scene still needs differs from checkout to checkout, and the time that is left from run to run.
+fn compare_page(results: &mut SnapshotResults, mut v: Viewing, name: &str) {
+    v.harness.run_steps(4);
+    let states = ["opens at once", "is built first, once"];
+    let states = states.iter().flat_map(|s| v.harness.query_all_by_label(s).map(|n| n.rect()).collect::<Vec<_>>());
+    let far = v.harness.query_all_by_label_contains("% of 3584").map(|n| n.rect());
+    let masked = states.map(|r| (r, 130.0)).chain(far.map(|r| (r, 280.0))).collect::<Vec<_>>();
+    for (rect, width) in masked {
+        v.harness.mask(Rect::from_min_size(rect.left_top(), vec2(width, rect.height())));
+    }
+    compare(results, v, name);
+}
+
+fn walks() -> Vec<PathBuf> {
+    vec!["/motion/walks".into()]
+}
+
 #[test]
-fn nothing_open_and_the_list_of_keys() {
+fn the_start_page() {
+    if !can_compare() {
+        return;
+    }
+    let mut results = SnapshotResults::new();
+    let (wide, small) = (vec2(1280.0, 800.0), vec2(800.0, 600.0));
+    compare_page(&mut results, start_page(wide, None), "start_page");
+    compare_page(&mut results, start_page(wide, Some(ThemeName::Light)), "start_page_light");
+    compare_page(&mut results, start_page(small, None), "start_page_small");
+    let building = Building::default();
+    building.with(|with| {
+        (with.tell)(News::Making("building walks".into()));
+        with.progress.kept("motion");
+        (with.tell)(News::Skipped("/motion/walks/torn.bvh:7:1: expected a channel, found the end of the file".into()));
+        with.progress.begin("graph", 3584, "event frames");
+        with.progress.advance(1541);
+    });
+    for (size, name) in [(wide, "start_page_building"), (small, "start_page_building_small")] {
+        let mut v = start_page(size, None);
+        v.harness.state_mut().model.build = Some(Build::UnderWay { paths: walks(), building: building.clone() });
+        compare_page(&mut results, v, name);
+    }
+    let told = building.told().clone();
+    let why = "/motion/walks: no motion file can be read: /motion/walks/torn.bvh:7:1: expected a channel, found the end \
+               of the file. Add files of motion (.bvh, .amc with its .asf, .npz), or name another folder";
+    let failed = Built { paths: walks(), told, end: End::Failed(why.into()) };
+    let mut v = start_page(wide, None);
+    v.harness.state_mut().model.build = Some(Build::Ended(Box::new(failed)));
+    compare_page(&mut results, v, "start_page_failed");
+}
+
+#[test]
+fn a_folder_that_was_dropped() {
+    if !can_compare() {
+        return;
+    }
+    let mut results = SnapshotResults::new();
+    let folder = tempfile::tempdir().expect("a folder");
+    let clips = folder.path().join("walks");
+    std::fs::create_dir(&clips).expect("a folder in it");
+    walk(&clips, 1.0);
+    let mut v = Viewing::new(&Args { characters: Some(12), ..crowd() }, vec2(1280.0, 800.0));
+    drop_files(&mut v, &[&clips]);
+    v.until("the bundle", |v| v.model().asked() == [clips.clone()]);
+    compare(&mut results, rest(v), "folder_dropped");
+}
+
+#[test]
+fn a_clip_with_glitches() {
+    if !can_compare() {
+        return;
+    }
+    let mut results = SnapshotResults::new();
+    let folder = tempfile::tempdir().expect("a folder");
+    let panel = [PanelKind::Database, PanelKind::Report].map(PanelChoice::Open).to_vec();
+    let args = Args { file: Some(faulty_bvh(folder.path())), frame: Some(30), panel, ..Args::default() };
+    let mut v = at_rest(&args, vec2(1280.0, 800.0));
+    let line = v.harness.get_by_label("Timeline").rect();
+    // The body is elsewhere from frame 80 on.
+    let share = 80.5 / v.model().shown_clip().expect("a clip").0 as f32;
+    v.harness.hover_at(egui::pos2(line.left() + share * line.width(), line.bottom() - 8.0));
+    v.harness.run_steps(40);
+    // In the list and in the tip.
+    assert!(v.harness.get_all_by_label_contains("jump: frames 79 to 80").count() > 1);
+    // The name of the folder is another one every time.
+    let folder = folder.path().display().to_string();
+    let named: Vec<Rect> = v.harness.query_all_by_label_contains(&folder).map(|n| n.rect()).collect();
+    assert_eq!(named.len(), 3);
+    for rect in named {
+        v.harness.mask(Rect::from_min_size(rect.left_top(), vec2(440.0, rect.height())));
+    }
+    compare(&mut results, v, "clip_glitches");
+}
+
+#[test]
+fn the_list_of_keys() {
     if can_compare() {
         let mut results = SnapshotResults::new();
-        let mut v = Viewing::new(&Args { panel: crowd().panel, ..Args::default() }, vec2(560.0, 260.0));
-        v.harness.run_steps(4);
-        compare(&mut results, v, "nothing_open");
         let mut v = at_rest(&crowd(), vec2(1000.0, 640.0));
         v.harness.key_press(egui::Key::H);
         v.harness.run_steps(4);

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use throng_core::Joint;
 use throng_motion::import::profile::{Profile, load_profiles};
 use throng_motion::import::{
-    Glitch, Glitches, ImportConfig, Imported, SourceClip, bvh, expand, interpret, read_source,
+    Glitch, Glitches, ImportConfig, Imported, SourceClip, Treated, bvh, expand, interpret, read_source,
 };
 use throng_motion::retarget::{RetargetConfig, onto};
 
@@ -215,17 +215,10 @@ fn captured_motion_is_left_alone_but_for_its_own_faults() {
         row[0] += 1;
         row[1] += i.clip.num_frames;
         for g in &i.glitches {
-            println!(
-                "{} {:?} {:?} {} {}",
-                i.clip.name,
-                g.frames,
-                g.kind,
-                if g.is_cut { "cut:" } else { "bridged:" },
-                g.what
-            );
+            println!("{} {:?} {:?} {} {}", i.clip.name, g.frames, g.kind, g.treated.name(), g.what);
             row[2] += 1;
             row[3] += g.frames.len();
-            row[4] += if g.is_cut { g.frames.len() } else { 0 };
+            row[4] += if g.treated == Treated::Cut { g.frames.len() } else { 0 };
         }
     }
     for (folder, [clips, frames, glitches, wrong, cut]) in table {
@@ -258,7 +251,7 @@ fn faults_put_into_a_walking_rig_are_found_told_and_mended() {
                 found.warnings.messages.iter().any(|w| w.contains("a.bvh") && w.contains("`import.glitches`")),
                 "{kind}"
             );
-            let cut = found.glitches.iter().filter(|g| g.is_cut).count();
+            let cut = found.glitches.iter().filter(|g| g.treated == Treated::Cut).count();
             assert!(if how == Glitches::Keep {
                 cut == 0
             } else {
@@ -287,7 +280,11 @@ fn a_pop_is_bridged_by_what_the_clip_was() {
     let mut faulty = source.clone();
     let frames = inject(&mut faulty, &clean, "pop 5 m", &mut Chance(3));
     let mended = read(&faulty, Glitches::Bridge, &[]);
-    assert!(!mended.glitches[0].is_cut && mended.glitches[0].frames == frames, "{:?}", mended.glitches);
+    assert!(
+        mended.glitches[0].treated == Treated::Bridged && mended.glitches[0].frames == frames,
+        "{:?}",
+        mended.glitches
+    );
     for f in 0..clean.clip.num_frames {
         for (a, b) in clean.clip.world(f).iter().zip(mended.clip.world(f)) {
             assert!(a.0.distance(b.0) < 1e-3, "frame {f}");

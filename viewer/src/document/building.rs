@@ -41,6 +41,20 @@ pub struct Built {
     pub end: End,
 }
 
+/// A build that is shown.
+#[derive(Clone, Debug)]
+pub enum Build {
+    /// It is under way, if anything has to be made at all.
+    UnderWay {
+        /// What was asked for.
+        paths: Vec<PathBuf>,
+        /// What is told of it.
+        building: Building,
+    },
+    /// It has ended.
+    Ended(Box<Built>),
+}
+
 /// A build under way. A clone is the same one.
 #[derive(Clone, Debug, Default)]
 pub struct Building(Arc<Shared>);

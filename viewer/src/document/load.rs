@@ -118,10 +118,13 @@ pub struct Loader {
 
 impl Loader {
     /// Starts to read. `wake` is called when it is done.
-    pub fn start(&mut self, paths: &[PathBuf], wake: impl FnOnce() + Send + 'static) {
+    ///
+    /// - returns what is told of what is made for it.
+    pub fn start(&mut self, paths: &[PathBuf], wake: impl FnOnce() + Send + 'static) -> Building {
         self.stop();
         let (send, loaded) = channel();
         let building = Building::default();
+        let told = building.clone();
         self.running = Some(Running { paths: paths.to_vec(), loaded, building: building.clone() });
         let paths = paths.to_vec();
         std::thread::spawn(move || {
@@ -142,6 +145,7 @@ impl Loader {
                 wake();
             }
         });
+        told
     }
 
     /// Lets what is made for it end, which [`Loader::poll`] then says.
@@ -152,11 +156,6 @@ impl Loader {
     /// What is being read.
     pub fn paths(&self) -> Option<&[PathBuf]> {
         self.running.as_ref().map(|r| &*r.paths)
-    }
-
-    /// What is made for it; none while files are only read.
-    pub fn building(&self) -> Option<&Building> {
-        self.running.as_ref().map(|r| &r.building).filter(|b| b.has_begun())
     }
 
     /// What has been read since the last call.

@@ -8,7 +8,7 @@ mod scene;
 mod watch;
 pub mod world;
 
-pub use building::{Building, Built, End, Told};
+pub use building::{Build, Building, Built, End, Told};
 pub use clip::RawMotion;
 pub use load::{Loader, Opened, may_be_made};
 pub use scene::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument, Standing, StandingUnit};

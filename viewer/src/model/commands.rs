@@ -19,7 +19,7 @@ impl Model {
             }
             Command::Close => self.close(),
             Command::Stop => self.loader.stop(),
-            Command::DismissBuild => self.built = None,
+            Command::DismissBuild => self.build = None,
             Command::Forget(paths) => self.settings.forget(&paths),
             Command::Dismiss(id) => self.messages.retain(|m| m.id != id),
             Command::Play(_) | Command::Step(_) | Command::Seek(_) | Command::Speed(_) => self.move_time(&command),

@@ -3,7 +3,7 @@
 use super::{ClipPlayer, Model, Selection};
 use crate::bundle::OpenBundle;
 use crate::command::{Stage, WorldLook};
-use crate::document::{BundleDocument, Document, Opened, SceneDocument, Stamp, Watch};
+use crate::document::{Build, BundleDocument, Document, Opened, SceneDocument, Stamp, Watch};
 use crate::run::{BlendRun, Run};
 use crate::settings::PanelKind;
 use eframe::egui;
@@ -26,17 +26,18 @@ impl Model {
         let is_reload = !matches!(self.document, Document::Nothing) && self.asked == loaded.paths;
         let built = loaded.building.ended(&loaded.paths, loaded.result.as_ref().err().map(String::as_str));
         let is_told = built.is_some();
-        self.built = built.or(self.built.take());
+        self.build = built.map(|b| Build::Ended(Box::new(b)));
         match loaded.result {
             Ok(opened) => {
                 self.watch = Some(Watch::from(loaded.stamp));
                 let name = name_of(&loaded.paths);
                 self.adopt(loaded.paths, opened, is_reload);
-                self.say(if is_reload {
-                    format!("{name} has changed and was reloaded")
-                } else {
-                    format!("Opened {name}")
-                });
+                match (is_reload, is_told) {
+                    (true, _) => self.say(format!("{name} has changed and was reloaded")),
+                    (false, false) => self.say(format!("Opened {name}")),
+                    // The record of the build says it.
+                    (false, true) => {}
+                }
             }
             // The record of the build says it.
             Err(_) if is_told => {}
@@ -165,8 +166,8 @@ impl Model {
     /// there.
     pub fn start_reading(&mut self, ctx: &egui::Context, paths: &[PathBuf]) {
         let ctx = ctx.clone();
-        self.built = None;
-        self.loader.start(paths, move || ctx.request_repaint());
+        let building = self.loader.start(paths, move || ctx.request_repaint());
+        self.build = Some(Build::UnderWay { paths: paths.to_vec(), building });
     }
 
     /// Shows a file at once.

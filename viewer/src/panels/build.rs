@@ -1,7 +1,7 @@
 //! A build: how far it is, what is made and what not, how it ended, and what characters do with what was made.
 
 use crate::command::Command;
-use crate::document::{Built, End, Told};
+use crate::document::{Build, Built, End, Told};
 use crate::model::{Model, name_of};
 use crate::theme::Palette;
 use eframe::egui::{
@@ -14,6 +14,8 @@ use throng_precompute::verdict::Verdict;
 const WIDTH: f32 = 430.0;
 /// Height of the lines that are seen at once (points).
 const LINES: f32 = 150.0;
+/// Size of the letters of lines (points).
+const SMALL: f32 = 12.0;
 /// Lines that are shown at most; a folder may hold thousands of files.
 const MAX_LINES: usize = 200;
 
@@ -36,29 +38,35 @@ const STAGES: [(&str, &str); 15] = [
     ("trial", "trying it out"),
 ];
 
+/// True for a build that there is something to say of: files that are only read are none.
+pub fn is_shown(build: &Build) -> bool {
+    match build {
+        Build::UnderWay { building, .. } => building.has_begun(),
+        Build::Ended(_) => true,
+    }
+}
+
 /// Shows the build under way, or the last one, in a frame of its own; nothing where there is none.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let (under_way, last) = (model.building(), model.built.as_ref());
-    if under_way.is_none() && last.is_none() {
-        return;
-    }
+    let Some(build) = model.build.as_ref().filter(|b| is_shown(b)) else { return };
     let palette = Palette::of(ui.visuals());
-    let edge = match last.map(|b| &b.end).filter(|_| under_way.is_none()) {
-        None => palette.right,
-        Some(End::Done) => palette.good,
-        Some(End::Stopped(_)) => palette.warning,
-        Some(End::Failed(_)) => ui.visuals().error_fg_color,
+    let edge = match build {
+        Build::UnderWay { .. } => palette.right,
+        Build::Ended(built) => match built.end {
+            End::Done => palette.good,
+            End::Stopped(_) => palette.warning,
+            End::Failed(_) => ui.visuals().error_fg_color,
+        },
     };
     let frame = Frame::group(ui.style()).fill(ui.visuals().extreme_bg_color).stroke((1.0, edge));
     frame.inner_margin(Margin::same(12)).corner_radius(8).show(ui, |ui| {
         ui.set_width(ui.available_width());
-        match (under_way, last) {
-            (Some(building), _) => {
+        match build {
+            Build::UnderWay { paths, building } => {
                 let told = building.told().clone();
-                running(ui, &name_of(model.loading().unwrap_or_default()), &told, commands);
+                running(ui, &name_of(paths), &told, commands);
             }
-            (None, Some(built)) => ended(ui, built, commands),
-            (None, None) => {}
+            Build::Ended(built) => ended(ui, built, commands),
         }
     });
 }
@@ -90,7 +98,7 @@ fn running(ui: &mut Ui, name: &str, told: &Told, commands: &mut Vec<Command>) {
     ui.add(bar.animate(status.share().is_none()));
     if !status.stages_kept().is_empty() {
         let kept = format!("done and kept: {}", status.stages_kept().join(", "));
-        ui.add(Label::new(RichText::new(kept).weak().small()).wrap());
+        ui.add(Label::new(RichText::new(kept).weak().size(SMALL)).wrap());
     }
     lines(ui, &told.news);
 }
@@ -115,7 +123,7 @@ fn ended(ui: &mut Ui, built: &Built, commands: &mut Vec<Command>) {
         End::Stopped(what) => text(ui, RichText::new(what)),
         End::Failed(why) => {
             let colour = ui.visuals().error_fg_color;
-            let area = ScrollArea::vertical().id_salt("fault").max_height(LINES);
+            let area = ScrollArea::vertical().id_salt("fault").max_height(LINES).min_scrolled_height(LINES);
             area.show(ui, |ui| text(ui, RichText::new(why).color(colour)));
         }
     }
@@ -150,11 +158,11 @@ fn marked(ui: &mut Ui, mark: RichText, words: RichText) {
 
 fn verdict(ui: &mut Ui, verdict: &Verdict) {
     let palette = Palette::of(ui.visuals());
-    let colour = if verdict.word == "good" { palette.good } else { palette.warning };
+    let (mark, colour) = if verdict.word == "good" { ("✔", palette.good) } else { ("⚠", palette.warning) };
     let sentences = verdict.sentences.join("; ");
-    marked(ui, RichText::new("●").color(colour), RichText::new(format!("{sentences}.")));
+    marked(ui, RichText::new(mark).color(colour), RichText::new(format!("{sentences}.")));
     for advice in &verdict.advice {
-        marked(ui, RichText::new("➡").color(colour), RichText::new(format!("{advice}.")));
+        marked(ui, RichText::new("•").color(colour), RichText::new(format!("{advice}.")));
     }
 }
 
@@ -164,7 +172,9 @@ fn lines(ui: &mut Ui, news: &[News]) {
     }
     ui.separator();
     let palette = Palette::of(ui.visuals());
-    ScrollArea::vertical().id_salt("news").max_height(LINES).stick_to_bottom(true).show(ui, |ui| {
+    // An area that grows upwards offers no more room than it had.
+    let area = ScrollArea::vertical().id_salt("news").max_height(LINES).min_scrolled_height(LINES);
+    area.show(ui, |ui| {
         for one in news.iter().take(MAX_LINES) {
             let (mark, colour, words) = match one {
                 News::Making(what) => ("…", ui.visuals().weak_text_color(), what.clone()),
@@ -173,7 +183,7 @@ fn lines(ui: &mut Ui, news: &[News]) {
                 News::Warning(what) => ("⚠", palette.warning, what.clone()),
                 News::Skipped(what) => ("⚠", palette.warning, format!("left out: {what}")),
             };
-            marked(ui, RichText::new(mark).color(colour), RichText::new(words).small());
+            marked(ui, RichText::new(mark).size(SMALL).color(colour), RichText::new(words).size(SMALL));
         }
         if news.len() > MAX_LINES {
             ui.weak(format!("and {} more", news.len() - MAX_LINES));

@@ -9,6 +9,7 @@ pub mod control;
 pub mod crowd;
 pub mod database;
 pub mod dock;
+pub mod glitches;
 pub mod graph;
 pub mod hits;
 pub mod keys;

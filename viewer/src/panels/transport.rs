@@ -1,9 +1,11 @@
 //! Time: play, pause, step, speed, and the last minute to be scrubbed through.
 
+use super::glitches::{self, Mark};
 use crate::command::Command;
 use crate::model::Model;
 use crate::run::STEP_HZ;
-use eframe::egui::{self, Button, Label, Slider, Ui, vec2};
+use crate::theme::Palette;
+use eframe::egui::{self, Button, Label, Rangef, Rect, Response, Slider, Ui, remap, vec2};
 
 /// What the bar shows: of the run or of the clip.
 struct Time {
@@ -42,7 +44,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.weak("Open a file to play it.");
         return;
     };
-    scrubber(ui, &t, commands);
+    let marks = if model.shows_clip() { glitches::shown(model) } else { Vec::new() };
+    scrubber(ui, &t, &marks, commands);
     ui.horizontal_wrapped(|ui| {
         buttons(ui, &t, model.shows_clip(), commands);
         ui.separator();
@@ -65,17 +68,43 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 }
 
 /// The time line over the whole width.
-fn scrubber(ui: &mut Ui, t: &Time, commands: &mut Vec<Command>) {
+///
+/// - `marks`: glitches of the clip, below the line.
+fn scrubber(ui: &mut Ui, t: &Time, marks: &[Mark], commands: &mut Vec<Command>) {
     ui.spacing_mut().slider_width = ui.available_width().max(60.0);
     let mut now = t.now;
     let slider = Slider::new(&mut now, t.first..=t.last.max(t.first + 1)).show_value(false).trailing_fill(true);
-    let scrubber = ui.add(slider).on_hover_text("Drag to move through the recording, which holds the last minute");
+    let scrubber = ui.add(slider);
+    let hint = pointed(ui, &scrubber, t, marks);
+    let scrubber = scrubber.on_hover_text(hint);
     scrubber.widget_info(|| egui::WidgetInfo::slider(true, f64::from(now), "Time"));
     if scrubber.drag_started() || scrubber.clicked() {
         commands.push(Command::Play(false));
     }
     if now != t.now {
         commands.push(Command::Seek(now));
+    }
+}
+
+/// Paints the marks below the line; says what the one under the pointer is, else what the line is for.
+fn pointed(ui: &Ui, scrubber: &Response, t: &Time, marks: &[Mark]) -> String {
+    // Where the slider has its ends: the handle stays within.
+    let (rect, palette) = (scrubber.rect, Palette::of(ui.visuals()));
+    let line = rect.x_range().shrink(rect.height() / 2.5);
+    let x = |frame: u32| remap(frame as f32, t.first as f32..=t.last as f32, line.min..=line.max);
+    let mut told = Vec::new();
+    for mark in marks {
+        let (from, to) = (x(mark.frames.start), x(mark.frames.end.min(t.last)));
+        let at = Rangef::new(from, to.max(from + 3.0));
+        let place = Rect::from_x_y_ranges(at, rect.bottom() - 4.0..=rect.bottom());
+        ui.painter().rect_filled(place, 1.0, glitches::colour(&palette, mark.treated));
+        if scrubber.hover_pos().is_some_and(|p| at.expand(2.0).contains(p.x)) {
+            told.push(mark.words.as_str());
+        }
+    }
+    match told.is_empty() {
+        true => "Drag to move through the recording, which holds the last minute".into(),
+        false => told.join("\n"),
     }
 }
 

@@ -10,6 +10,7 @@ pub mod square;
 use eframe::egui;
 use egui_kittest::Harness;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use throng_precompute::synth::{SynthConfig, SynthSet, make, save};
 use throng_runtime::format::VERSION;
 use throng_viewer::app::Viewer;
@@ -26,9 +27,59 @@ pub fn golden() -> PathBuf {
 
 /// A short synthetic walk as a BVH file in a folder.
 pub fn bvh(folder: &Path) -> PathBuf {
-    let short = SynthConfig { minutes: 0.1, clip_seconds: 10.0, ..SynthConfig::default() };
-    let files = save(&make(SynthSet::Walk, &short).expect("a walk"), folder).expect("motion files");
-    files.into_iter().next().expect("at least one file")
+    walk(folder, 0.1).into_iter().next().expect("at least one file")
+}
+
+/// Some minutes of synthetic walking as BVH files of ten seconds in a folder.
+pub fn walk(folder: &Path, minutes: f64) -> Vec<PathBuf> {
+    let config = SynthConfig { minutes, clip_seconds: 10.0, ..SynthConfig::default() };
+    save(&make(SynthSet::Walk, &config).expect("a walk"), folder).expect("motion files")
+}
+
+/// A synthetic walk as a BVH file with faults of a recording put in: a joint that is elsewhere for a frame, a body that is
+/// elsewhere from one frame on, and one that stops dead for half a second.
+pub fn faulty_bvh(folder: &Path) -> PathBuf {
+    let path = bvh(folder);
+    let text = std::fs::read_to_string(&path).expect("a motion file");
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let first = lines.iter().position(|l| l.starts_with("Frame Time")).expect("frames") + 1;
+    // The first two numbers are the hips' place in centimetres.
+    let shifted = |line: &str, by: f64| {
+        let mut numbers: Vec<f64> = line.split_whitespace().map(|n| n.parse().expect("a number")).collect();
+        numbers[0] += by;
+        numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+    };
+    lines[first + 40] = shifted(&lines[first + 40], 70.0);
+    for line in &mut lines[first + 80..] {
+        *line = shifted(line, 90.0);
+    }
+    let still = lines[first + 120].clone();
+    lines[first + 121..first + 141].fill(still);
+    let path = folder.join("faulty.bvh");
+    std::fs::write(&path, lines.join("\n") + "\n").expect("a motion file");
+    path
+}
+
+/// A file as the window system drops it.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|e| e.to_string())
+    }
+}
+
+/// Drops files or folders on the window.
+pub fn drop_files(v: &mut Viewing, paths: &[&Path]) {
+    for path in paths {
+        v.harness.input_mut().dropped_files.push(Arc::new(Dropped(path.to_path_buf())));
+    }
+    v.harness.step();
 }
 
 /// Name of the adapter that pictures are drawn with; none, with the reason printed, where there is none.

@@ -28,7 +28,7 @@ use crate::progress::Progress;
 use crate::raw::RawClip;
 pub use config::{Forward, ImportConfig, UpAxis};
 pub use files::{MotionFile, expand, find, find_asf, matches};
-pub use glitches::{Glitch, GlitchKind, Glitches};
+pub use glitches::{Glitch, GlitchKind, Glitches, Treated};
 use profile::Profile;
 use rayon::prelude::*;
 pub use rest::{RestPose, RestPoseKind};

@@ -14,7 +14,7 @@ mod transfer;
 
 use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason};
 use crate::error::{BuildError, Warnings};
-use crate::import::{Glitch, Imported};
+use crate::import::{Glitch, Imported, Treated};
 use crate::raw::RawClip;
 use align::Alignment;
 use body::Body;
@@ -123,8 +123,12 @@ pub fn onto(clips: &[Imported], cfg: &RetargetConfig, warnings: &mut Warnings) -
     let sources: Vec<Source> = clips.iter().map(Source::from).collect();
     let mut set = lay_all(&sources, cfg, warnings)?;
     for (clip, imported) in set.clips.iter_mut().zip(clips) {
-        clip.excluded =
-            imported.glitches.iter().filter(|g| g.is_cut).map(|g| exclusion(g, clip.num_frames())).collect();
+        clip.excluded = imported
+            .glitches
+            .iter()
+            .filter(|g| g.treated == Treated::Cut)
+            .map(|g| exclusion(g, clip.num_frames()))
+            .collect();
     }
     Ok(set)
 }

@@ -3,6 +3,7 @@
 use super::outgoing::Outgoing;
 use super::timeline::Scene;
 use super::track::{Named, Track};
+use crate::panels::glitches;
 use crate::panels::paint::{Axis, hatch};
 use crate::theme::Palette;
 use eframe::egui::{
@@ -14,6 +15,9 @@ use std::ops::Range;
 const FOOT: f32 = 8.0;
 const TAG: f32 = 17.0;
 const USE: f32 = 17.0;
+const GLITCHES: f32 = 11.0;
+/// A glitch of a frame or two is seen in a long clip, too (points).
+const LEAST_GLITCH: f32 = 3.0;
 const STATES: f32 = 15.0;
 const WAYS: f32 = 30.0;
 /// Space between lanes (points).
@@ -27,6 +31,8 @@ pub struct Lanes {
     tags: Vec<Rect>,
     /// What is left out or played.
     usage: Rect,
+    /// Glitches of the recording; none where there are none.
+    glitches: Option<Rect>,
     /// States, and below them the actions; none without a motion graph.
     states: Option<[Rect; 2]>,
 }
@@ -34,8 +40,9 @@ pub struct Lanes {
 impl Lanes {
     /// Height of all lanes of a clip (points).
     pub fn height(track: &Track) -> f32 {
+        let glitches = if track.glitches.is_empty() { 0.0 } else { GAP + GLITCHES };
         let states = if track.played.is_some() { GAP + STATES + WAYS } else { GAP };
-        GAP + 4.0 * (FOOT + 1.0) + GAP + TAG * track.tag_lanes() as f32 + GAP + USE + states
+        GAP + 4.0 * (FOOT + 1.0) + GAP + TAG * track.tag_lanes() as f32 + GAP + USE + glitches + states
     }
 
     /// Lays them out below `top`; `rect` holds the labels too, `plot` only the frames.
@@ -50,8 +57,9 @@ impl Lanes {
         let tags: Vec<Rect> = (0..track.tag_lanes()).map(|_| lane(TAG - 1.0, 1.0)).collect();
         lane(0.0, GAP);
         let usage = lane(USE, GAP);
+        let glitches = (!track.glitches.is_empty()).then(|| lane(GLITCHES, GAP));
         let states = track.played.is_some().then(|| [lane(STATES, 0.0), lane(WAYS, 0.0)]);
-        Self { labels: Rangef::new(rect.left(), plot.left()), feet, tags, usage, states }
+        Self { labels: Rangef::new(rect.left(), plot.left()), feet, tags, usage, glitches, states }
     }
 }
 
@@ -73,6 +81,15 @@ pub fn paint(ui: &Ui, lanes: &Lanes, axis: &Axis, scene: &Scene<'_>) {
     }
     label(lanes.usage, if track.played.is_some() { "played" } else { "left out" });
     usage(&painter, lanes.usage, axis, track, &palette, visuals);
+    if let Some(lane) = lanes.glitches {
+        label(lane, "glitches");
+        painter.rect_filled(lane, 0.0, visuals.faint_bg_color);
+        for mark in &track.glitches {
+            let Some(rect) = run_rect(lane, axis, &mark.frames) else { continue };
+            let wide = rect.with_max_x(rect.max.x.max(rect.min.x + LEAST_GLITCH));
+            painter.rect_filled(wide, 1.0, glitches::colour(&palette, mark.treated));
+        }
+    }
     if let Some([states, actions]) = lanes.states {
         label(states, "states");
         label(actions, "actions");

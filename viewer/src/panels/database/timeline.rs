@@ -185,6 +185,7 @@ pub fn describe(track: &Track, frame: u32) -> Vec<String> {
     if !tags.is_empty() {
         out.push(format!("tags: {}", tags.join(", ")));
     }
+    out.extend(track.glitches.iter().filter(|g| g.frames.contains(&frame)).map(|g| g.words.clone()));
     let excluded = track.excluded.iter().filter(|e| e.frames.contains(&frame));
     out.extend(excluded.map(|e| format!("left out: {}", e.name)));
     if let Some(played) = &track.played {

@@ -3,6 +3,7 @@
 use super::catalogue::{played_rows, states_within};
 use crate::bundle::OpenBundle;
 use crate::document::RawMotion;
+use crate::panels::glitches::{self, Mark};
 use std::ops::Range;
 use throng_runtime::Contacts;
 
@@ -57,6 +58,8 @@ pub struct Track {
     pub tags: Vec<Named>,
     /// What is left out and why.
     pub excluded: Vec<Named>,
+    /// Glitches of the recording.
+    pub glitches: Vec<Mark>,
     /// What the motion graph plays; none if there is no graph.
     pub played: Option<Vec<Range<u32>>>,
     /// States, ascending by frame.
@@ -82,6 +85,7 @@ impl Track {
             planted: planted(&contacts),
             tags: in_lanes(meta.tags.iter().map(|t| (t.0.clone(), t.1..t.2)), record.num_frames),
             excluded: in_lanes(meta.excluded.iter().map(|e| (e.0.clone(), e.1..e.2)), record.num_frames),
+            glitches: glitches::of_clip(meta),
             played: Some(runs(&played[within], |p| *p)),
             states: states
                 .map(|s| StateMark {
@@ -108,6 +112,7 @@ impl Track {
             planted: planted(&clip.contacts),
             tags: in_lanes(clip.tags.iter().map(|t| (t.name.clone(), range(&t.range))), n),
             excluded: in_lanes(clip.excluded.iter().map(|e| (e.reason.to_string(), range(&e.range))), n),
+            glitches: glitches::of_raw(raw).into_iter().map(|m| at_rate(m, raw)).collect(),
             played: None,
             states: Vec::new(),
             contacts: clip.contacts.clone(),
@@ -128,6 +133,12 @@ impl Track {
     pub fn tag_lanes(&self) -> usize {
         self.tags.iter().map(|t| t.lane + 1).max().unwrap_or(0)
     }
+}
+
+/// A glitch of a motion file, in frames of the clip that a build would make of it.
+fn at_rate(mark: Mark, raw: &RawMotion) -> Mark {
+    let [first, last] = [mark.frames.start, mark.frames.end.saturating_sub(1)].map(|f| raw.clip_frame(f as f32) as u32);
+    Mark { frames: first..last + 1, ..mark }
 }
 
 fn planted(contacts: &[Contacts]) -> [Vec<Range<u32>>; 4] {

@@ -4,9 +4,10 @@ use super::verdict::{Mood, verdict};
 use super::{facts, section};
 use crate::command::Command;
 use crate::document::RawMotion;
+use crate::panels::glitches;
 use crate::panels::paint::time_text;
 use crate::theme::Palette;
-use eframe::egui::{Frame, Grid, Label, RichText, Sense, Stroke, TextStyle, Ui, vec2};
+use eframe::egui::{Color32, Frame, Grid, Label, Link, RichText, Sense, Stroke, TextStyle, Ui, vec2};
 use throng_precompute::inspect::ClipReport;
 use throng_runtime::Joint;
 
@@ -17,6 +18,7 @@ pub fn show(ui: &mut Ui, raw: &RawMotion, commands: &mut Vec<Command>) {
     motion(ui, report);
     contacts(ui, report);
     excluded(ui, report, commands);
+    recorded(ui, raw, commands);
     section(ui, "What was found and why");
     for finding in &report.findings {
         bullet(ui, finding);
@@ -91,8 +93,7 @@ fn contacts(ui: &mut Ui, r: &ClipReport) {
     for (mood, text) in verdict(&r.contact) {
         let colour = if mood == Mood::Good { palette.good } else { palette.warning };
         ui.horizontal_top(|ui| {
-            let (dot, _) = ui.allocate_exact_size(vec2(10.0, ui.text_style_height(&TextStyle::Body)), Sense::hover());
-            ui.painter().circle_filled(dot.center(), 4.0, colour);
+            dot(ui, colour);
             ui.add(Label::new(text).selectable(true).wrap());
         });
     }
@@ -122,6 +123,31 @@ fn excluded(ui: &mut Ui, r: &ClipReport, commands: &mut Vec<Command>) {
             commands.push(Command::Seek(*start as u32));
         }
     }
+}
+
+/// Glitches of the recording; a click goes there.
+fn recorded(ui: &mut Ui, raw: &RawMotion, commands: &mut Vec<Command>) {
+    let marks = glitches::of_raw(raw);
+    if marks.is_empty() {
+        return;
+    }
+    section(ui, "Glitches of the recording");
+    let palette = Palette::of(ui.visuals());
+    for mark in marks {
+        ui.horizontal_top(|ui| {
+            dot(ui, glitches::colour(&palette, mark.treated));
+            let link = ui.add(Link::new(&mark.words));
+            if link.on_hover_text("Go there").clicked() {
+                commands.push(Command::Seek(mark.frames.start));
+            }
+        });
+    }
+}
+
+/// A dot at the start of a line.
+fn dot(ui: &mut Ui, colour: Color32) {
+    let (dot, _) = ui.allocate_exact_size(vec2(10.0, ui.text_style_height(&TextStyle::Body)), Sense::hover());
+    ui.painter().circle_filled(dot.center(), 4.0, colour);
 }
 
 fn roles(ui: &mut Ui, r: &ClipReport) {

@@ -4,7 +4,7 @@ use super::heading;
 use crate::command::Command;
 use eframe::egui::{
     Align, ColorImage, Context, CornerRadius, Image, Label, Layout, Rect, RichText, Role, Sense, StrokeKind,
-    TextureHandle, TextureOptions, Ui, UiBuilder, Vec2, WidgetInfo, pos2, vec2,
+    TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 use std::fmt;
 use std::io::Cursor;
@@ -54,7 +54,7 @@ const GAP: f32 = 14.0;
 /// Height of a picture over its width.
 const PICTURE: f32 = 9.0 / 16.0;
 /// Height of what is written below the picture (points).
-const TEXT: f32 = 112.0;
+const TEXT: f32 = 106.0;
 
 /// What the demonstrations need to be shown.
 #[derive(Clone, Default)]
@@ -133,15 +133,15 @@ fn card(ui: &mut Ui, demo: &Demo, is_complete: bool, picture: Option<&TextureHan
         Image::new((picture.id(), at.size())).corner_radius(radius).paint_at(ui, at);
     }
     let within = Rect::from_min_max(pos2(rect.left(), rect.top() + height), rect.max).shrink2(vec2(12.0, 8.0));
-    ui.scope_builder(UiBuilder::new().max_rect(within).layout(Layout::top_down(Align::Min)), |ui| {
-        ui.spacing_mut().item_spacing = Vec2::splat(3.0);
-        let plain = |text: RichText| Label::new(text).selectable(false).wrap();
-        ui.add(plain(RichText::new(demo.title).size(15.0).strong()));
-        ui.add(plain(RichText::new(demo.line)));
-        let state = if is_complete { "opens at once" } else { "is built first, once" };
-        let at = Rect::from_min_max(pos2(within.left(), within.bottom() - 14.0), within.max);
-        ui.put(at, plain(RichText::new(state).small().weak()).halign(Align::Min));
-    });
+    // Texts of their own place: the card takes no other room.
+    let child = |ui: &mut Ui, layout| ui.new_child(UiBuilder::new().max_rect(within).layout(layout));
+    let plain = |text: RichText| Label::new(text).selectable(false).wrap();
+    let mut above = child(ui, Layout::top_down(Align::Min));
+    above.spacing_mut().item_spacing.y = 3.0;
+    above.add(plain(RichText::new(demo.title).size(15.0).strong()));
+    above.add(plain(RichText::new(demo.line)));
+    let state = if is_complete { "opens at once" } else { "is built first, once" };
+    child(ui, Layout::bottom_up(Align::Min)).add(plain(RichText::new(state).size(11.5).weak()));
     response.on_hover_cursor(eframe::egui::CursorIcon::PointingHand).clicked()
 }
 

@@ -69,7 +69,7 @@ fn page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec
     ui.label(RichText::new("Throng").size(32.0).strong());
     ui.add(Label::new(RichText::new("Motion capture in, thousands of characters out.").size(15.0).weak()).wrap());
     ui.add_space(GAP);
-    if model.building().is_some() || model.built.is_some() {
+    if model.build.as_ref().is_some_and(build::is_shown) {
         build::show(ui, model, commands);
         ui.add_space(GAP);
     }
@@ -82,12 +82,12 @@ fn page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec
         return recent::show(ui, &states.start.recent, commands);
     }
     ui.horizontal_top(|ui| {
-        ui.spacing_mut().item_spacing.x = 0.0;
+        let spacing = ui.spacing().item_spacing.x;
         ui.vertical(|ui| {
-            ui.set_width(width - SIDE - 1.5 * GAP);
+            ui.set_width(width - SIDE - GAP - spacing);
             demos::show(ui, &mut states.start.demos, commands);
         });
-        ui.add_space(1.5 * GAP);
+        ui.add_space(GAP);
         ui.vertical(|ui| {
             ui.set_width(SIDE);
             motion::show(ui, &mut states.dialog);

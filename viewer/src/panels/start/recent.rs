@@ -5,8 +5,11 @@ use crate::command::Command;
 use crate::model::name_of;
 use crate::panels::words::all;
 use crate::theme::Palette;
-use eframe::egui::{Align, Button, Label, Layout, Link, RichText, Ui};
+use eframe::egui::{Align, Button, Label, Layout, Link, RichText, Ui, vec2};
 use std::path::PathBuf;
+
+/// Height of an entry (points).
+const ROW: f32 = 34.0;
 
 /// Shows the list.
 ///
@@ -17,7 +20,8 @@ pub fn show(ui: &mut Ui, entries: &[(Vec<PathBuf>, bool)], commands: &mut Vec<Co
         ui.weak("Nothing yet.");
     }
     for (paths, is_there) in entries {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let size = vec2(ui.available_width(), ROW);
+        ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Min), |ui| {
             let remove = ui.add(Button::new("✖").small()).on_hover_text("Take it off this list");
             if remove.clicked() {
                 commands.push(Command::Forget(paths.clone()));
@@ -27,7 +31,7 @@ pub fn show(ui: &mut Ui, entries: &[(Vec<PathBuf>, bool)], commands: &mut Vec<Co
             }
             ui.with_layout(Layout::top_down(Align::Min), |ui| entry(ui, paths, *is_there, commands));
         });
-        ui.add_space(4.0);
+        ui.add_space(2.0);
     }
 }
 
@@ -39,5 +43,5 @@ fn entry(ui: &mut Ui, paths: &[PathBuf], is_there: bool, commands: &mut Vec<Comm
         commands.push(Command::Open(paths.to_vec()));
     }
     let folder = paths.first().and_then(|p| p.parent()).map_or_else(String::new, |p| p.display().to_string());
-    ui.add(Label::new(RichText::new(folder).weak().small()).truncate());
+    ui.add(Label::new(RichText::new(folder).weak().size(11.5)).truncate());
 }

@@ -1,7 +1,7 @@
 //! Looks for glitches in the tracks of a body: place of the hips, turns of all joints, lengths of segments.
 
 use super::signal::{Away, Value, spikes, steps};
-use super::{Glitch, GlitchKind};
+use super::{Glitch, GlitchKind, Treated};
 use crate::clip::runs;
 use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
@@ -64,7 +64,7 @@ fn carries_nothing(j: Joint) -> bool {
 }
 
 fn glitch(kind: GlitchKind, start: usize, end: usize, what: String) -> Glitch {
-    Glitch { kind, frames: start..end, joints: Vec::new(), what, is_cut: false }
+    Glitch { kind, frames: start..end, joints: Vec::new(), what, treated: Treated::Kept }
 }
 
 /// The joints of the file that lead to a role from the one above it.

@@ -14,6 +14,7 @@ use crate::error::Warnings;
 use crate::raw::RawClip;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// What becomes of glitches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -58,8 +59,54 @@ pub struct Glitch {
     pub joints: Vec<usize>,
     /// What was found, as warnings print it.
     pub what: String,
-    /// Left out of what follows; else it was bridged, or is kept.
-    pub is_cut: bool,
+    /// What was done about it.
+    pub treated: Treated,
+}
+
+/// What was done about a glitch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Treated {
+    /// Left out of what follows.
+    Cut,
+    /// Filled with what leads past it.
+    Bridged,
+    /// Left as it is.
+    Kept,
+}
+
+impl Treated {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cut => "cut out",
+            Self::Bridged => "bridged",
+            Self::Kept => "kept",
+        }
+    }
+}
+
+impl GlitchKind {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pop => "pop",
+            Self::Jump => "jump",
+            Self::Flip => "flip",
+            Self::Freeze => "frozen",
+            Self::Apart => "pose apart",
+            Self::DropOut => "drop-out",
+        }
+    }
+}
+
+impl fmt::Display for Glitch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (first, last) = (self.frames.start, self.frames.end - 1);
+        match first == last {
+            true => write!(f, "frame {first}, {}", self.what),
+            false => write!(f, "frames {first} to {last}, {}", self.what),
+        }
+    }
 }
 
 /// Longest run of frames that is bridged (s).
@@ -80,7 +127,11 @@ pub(super) fn treat(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings
         let short = glitch.frames.len() as f64 <= MAX_BRIDGE * clip.rate_hz;
         let back = !matches!(glitch.kind, GlitchKind::Jump | GlitchKind::Freeze);
         let bridged = how == Glitches::Bridge && inside && short && back;
-        glitch.is_cut = how != Glitches::Keep && !bridged;
+        glitch.treated = match how {
+            Glitches::Keep => Treated::Kept,
+            _ if bridged => Treated::Bridged,
+            _ => Treated::Cut,
+        };
     }
     if how != Glitches::Keep {
         all.iter().filter(|g| g.kind != GlitchKind::Jump).for_each(|g| mend::bridge(clip, g));
@@ -90,7 +141,7 @@ pub(super) fn treat(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings
         Glitches::Bridge => "bridged or cut out",
         Glitches::Keep => "kept",
     };
-    let mut list: Vec<String> = all.iter().take(MAX_LISTED).map(describe).collect();
+    let mut list: Vec<String> = all.iter().take(MAX_LISTED).map(ToString::to_string).collect();
     if all.len() > MAX_LISTED {
         list.push(format!("{} more", all.len() - MAX_LISTED));
     }
@@ -102,10 +153,4 @@ pub(super) fn treat(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings
         list.join("; ")
     ));
     all
-}
-
-fn describe(glitch: &Glitch) -> String {
-    let (first, last) = (glitch.frames.start, glitch.frames.end - 1);
-    let frames = if first == last { format!("frame {first}") } else { format!("frames {first} to {last}") };
-    format!("{frames}, {}", glitch.what)
 }
