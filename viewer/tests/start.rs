@@ -25,7 +25,7 @@ fn start() -> (Viewing, PathBuf) {
 
 fn ended(v: &Viewing) -> Option<&Built> {
     match &v.model().build {
-        Some(Build::Ended(built)) => Some(built),
+        Some(Build::Ended(built)) => Some(built.as_ref()),
         _ => None,
     }
 }

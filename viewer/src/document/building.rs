@@ -52,7 +52,7 @@ pub enum Build {
         building: Building,
     },
     /// It has ended.
-    Ended(Built),
+    Ended(Box<Built>),
 }
 
 /// A build under way. A clone is the same one.

@@ -26,7 +26,7 @@ impl Model {
         let is_reload = !matches!(self.document, Document::Nothing) && self.asked == loaded.paths;
         let built = loaded.building.ended(&loaded.paths, loaded.result.as_ref().err().map(String::as_str));
         let is_told = built.is_some();
-        self.build = built.map(Build::Ended);
+        self.build = built.map(|b| Build::Ended(Box::new(b)));
         match loaded.result {
             Ok(opened) => {
                 self.watch = Some(Watch::from(loaded.stamp));

@@ -52,9 +52,11 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let palette = Palette::of(ui.visuals());
     let edge = match build {
         Build::UnderWay { .. } => palette.right,
-        Build::Ended(Built { end: End::Done, .. }) => palette.good,
-        Build::Ended(Built { end: End::Stopped(_), .. }) => palette.warning,
-        Build::Ended(Built { end: End::Failed(_), .. }) => ui.visuals().error_fg_color,
+        Build::Ended(built) => match built.end {
+            End::Done => palette.good,
+            End::Stopped(_) => palette.warning,
+            End::Failed(_) => ui.visuals().error_fg_color,
+        },
     };
     let frame = Frame::group(ui.style()).fill(ui.visuals().extreme_bg_color).stroke((1.0, edge));
     frame.inner_margin(Margin::same(12)).corner_radius(8).show(ui, |ui| {
