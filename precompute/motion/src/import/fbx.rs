@@ -135,7 +135,8 @@ impl<'a> Stack<'a> {
             begin = keys.iter().flatten().copied().fold(f64::INFINITY, f64::min);
             end = keys.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
         }
-        if !moved.is_empty() && !(begin.abs() < MAX_TIME_S && end.abs() < MAX_TIME_S && begin <= end) {
+        let known = begin.abs() < MAX_TIME_S && end.abs() < MAX_TIME_S && begin <= end;
+        if !known && !moved.is_empty() {
             return Err(format!(
                 "animation stack `{name}`: expected times below {MAX_TIME_S} s, found {begin} to {end}"
             ));

@@ -13,7 +13,7 @@ fn whole(style: Style) -> Glb {
 }
 
 fn refusal(bytes: &[u8]) -> String {
-    let e = gltf::parse(bytes, Path::new("folder/a.glb")).err().expect("it is refused").to_string();
+    let e = gltf::parse(bytes, Path::new("folder/a.glb")).expect_err("it is refused").to_string();
     assert!(e.starts_with("folder/a.glb: "), "{e}");
     e
 }
@@ -181,7 +181,7 @@ fn shorter_files_are_refused_and_flipped_bits_do_no_harm() {
 #[test]
 fn what_is_no_fbx_is_refused_by_name() {
     use throng_motion::import::fbx;
-    let parse = |bytes: &[u8]| fbx::parse(bytes, Path::new("folder/a.fbx")).err().expect("it is refused").to_string();
+    let parse = |bytes: &[u8]| fbx::parse(bytes, Path::new("folder/a.fbx")).expect_err("it is refused").to_string();
     for bytes in [&b""[..], b"Kaydara FBX Binary  \0\x1a\0", b"no scene", b"o cube\nv 0 0 0\n", &[0xff; 4000]] {
         let e = parse(bytes);
         assert!(e.starts_with("folder/a.fbx: it is no FBX file that can be read: "), "{e}");

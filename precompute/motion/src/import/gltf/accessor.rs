@@ -186,8 +186,11 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// Reads a number from its bytes.
+type ReadNumber = fn(&[u8]) -> f32;
+
 /// Bytes of a number of a type, and what reads it.
-fn number(kind: u32, normalized: bool) -> Result<(usize, fn(&[u8]) -> f32), String> {
+fn number(kind: u32, normalized: bool) -> Result<(usize, ReadNumber), String> {
     Ok(match (kind, normalized) {
         (BYTE, true) => (1, |b| (f32::from(b[0] as i8) / 127.0).max(-1.0)),
         (BYTE, false) => (1, |b| f32::from(b[0] as i8)),

@@ -12,7 +12,9 @@ use crate::error::ImportError;
 use crate::raw::{RawJoint, SourceFormat};
 use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
 use people::Person;
-pub(super) use rate::{FALLBACK_HZ, rate_of_keys, without_rounding};
+#[cfg(feature = "fbx")]
+pub(super) use rate::without_rounding;
+pub(super) use rate::{FALLBACK_HZ, rate_of_keys};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -38,7 +40,7 @@ impl Transform {
     fn normalized(mut self) -> Option<Self> {
         let moderate = |v: DVec3| v.is_finite() && v.abs().max_element() < MAX_NUMBER;
         let length = self.rotation.length();
-        self.rotation = self.rotation / length;
+        self.rotation /= length;
         (moderate(self.scale) && moderate(self.translation) && self.rotation.is_finite()).then_some(self)
     }
 }

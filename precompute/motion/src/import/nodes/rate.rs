@@ -69,7 +69,7 @@ mod tests {
     #[test]
     fn poses_far_apart_and_jumps_tell_no_rate() {
         for keys in [vec![], vec![0.0], vec![0.0, 0.5, 1.0], vec![0.0, 1.0, 1.0, 2.0, 2.000_01], vec![0.0, 60.0]] {
-            assert_eq!(rate(&[keys.clone()]), None, "{keys:?}");
+            assert_eq!(rate(std::slice::from_ref(&keys)), None, "{keys:?}");
         }
     }
 }
