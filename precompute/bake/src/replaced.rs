@@ -19,7 +19,9 @@ impl BuildConfig {
         let mut told = Vec::new();
         self.inputs = inputs;
         self.synth = None;
-        let there = |pattern: &str| names.iter().any(|n| matches(pattern, n));
+        // Which clips a file of several holds is not known before it is read.
+        let may_hold = |file: &str, clip: &str| clip.strip_prefix(file).is_some_and(|rest| rest.starts_with('/'));
+        let there = |pattern: &str| names.iter().any(|n| matches(pattern, n) || may_hold(n, pattern));
         let before = self.clips.len();
         self.clips.retain(|name, _| there(name));
         if self.clips.len() < before {
@@ -91,7 +93,7 @@ mod tests {
     use std::path::Path;
 
     const CONFIG: &str = "inputs = ['old']\n\
-        [clips.walk_1]\nexclude = [[0, 1]]\n[clips.run]\nexclude = [[0, 1]]\n\
+        [clips.walk_1]\nexclude = [[0, 1]]\n[clips.\"many/Run\"]\nexclude = [[0, 1]]\n[clips.run]\nexclude = [[0, 1]]\n\
         [patches]\nunits = 'u.toml'\n[[patches.environments]]\nfile = 'e.toml'\nclips = ['walk_*']\n\
         [[patches.tiles]]\nunit = 'ground'\nclips = ['stroll_*']\n\
         [retarget]\nalign_ground = false\n\
@@ -104,9 +106,10 @@ mod tests {
     fn what_is_said_of_clips_that_are_not_there_is_left_out_and_told() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("walk_1.bvh"), "").unwrap();
+        std::fs::write(folder.path().join("many.glb"), "").unwrap();
         let mut config = BuildConfig::parse(CONFIG, Path::new("x.toml")).unwrap();
         let told = config.replace_motion(vec![folder.path().to_path_buf()]).unwrap();
-        assert_eq!(config.clips.keys().collect::<Vec<_>>(), ["walk_1"]);
+        assert_eq!(config.clips.keys().collect::<Vec<_>>(), ["many/Run", "walk_1"]);
         assert_eq!(config.blend.keys().collect::<Vec<_>>(), ["all", "manner", "named"]);
         assert_eq!(config.blend["named"].examples.len(), 1);
         for space in ["all", "manner"] {
