@@ -10,9 +10,9 @@ fn verify_says_what_a_bundle_holds() {
     let keys =
         ["file", "name", "version", "bundle_bytes", "frames", "clips", "states", "actions", "policies", "sections"];
     let report = json(&["verify", &bundle, "--json"], &keys);
-    assert_eq!((&report["name"], &report["version"]), (&Value::from("little"), &Value::from(4)));
+    assert_eq!((&report["name"], &report["version"]), (&Value::from("little"), &Value::from(5)));
     assert_eq!(report["policies"], serde_json::json!(["approach"]));
-    assert_eq!(report["sections"]["FRAM"].as_u64(), report["frames"].as_u64().map(|n| 192 * n));
+    assert_eq!(report["sections"]["FRAM"].as_u64(), report["frames"].as_u64().map(|n| 96 * n));
     assert!(done(&["verify", &bundle]).contains("is whole"));
 }
 

@@ -20,7 +20,7 @@ impl<F: Lanes> Decay<F> {
     #[inline(always)]
     pub fn new(age_s: F, half_life_s: f32) -> Self {
         let y = F::splat(2.0 * std::f32::consts::LN_2 / half_life_s);
-        let age = age_s.min(F::splat(8.0 * HALF_LIVES_KEPT * half_life_s));
+        let age = within(age_s, half_life_s);
         let e = (-(y * age)).exp8();
         Self { position: e * (F::splat(1.0) + y * age), velocity: e * age }
     }
@@ -29,7 +29,7 @@ impl<F: Lanes> Decay<F> {
     #[inline(always)]
     pub fn rate(age_s: F, half_life_s: f32) -> Self {
         let y = F::splat(2.0 * std::f32::consts::LN_2 / half_life_s);
-        let age = age_s.min(F::splat(8.0 * HALF_LIVES_KEPT * half_life_s));
+        let age = within(age_s, half_life_s);
         let e = (-(y * age)).exp8();
         Self { position: -(y * y * age * e), velocity: e * (F::splat(1.0) - y * age) }
     }
@@ -38,6 +38,13 @@ impl<F: Lanes> Decay<F> {
     pub fn apply(&self, x: V<F>, v: V<F>) -> V<F> {
         x * self.position + v * self.velocity
     }
+}
+
+/// Ages at which the offsets are those of the start, of the end or of between. A clip that begins within a step has offsets
+/// a little before its begin; long before it they would be without bounds.
+#[inline(always)]
+fn within<F: Lanes>(age_s: F, half_life_s: f32) -> F {
+    age_s.max(F::splat(-half_life_s)).min(F::splat(8.0 * HALF_LIVES_KEPT * half_life_s))
 }
 
 /// True where no lane's offsets matter any more.
@@ -66,5 +73,25 @@ pub(crate) fn add_offsets<F: Lanes>(pose: &mut LanePose<F>, block: &Block, half_
     };
     for (q, (x, v)) in pose.rotations.iter_mut().zip(o.rotation.iter().zip(&o.rotation_velocity)) {
         *q = Q::from_mrp(decay.apply(load_codes(x), load_codes(v))) * *q;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_base::simd::Array;
+
+    #[test]
+    fn offsets_are_bounded_however_long_before_their_clip_begins() {
+        let at = |age: f32| {
+            let (value, rate) = (Decay::new(Array::splat(age), 0.1), Decay::rate(Array::splat(age), 0.1));
+            [value.position, value.velocity, rate.position, rate.velocity].map(|v| v.to_array()[0])
+        };
+        assert_eq!(at(-900.0), at(-0.1));
+        assert!(at(-0.1).iter().all(|v| v.abs() < 100.0), "{:?}", at(-0.1));
+        assert_eq!(at(0.0)[..2], [1.0, 0.0]);
+        // Half is left after the half-life of a spring that starts at rest: (1 + y t) exp(-y t) with y t = 2 ln 2.
+        let left = (1.0 + 2.0 * std::f32::consts::LN_2) / 4.0;
+        assert!((at(0.1)[0] - left).abs() < 1e-5);
     }
 }

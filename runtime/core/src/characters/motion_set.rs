@@ -17,7 +17,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct MotionSet {
     pub(crate) frames: Table<FrameRow>,
-    pub(crate) rotation_code: RotationCode,
+    pub(crate) rotation_code: Arc<RotationCode>,
     pub(crate) contacts: Table<Contacts>,
     pub(crate) clips: Table<ClipRecord>,
     pub(crate) hits: Table<HitRecord>,
@@ -38,7 +38,7 @@ impl MotionSet {
     pub fn new(tables: &Bundle) -> Self {
         Self {
             frames: tables.frames().clone(),
-            rotation_code: *tables.rotation_code(),
+            rotation_code: Arc::new(*tables.rotation_code()),
             contacts: tables.contacts().clone(),
             clips: tables.clips().clone(),
             hits: tables.hits().clone(),

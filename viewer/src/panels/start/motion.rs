@@ -14,7 +14,7 @@ pub fn show(ui: &mut Ui, dialog: &mut Option<Dialog>) {
     let shown = Frame::NONE.fill(fill).corner_radius(8).inner_margin(Margin::same(14)).show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.label(RichText::new("Drop a folder or files here").size(16.0).strong());
-        let what = "A folder, a .zip or files of motion (.bvh, .asf and .amc, .npz) are built and run. A bundle, a \
+        let what = "A folder, a .zip or files of motion (.bvh, .amc, .npz, .glb, .fbx) are built and run. A bundle, a \
                     scene, a world or a single clip is opened.";
         ui.add(Label::new(RichText::new(what).weak()).wrap());
         ui.add_space(6.0);
