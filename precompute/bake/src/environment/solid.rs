@@ -49,7 +49,7 @@ impl Solid {
     /// The solid of a shape; triangles are read from their file.
     ///
     /// # Errors
-    /// As [`mesh::read`], where a mesh cannot be read.
+    /// [`BuildError`] where a mesh cannot be read.
     pub fn of(shape: &Shape) -> Result<Self, BuildError> {
         Ok(match shape {
             Shape::Box { at, size, heading_deg, pitch_deg } => Self::Box {

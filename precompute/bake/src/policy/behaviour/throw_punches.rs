@@ -66,7 +66,7 @@ fn place(frame: Planar, p: Vec3) -> Vec3 {
 /// pays where blows are few. An action keeps its two strongest hits.
 ///
 /// Lee and Lee activate the behaviour in the bounding volume of the hits alone. Here its region is wider by
-/// [`REACH_OUT`], so that a target which leaves the volume for a moment still counts.
+/// `REACH_OUT`, so that a target which leaves the volume for a moment still counts.
 #[derive(Clone, Debug)]
 pub struct ThrowPunches {
     config: BehaviourConfig,
