@@ -1,6 +1,9 @@
 //! How long do pose groups take, how much memory, and how many are there beside exact complete linkage?
 //! `cargo bench --bench cluster`; recordings are used where `THRONG_MOCAP` or `../shared/mocap` names them.
 
+mod common;
+
+use common::{peak_megabytes, processor_seconds};
 use std::path::PathBuf;
 use std::time::Instant;
 use throng_precompute::annotate::{AnnotateConfig, Sidecars, annotate};
@@ -39,13 +42,13 @@ fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), Build
         let groups = group(clips, &whole, &config, &Silent)?;
         println!(
             "{name}, below {threshold} rad: {} frames in {} groups, widest {:.4} rad, {:.2} s, {:.2} s of processors, \
-             peak {}",
+             peak {:.0} MB",
             clips.num_frames(),
             groups.num_groups(),
             groups.max_diameter,
             begun.elapsed().as_secs_f64(),
             processor_seconds() - worked,
-            peak_memory()
+            peak_megabytes().unwrap_or(f64::NAN)
         );
         if exact_frames > 0 {
             let begun = Instant::now();
@@ -106,20 +109,4 @@ fn part(clips: &ClipSet, mut num_frames: usize) -> ClipSet {
         });
     }
     ClipSet { skeleton: clips.skeleton.clone(), clips: first }
-}
-
-/// Time that processors have spent on the process, where the system tells; less than it lasts on a busy machine.
-/// (s)
-fn processor_seconds() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // Behind the name in brackets: user and system time are fields 14 and 15, in ticks of 10 ms.
-    let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace();
-    fields.skip(11).take(2).filter_map(|ticks| ticks.parse::<f64>().ok()).sum::<f64>() / 100.0
-}
-
-/// The most memory the process has had, where the system tells.
-fn peak_memory() -> String {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
-    line.map_or("unknown".to_owned(), |l| l.trim().to_owned())
 }

@@ -23,7 +23,7 @@ fn build_reports_what_it_did() {
     has_keys(&report["policies"][0], &["name", "cells", "sweeps", "residual", "bytes", "seconds"]);
     has_keys(
         &report["stage_s"],
-        &["import", "retarget", "resample", "annotate", "features", "graph", "policy", "write"],
+        &["import", "retarget", "clips", "features", "graph", "policy", "write"],
     );
     assert_eq!(report["name"], "little");
     assert_eq!(report["policies"][0]["cells"], 48);

@@ -5,7 +5,7 @@ use crate::config::BuildConfig;
 use crate::environment::{Shape, UnitSet, buffer_files};
 use crate::graph::GraphReport;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use throng_base::file::open_file;
@@ -20,6 +20,27 @@ use xxhash_rust::xxh3::Xxh3;
 pub struct Provenance {
     /// Sorted by path.
     pub sources: Vec<SourceMeta>,
+}
+
+/// What the keys of single motion files are made of.
+pub struct FileKeys<'a> {
+    config: &'a ImportConfig,
+    /// Skeleton and profiles that the config names.
+    given: Vec<&'a SourceMeta>,
+    files: BTreeMap<&'a Path, &'a SourceMeta>,
+    /// Skeletons by folder.
+    skeletons: BTreeMap<Option<&'a Path>, Vec<&'a SourceMeta>>,
+}
+
+impl FileKeys<'_> {
+    /// The key of what one motion file is read as: of the file, of the skeletons beside it and of the profiles.
+    ///
+    /// # Errors
+    /// Never in practice, as [`Provenance::key`].
+    pub fn key_of(&self, file: &Path) -> Result<Key, BuildError> {
+        let beside = self.skeletons.get(&file.parent());
+        Key::of("file", &[], &(file, self.files.get(file), beside, &self.given, self.config))
+    }
 }
 
 /// Finds and hashes every file that the motion stages read; synthetic motion is named by what it is made by.
@@ -108,18 +129,20 @@ impl Provenance {
         Key::of("sources", &[], &self.sources)
     }
 
-    /// The key of what one motion file is read as: of the file, of the skeletons beside it and of the profiles.
-    ///
-    /// # Errors
-    /// Never in practice, as [`Provenance::key`].
-    pub fn key_of(&self, file: &Path, config: &ImportConfig) -> Result<Key, BuildError> {
-        let given = |path: &Path| config.asf.iter().chain(&config.profiles).any(|p| p == path);
-        let is_skeleton = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("asf"));
-        let counts = |s: &&SourceMeta| {
+    /// The keys of what single files are read as.
+    pub fn file_keys<'a>(&'a self, config: &'a ImportConfig) -> FileKeys<'a> {
+        let mut keys = FileKeys { config, given: Vec::new(), files: BTreeMap::new(), skeletons: BTreeMap::new() };
+        for s in &self.sources {
             let path = Path::new(&s.path);
-            path == file || given(path) || (is_skeleton(path) && path.parent() == file.parent())
-        };
-        Key::of("file", &[], &(file, self.sources.iter().filter(counts).collect::<Vec<_>>(), config))
+            if config.asf.iter().chain(&config.profiles).any(|p| p == path) {
+                keys.given.push(s);
+            } else if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("asf")) {
+                keys.skeletons.entry(path.parent()).or_default().push(s);
+            } else {
+                keys.files.insert(path, s);
+            }
+        }
+        keys
     }
 
     /// What the bundle says of itself; clips and behaviours are filled in when it is written.

@@ -2,7 +2,7 @@
 
 use super::linkage;
 use super::neighbours::{Below, Space};
-use super::projection::{DIMS, Point};
+use crate::features::projection::{DIMS, Point};
 use super::tree::Item;
 
 /// Near pairs that may be known at a time, about 36 bytes each: so many a frame, within limits.

@@ -5,10 +5,11 @@
 
 mod config;
 mod embedding;
+pub(crate) mod projection;
 mod row;
 
 pub use config::FeaturesConfig;
-pub(crate) use embedding::EMBEDDING;
+use embedding::EMBEDDING;
 
 use config::Weights;
 use glam::{Quat, Vec3};

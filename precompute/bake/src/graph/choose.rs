@@ -27,11 +27,17 @@ pub(super) fn choose(
     threshold: f32,
     config: &GraphConfig,
 ) -> Vec<Vec<Link>> {
-    let most = config.max_actions.saturating_sub(1 + RESERVED).max(1);
-    matches.par_iter().map(|links| choose_of_one(links, outcomes, threshold, most, config)).collect()
+    matches.par_iter().map(|links| choose_of_one(links, outcomes, threshold, config)).collect()
 }
 
-fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, most: usize, config: &GraphConfig) -> Vec<Link> {
+/// Links that are chosen of one event, at most.
+pub(super) fn most(config: &GraphConfig) -> usize {
+    config.max_actions.saturating_sub(1 + RESERVED).max(1)
+}
+
+/// As [`choose`], of one event. Whatever a lower threshold chooses is among what a higher one does.
+pub(super) fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, config: &GraphConfig) -> Vec<Link> {
+    let most = most(config);
     let mut chosen: Vec<Link> = Vec::new();
     for link in all {
         let kind = kind_of(&outcomes[link.event]);
@@ -40,8 +46,11 @@ fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, most: usize,
         }
     }
     for link in all.iter().take_while(|l| l.error <= threshold) {
+        if chosen.len() >= most {
+            break;
+        }
         let same = |l: &Link| same_outcome(&outcomes[l.event], &outcomes[link.event], config) || l.event == link.event;
-        if chosen.len() < most && !chosen.iter().any(same) {
+        if !chosen.iter().any(same) {
             chosen.push(*link);
         }
     }
@@ -50,7 +59,7 @@ fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, most: usize,
 }
 
 /// Kind of an outcome: side turned to, and direction of travel as one of five.
-fn kind_of(outcome: &Planar) -> (i8, u8) {
+pub(super) fn kind_of(outcome: &Planar) -> (i8, u8) {
     let side = if outcome.heading > TURN {
         1
     } else if outcome.heading < -TURN {

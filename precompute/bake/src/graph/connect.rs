@@ -150,8 +150,8 @@ impl<'a> Search<'a> {
         }
         let limit = config.max_error.max(config.threshold.unwrap_or(0.0)) as f32;
         let min_jump = (config.min_jump_s * rate_hz).round() as u32;
-        let links = matches::find(&events, features, limit, min_jump, progress);
         let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
+        let links = matches::find(&events, features, &outcomes, limit, min_jump, config, progress);
         let mut whole = EventGraph { next, frames, worth, links };
         let most_frames = (config.max_action_s * rate_hz).round() as u32;
         let alive = largest_component(&whole, most_frames);

@@ -1,8 +1,13 @@
-//! Which event frames are alike: all pairs, in parallel.
+//! Which event frames are alike.
 
-use super::events::Event;
+use super::choose;
+use super::config::GraphConfig;
+use super::events::{Event, EventKind};
+use super::tree::Tree;
 use crate::features::Features;
+use crate::features::projection::{Point, project, squared_reach};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use throng_core::Planar;
 use throng_core::planar::wrap_angle;
 use throng_motion::clip::{ClipSet, FrameId};
@@ -25,63 +30,169 @@ pub(super) fn successors(events: &[Event]) -> Vec<Option<usize>> {
     next
 }
 
-/// For every event the ones like it, best first, up to a distance of `limit` (events.len()).
+/// Nearest links that every event keeps besides those that may be chosen: what may join the parts of the graph.
+pub(super) const NEAREST: usize = 64;
+/// By how much the radius of a search grows until it holds enough.
+const GROWTH: f32 = 1.25;
+
+/// For every event the ones like it that a graph may need, best first (events.len()).
 ///
-/// Left out are events after which no other event comes, events nearer than `min_jump` frames in the same run,
-/// and within one standing run all but the local minima of the distance.
+/// - `limit`: largest distance (rad).
+/// - `outcomes`: where the motion after each event leads.
+///
+/// A link is possible from any event to one of the same kind up to the limit. Left out are events after which no other
+/// event comes, events nearer than `min_jump` frames in the same run, and within one standing run all but the local
+/// minima of the distance. Of the possible links of an event, those are kept that [`choose_of_one`] may choose at any
+/// threshold, the nearest 64, and the way back of every link that is kept of another event: so that no event is lost
+/// because those like it have many others.
+///
+/// Found through k-d trees over points whose distance is never above that of the frames: the same as by looking at all
+/// pairs.
 pub(super) fn find(
     events: &[Event],
     features: &Features,
+    outcomes: &[Planar],
     limit: f32,
     min_jump: u32,
+    config: &GraphConfig,
     progress: &dyn Progress,
 ) -> Vec<Vec<Link>> {
     progress.begin("graph", events.len() as u64, "event frames");
-    let next = successors(events);
-    let matches = (0..events.len())
+    let search = Search::new(events, features, outcomes, limit, min_jump, config);
+    let mut links: Vec<Vec<Link>> = (0..events.len())
         .into_par_iter()
         .map(|i| {
-            let mut links = similar(events, features, i, limit);
-            keep_local_minima(&mut links, events);
-            links.retain(|l| next[l.event].is_some() && !is_near(&events[i], &events[l.event], min_jump));
-            links.sort_unstable_by(|a, b| a.error.total_cmp(&b.error).then(a.event.cmp(&b.event)));
+            let links = search.kept(i);
             progress.advance(1);
             links
         })
         .collect();
-    progress.end();
-    matches
-}
-
-fn similar(events: &[Event], features: &Features, i: usize, limit: f32) -> Vec<Link> {
-    let of_kind = events.iter().enumerate().filter(|&(k, e)| k != i && e.kind == events[i].kind);
-    of_kind
-        .filter_map(|(k, e)| {
-            let squared = features.squared_distance_within(events[i].frame, e.frame, limit * limit)?;
-            Some(Link { event: k, error: squared.sqrt() })
-        })
-        .collect()
-}
-
-fn is_near(a: &Event, b: &Event, min_jump: u32) -> bool {
-    a.run == b.run && a.frame.0.abs_diff(b.frame.0) < min_jump
-}
-
-/// Neighbours in a standing run are nearly the same pose: of each descent to a minimum only the bottom stays.
-fn keep_local_minima(links: &mut Vec<Link>, events: &[Event]) {
-    let neighbour = |a: &Link, b: &Link| {
-        events[a.event].standing_run.is_some() && events[a.event].standing_run == events[b.event].standing_run
+    let back = |(i, links): (usize, &Vec<Link>)| -> Vec<(usize, Link)> {
+        let back = links.iter().map(|l| (l.event, Link { event: i, error: l.error }));
+        back.filter(|(from, link)| search.is_possible(*from, link)).collect()
     };
-    let keep: Vec<bool> = (0..links.len())
-        .map(|k| {
-            let before = k > 0 && neighbour(&links[k - 1], &links[k]) && links[k - 1].error <= links[k].error;
-            let after =
-                k + 1 < links.len() && neighbour(&links[k], &links[k + 1]) && links[k + 1].error < links[k].error;
-            !before && !after
-        })
-        .collect();
-    let mut keep = keep.into_iter();
-    links.retain(|_| keep.next().unwrap_or(true));
+    let ways_back: Vec<Vec<(usize, Link)>> = links.par_iter().enumerate().map(back).collect();
+    ways_back.into_iter().flatten().for_each(|(from, link)| links[from].push(link));
+    links.par_iter_mut().for_each(|links| {
+        choose::sort(links);
+        links.dedup_by_key(|l| l.event);
+    });
+    progress.end();
+    links
+}
+
+/// What the links of all events are found with.
+struct Search<'a> {
+    events: &'a [Event],
+    features: &'a Features,
+    outcomes: &'a [Planar],
+    limit: f32,
+    min_jump: u32,
+    config: &'a GraphConfig,
+    points: Vec<Point>,
+    /// The events that motion goes on from, by their kind and that of their outcome.
+    trees: BTreeMap<EventKind, Vec<Tree>>,
+    /// Events before and after each in its standing run (events.len()).
+    beside: Vec<[Option<usize>; 2]>,
+    next: Vec<Option<usize>>,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        events: &'a [Event],
+        features: &'a Features,
+        outcomes: &'a [Planar],
+        limit: f32,
+        min_jump: u32,
+        config: &'a GraphConfig,
+    ) -> Self {
+        let points = project(features, &events.iter().map(|e| e.frame).collect::<Vec<_>>());
+        let next = successors(events);
+        let mut parts = BTreeMap::<_, Vec<(u32, Point)>>::new();
+        for i in (0..events.len()).filter(|&i| next[i].is_some()) {
+            parts.entry((events[i].kind, choose::kind_of(&outcomes[i]))).or_default().push((i as u32, points[i]));
+        }
+        let mut trees = BTreeMap::<EventKind, Vec<Tree>>::new();
+        parts.into_iter().for_each(|((kind, _), part)| trees.entry(kind).or_default().push(Tree::new(part)));
+        let mut beside = vec![[None; 2]; events.len()];
+        let standing: Vec<usize> = (0..events.len()).filter(|&i| events[i].standing_run.is_some()).collect();
+        for pair in standing.windows(2).filter(|w| events[w[0]].standing_run == events[w[1]].standing_run) {
+            beside[pair[0]][1] = Some(pair[1]);
+            beside[pair[1]][0] = Some(pair[0]);
+        }
+        Self { events, features, outcomes, limit, min_jump, config, points, trees, beside, next }
+    }
+
+    /// The distance of two events where it is at most `limit`.
+    fn distance_within(&self, i: usize, k: usize, limit: f32) -> Option<f32> {
+        let (a, b) = (self.events[i].frame, self.events[k].frame);
+        self.features.squared_distance_within(a, b, limit * limit).map(f32::sqrt)
+    }
+
+    /// Whether motion may jump from event `i` along a link whose distance is within the limit.
+    fn is_possible(&self, i: usize, link: &Link) -> bool {
+        let (a, b) = (&self.events[i], &self.events[link.event]);
+        let is_near = a.run == b.run && a.frame.0.abs_diff(b.frame.0) < self.min_jump;
+        // Neighbours in a standing run are nearly the same pose: of each descent to a minimum only the bottom counts.
+        let [before, after] = self.beside[link.event].map(|k| k.filter(|&k| k != i));
+        let distance = |k: Option<usize>| k.and_then(|k| self.distance_within(i, k, self.limit));
+        link.event != i
+            && self.next[link.event].is_some()
+            && !is_near
+            && distance(before).is_none_or(|d| d > link.error)
+            && distance(after).is_none_or(|d| d >= link.error)
+    }
+
+    /// The links of an event that are kept for its own sake.
+    fn kept(&self, i: usize) -> Vec<Link> {
+        let Some(trees) = self.trees.get(&self.events[i].kind) else { return Vec::new() };
+        let of_kinds: Vec<Link> = trees.iter().filter_map(|tree| self.nearest(i, tree)).collect();
+        let first = of_kinds.iter().map(|l| l.error).fold(self.limit, f32::min);
+        let mut radius = (GROWTH * first).clamp(1e-3 * self.limit, self.limit);
+        loop {
+            let mut links = self.within(i, trees, radius);
+            let num_within = links.len();
+            links.extend(of_kinds.iter().filter(|l| l.error > radius));
+            choose::sort(&mut links);
+            let mut kept = choose::choose_of_one(&links, self.outcomes, radius, self.config);
+            let is_enough = kept.len() >= choose::most(self.config) && num_within >= NEAREST;
+            if is_enough || radius >= self.limit {
+                kept.extend(&links[..num_within.min(NEAREST)]);
+                return kept;
+            }
+            radius = (radius * GROWTH).min(self.limit);
+        }
+    }
+
+    /// The nearest possible link to an event of a tree.
+    fn nearest(&self, i: usize, tree: &Tree) -> Option<Link> {
+        let (mut best, mut limit): (Option<Link>, f32) = (None, self.limit);
+        tree.visit(&self.points[i], squared_reach(limit), &mut |k| {
+            // As near as what was found may still have a lower number.
+            let error = self.distance_within(i, k as usize, (limit * (1.0 + 1e-6)).min(self.limit));
+            let link = error.map(|error| Link { event: k as usize, error });
+            let is_better = |l: &Link| best.is_none_or(|b| (l.error, l.event) < (b.error, b.event));
+            if let Some(link) = link.filter(|l| is_better(l) && self.is_possible(i, l)) {
+                (best, limit) = (Some(link), link.error);
+            }
+            squared_reach(limit)
+        });
+        best
+    }
+
+    /// All possible links within a radius.
+    fn within(&self, i: usize, trees: &[Tree], radius: f32) -> Vec<Link> {
+        let (reach, mut links) = (squared_reach(radius), Vec::new());
+        for tree in trees {
+            tree.visit(&self.points[i], reach, &mut |k| {
+                let error = self.distance_within(i, k as usize, radius);
+                links.extend(error.map(|error| Link { event: k as usize, error }));
+                reach
+            });
+        }
+        links.retain(|l| self.is_possible(i, l));
+        links
+    }
 }
 
 /// Where the motion after an event leads, seen from the event.
@@ -108,27 +219,4 @@ pub(super) fn displacement(clips: &ClipSet, starts: &[u32], clip: usize, from: F
         previous = p;
     }
     Planar { heading: turned, ..first.to_local(previous) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::events::EventKind;
-    use super::*;
-
-    #[test]
-    fn only_the_bottom_of_each_descent_stays_within_a_standing_run() {
-        let event = |k: u32, standing_run| Event {
-            frame: FrameId(k),
-            clip: 0,
-            kind: EventKind::Standing,
-            run: 0,
-            standing_run,
-            run_end: FrameId(100),
-        };
-        let events: Vec<Event> = (0..8).map(|k| event(k, if k < 6 { Some(0) } else { Some(1) })).collect();
-        let errors = [0.3, 0.2, 0.2, 0.25, 0.1, 0.4, 0.5, 0.6];
-        let mut links: Vec<Link> = errors.iter().enumerate().map(|(event, &error)| Link { event, error }).collect();
-        keep_local_minima(&mut links, &events);
-        assert_eq!(links.iter().map(|l| l.event).collect::<Vec<_>>(), [1, 4, 6]);
-    }
 }

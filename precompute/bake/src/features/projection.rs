@@ -1,14 +1,14 @@
 //! Frames in a few dimensions, to tell at little cost that two are far apart.
 
-use crate::features::{EMBEDDING, Features};
+use super::{EMBEDDING, Features};
 use rayon::prelude::*;
 use throng_motion::clip::FrameId;
 
 /// Dimensions of the projection.
-pub(super) const DIMS: usize = 16;
+pub(crate) const DIMS: usize = 16;
 
 /// A frame in the projection; its distance to another one is never above that of the frames.
-pub(super) type Point = [f32; DIMS];
+pub(crate) type Point = [f32; DIMS];
 
 /// Frames of which the directions are found.
 const SAMPLE: usize = 2048;
@@ -17,19 +17,36 @@ const ROUNDS: usize = 8;
 
 type Direction = [f32; EMBEDDING];
 
-/// Projects every frame on the directions in which frames differ most, by falling variance.
+/// By how much the squared distance of points may exceed that of frames, by rounding.
+pub(crate) const SLACK: f32 = 1e-3;
+
+/// Projects frames on the directions in which they differ most, by falling variance.
 ///
-/// - returns the points (features.num_frames()).
-pub(super) fn project(features: &Features) -> Vec<Point> {
-    let n = features.num_frames();
-    let sample: Vec<Direction> =
-        (0..n).step_by(n.div_ceil(SAMPLE).max(1)).map(|f| features.embed(FrameId(f as u32))).collect();
-    let directions = principal_directions(sample);
-    let point = |f: usize| {
-        let x = features.embed(FrameId(f as u32));
+/// - returns their points (frames.len()).
+pub(crate) fn project(features: &Features, frames: &[FrameId]) -> Vec<Point> {
+    let spacing = frames.len().div_ceil(SAMPLE).max(1);
+    let directions = principal_directions(frames.iter().step_by(spacing).map(|&f| features.embed(f)).collect());
+    let point = |&f: &FrameId| {
+        let x = features.embed(f);
         directions.each_ref().map(|d| dot(d, &x))
     };
-    (0..n).into_par_iter().map(point).collect()
+    frames.par_iter().map(point).collect()
+}
+
+/// Squared distance of two points.
+pub(crate) fn squared_gap(a: &Point, b: &Point) -> f32 {
+    let mut sums = [0.0f32; 4];
+    for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
+        for l in 0..4 {
+            sums[l] += (a[l] - b[l]) * (a[l] - b[l]);
+        }
+    }
+    sums.iter().sum()
+}
+
+/// Largest squared distance of the points of frames that are no farther apart than `limit`.
+pub(crate) fn squared_reach(limit: f32) -> f32 {
+    limit * limit * (1.0 + SLACK) + 1e-7
 }
 
 /// Leading eigenvectors of the covariance, by subspace iteration.
