@@ -30,14 +30,9 @@ pub(super) fn choose(
     matches.par_iter().map(|links| choose_of_one(links, outcomes, threshold, config)).collect()
 }
 
-/// Links that are chosen of one event, at most.
-pub(super) fn most(config: &GraphConfig) -> usize {
-    config.max_actions.saturating_sub(1 + RESERVED).max(1)
-}
-
 /// As [`choose`], of one event. Whatever a lower threshold chooses is among what a higher one does.
 pub(super) fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, config: &GraphConfig) -> Vec<Link> {
-    let most = most(config);
+    let most = config.max_actions.saturating_sub(1 + RESERVED).max(1);
     let mut chosen: Vec<Link> = Vec::new();
     for link in all {
         let kind = kind_of(&outcomes[link.event]);

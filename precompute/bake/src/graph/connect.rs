@@ -3,7 +3,7 @@
 use super::component::{EventGraph, largest_component};
 use super::config::GraphConfig;
 use super::events::{self, Event};
-use super::matches;
+use super::matches::{self, Finder};
 use super::report::{self, GraphReport};
 use super::{MotionGraph, bridge, choose, collapse};
 use crate::features::Features;
@@ -13,7 +13,11 @@ use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
 
 /// Steps of the search for the threshold; each halves the interval.
-const SEARCH_STEPS: usize = 16;
+const SEARCH_STEPS: usize = 12;
+/// Share of the largest error up to which links are looked for first.
+const FIRST_SHARE: f32 = 1.0 / 16.0;
+/// By how much that grows while there are too few.
+const GROWTH: f32 = 1.3;
 
 /// Connects similar frames to a graph of states and actions.
 ///
@@ -46,10 +50,11 @@ pub fn connect(
         let message = format!("expected features of {} frames, found {}", clips.num_frames(), features.num_frames());
         return Err(fail(message, "Extract the features from the same clips"));
     }
-    let search = Search::new(clips, features, config, rate_hz, progress);
-    let (graph, threshold) = search.run();
+    let events = events::find(clips, config);
+    let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
+    let (graph, threshold) = Search::new(clips, &events, features, &outcomes, config, rate_hz, progress).run();
     let standing = events::standing_frames(clips, config);
-    let report = report::report(&graph, clips, &standing, search.events.len(), threshold);
+    let report = report::report(&graph, clips, &standing, events.len(), threshold);
     if (report.frames_kept as f64) < config.min_component_s * rate_hz || graph.states.is_empty() {
         return Err(too_small(&report, config, rate_hz));
     }
@@ -115,13 +120,14 @@ fn too_small(report: &GraphReport, config: &GraphConfig, rate_hz: f64) -> BuildE
     }
 }
 
-/// Everything that does not depend on the threshold.
+/// The search for a graph of the wanted branching.
 struct Search<'a> {
     clips: &'a ClipSet,
     config: &'a GraphConfig,
-    events: Vec<Event>,
-    outcomes: Vec<Planar>,
-    /// All event frames; its links are every transition up to the largest error.
+    events: &'a [Event],
+    outcomes: &'a [Planar],
+    finder: Finder<'a>,
+    /// All event frames; its links are those that the finder keeps, within the component.
     whole: EventGraph,
     /// The largest component of `whole`.
     alive: Vec<bool>,
@@ -132,13 +138,14 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(
         clips: &'a ClipSet,
-        features: &Features,
+        events: &'a [Event],
+        features: &'a Features,
+        outcomes: &'a [Planar],
         config: &'a GraphConfig,
         rate_hz: f64,
         progress: &dyn Progress,
     ) -> Self {
-        let events = events::find(clips, config);
-        let next = matches::successors(&events);
+        let next = matches::successors(events);
         let (mut frames, mut worth) = (vec![0; events.len()], vec![0; events.len()]);
         let starts = clips.frame_starts();
         for (i, n) in next.iter().enumerate() {
@@ -150,35 +157,53 @@ impl<'a> Search<'a> {
         }
         let limit = config.max_error.max(config.threshold.unwrap_or(0.0)) as f32;
         let min_jump = (config.min_jump_s * rate_hz).round() as u32;
-        let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
-        let links = matches::find(&events, features, &outcomes, limit, min_jump, config, progress);
-        let mut whole = EventGraph { next, frames, worth, links };
+        let finder = Finder::new(events, features, outcomes, limit, min_jump, config, progress);
+        let whole = EventGraph { next, frames, worth, links: Vec::new() };
         let most_frames = (config.max_action_s * rate_hz).round() as u32;
-        let alive = largest_component(&whole, most_frames);
-        whole.restrict(&alive);
-        Self { clips, config, events, outcomes, whole, alive, most_frames }
+        Self { clips, config, events, outcomes, finder, whole, alive: Vec::new(), most_frames }
     }
 
     /// The graph at the threshold that is given, or at the least one that reaches the wanted branching, or at
     /// the largest error.
-    fn run(&self) -> (MotionGraph, f32) {
-        let threshold = self.config.threshold.map_or_else(|| self.find_threshold(), |t| t as f32);
+    fn run(mut self) -> (MotionGraph, f32) {
+        let threshold = match self.config.threshold {
+            Some(threshold) => {
+                self.reach(threshold as f32);
+                threshold as f32
+            }
+            None => self.find_threshold(),
+        };
         let (graph, alive) = self.events_at(threshold);
-        (collapse::collapse(&graph, &alive, &self.events, self.clips), threshold)
+        (collapse::collapse(&graph, &alive, self.events, self.clips), threshold)
     }
 
-    fn find_threshold(&self) -> f32 {
-        let suffices = |threshold| {
-            let (graph, alive) = self.events_at(threshold);
-            collapse::branching(&graph, &alive) >= self.config.branching
-        };
-        let (mut low, mut high) = (0.0, self.config.max_error as f32);
-        if !suffices(high) {
-            return high;
+    /// Finds the links for thresholds up to one, and their largest component.
+    fn reach(&mut self, threshold: f32) {
+        self.whole.links = self.finder.links(threshold);
+        self.alive = largest_component(&self.whole, self.most_frames);
+        self.whole.restrict(&self.alive);
+    }
+
+    fn suffices(&self, threshold: f32) -> bool {
+        let (graph, alive) = self.events_at(threshold);
+        collapse::branching(&graph, &alive) >= self.config.branching
+    }
+
+    /// Much motion has enough choices among near frames: it is looked for nearby first.
+    fn find_threshold(&mut self) -> f32 {
+        let most = self.config.max_error as f32;
+        let (mut low, mut high) = (0.0, most * FIRST_SHARE);
+        self.reach(high);
+        while !self.suffices(high) {
+            if high >= most {
+                return most;
+            }
+            (low, high) = (high, (high * GROWTH).min(most));
+            self.reach(high);
         }
         for _ in 0..SEARCH_STEPS {
             let middle = 0.5 * (low + high);
-            if suffices(middle) {
+            if self.suffices(middle) {
                 high = middle;
             } else {
                 low = middle;
@@ -189,7 +214,7 @@ impl<'a> Search<'a> {
 
     /// The event graph with the links that are chosen at a threshold, and its component.
     fn events_at(&self, threshold: f32) -> (EventGraph, Vec<bool>) {
-        let links = choose::choose(&self.whole.links, &self.outcomes, threshold, self.config);
+        let links = choose::choose(&self.whole.links, self.outcomes, threshold, self.config);
         let whole = &self.whole;
         let (next, frames, worth) = (whole.next.clone(), whole.frames.clone(), whole.worth.clone());
         let mut graph = EventGraph { next, frames, worth, links };

@@ -33,56 +33,11 @@ pub(super) fn successors(events: &[Event]) -> Vec<Option<usize>> {
 /// Nearest links that every event keeps besides those that may be chosen: what may join the parts of the graph.
 pub(super) const NEAREST: usize = 64;
 /// By how much the radius of a search grows until it holds enough.
-const GROWTH: f32 = 1.25;
+const GROWTH: f32 = 1.5;
 
-/// For every event the ones like it that a graph may need, best first (events.len()).
-///
-/// - `limit`: largest distance (rad).
-/// - `outcomes`: where the motion after each event leads.
-///
-/// A link is possible from any event to one of the same kind up to the limit. Left out are events after which no other
-/// event comes, events nearer than `min_jump` frames in the same run, and within one standing run all but the local
-/// minima of the distance. Of the possible links of an event, those are kept that [`choose_of_one`] may choose at any
-/// threshold, the nearest 64, and the way back of every link that is kept of another event: so that no event is lost
-/// because those like it have many others.
-///
-/// Found through k-d trees over points whose distance is never above that of the frames: the same as by looking at all
-/// pairs.
-pub(super) fn find(
-    events: &[Event],
-    features: &Features,
-    outcomes: &[Planar],
-    limit: f32,
-    min_jump: u32,
-    config: &GraphConfig,
-    progress: &dyn Progress,
-) -> Vec<Vec<Link>> {
-    progress.begin("graph", events.len() as u64, "event frames");
-    let search = Search::new(events, features, outcomes, limit, min_jump, config);
-    let mut links: Vec<Vec<Link>> = (0..events.len())
-        .into_par_iter()
-        .map(|i| {
-            let links = search.kept(i);
-            progress.advance(1);
-            links
-        })
-        .collect();
-    let back = |(i, links): (usize, &Vec<Link>)| -> Vec<(usize, Link)> {
-        let back = links.iter().map(|l| (l.event, Link { event: i, error: l.error }));
-        back.filter(|(from, link)| search.is_possible(*from, link)).collect()
-    };
-    let ways_back: Vec<Vec<(usize, Link)>> = links.par_iter().enumerate().map(back).collect();
-    ways_back.into_iter().flatten().for_each(|(from, link)| links[from].push(link));
-    links.par_iter_mut().for_each(|links| {
-        choose::sort(links);
-        links.dedup_by_key(|l| l.event);
-    });
-    progress.end();
-    links
-}
-
-/// What the links of all events are found with.
-struct Search<'a> {
+/// Finds which events are alike, through k-d trees over points whose distance is never above that of the frames: the
+/// same as by looking at all pairs.
+pub(super) struct Finder<'a> {
     events: &'a [Event],
     features: &'a Features,
     outcomes: &'a [Planar],
@@ -95,16 +50,22 @@ struct Search<'a> {
     /// Events before and after each in its standing run (events.len()).
     beside: Vec<[Option<usize>; 2]>,
     next: Vec<Option<usize>>,
+    /// The best link of every event to each kind of outcome (events.len()).
+    of_kinds: Vec<Vec<Link>>,
 }
 
-impl<'a> Search<'a> {
-    fn new(
+impl<'a> Finder<'a> {
+    /// - `outcomes`: where the motion after each event leads.
+    /// - `limit`: largest distance (rad).
+    /// - `min_jump`: events nearer to each other in the same run are not linked (frames).
+    pub fn new(
         events: &'a [Event],
         features: &'a Features,
         outcomes: &'a [Planar],
         limit: f32,
         min_jump: u32,
         config: &'a GraphConfig,
+        progress: &dyn Progress,
     ) -> Self {
         let points = project(features, &events.iter().map(|e| e.frame).collect::<Vec<_>>());
         let next = successors(events);
@@ -120,7 +81,48 @@ impl<'a> Search<'a> {
             beside[pair[0]][1] = Some(pair[1]);
             beside[pair[1]][0] = Some(pair[0]);
         }
-        Self { events, features, outcomes, limit, min_jump, config, points, trees, beside, next }
+        let of_kinds = Vec::new();
+        let mut finder =
+            Self { events, features, outcomes, limit, min_jump, config, points, trees, beside, next, of_kinds };
+        progress.begin("graph", events.len() as u64, "event frames");
+        let of_kinds = |i: usize| {
+            let best = finder.trees_of(i).iter().filter_map(|tree| finder.nearest(i, tree)).collect();
+            progress.advance(1);
+            best
+        };
+        finder.of_kinds = (0..events.len()).into_par_iter().map(of_kinds).collect();
+        progress.end();
+        finder
+    }
+
+    /// For every event the ones like it that a graph may need, best first (events.len()).
+    ///
+    /// - `threshold`: the largest one at which links will be chosen.
+    ///
+    /// A link is possible from any event to one of the same kind up to the limit. Left out are events after which no
+    /// other event comes, events nearer than `min_jump` frames in the same run, and within one standing run all but the
+    /// local minima of the distance. Of the possible links of an event, those are kept that [`choose::choose`] may choose
+    /// up to the threshold, the nearest 64, and the way back of every link that is kept of another event: so that no
+    /// event is lost because those like it have many others.
+    pub fn links(&self, threshold: f32) -> Vec<Vec<Link>> {
+        let mut links: Vec<Vec<Link>> =
+            (0..self.events.len()).into_par_iter().map(|i| self.kept(i, threshold)).collect();
+        let back = |(i, links): (usize, &Vec<Link>)| -> Vec<(usize, Link)> {
+            let back = links.iter().map(|l| (l.event, Link { event: i, error: l.error }));
+            back.filter(|(from, link)| self.is_possible(*from, link)).collect()
+        };
+        let ways_back: Vec<Vec<(usize, Link)>> = links.par_iter().enumerate().map(back).collect();
+        ways_back.into_iter().flatten().for_each(|(from, link)| links[from].push(link));
+        links.par_iter_mut().for_each(|links| {
+            choose::sort(links);
+            links.dedup_by_key(|l| l.event);
+        });
+        links
+    }
+
+    /// The events that an event may lead to, by kind of outcome.
+    fn trees_of(&self, i: usize) -> &[Tree] {
+        self.trees.get(&self.events[i].kind).map_or(&[], Vec::as_slice)
     }
 
     /// The distance of two events where it is at most `limit`.
@@ -144,24 +146,20 @@ impl<'a> Search<'a> {
     }
 
     /// The links of an event that are kept for its own sake.
-    fn kept(&self, i: usize) -> Vec<Link> {
-        let Some(trees) = self.trees.get(&self.events[i].kind) else { return Vec::new() };
-        let of_kinds: Vec<Link> = trees.iter().filter_map(|tree| self.nearest(i, tree)).collect();
-        let first = of_kinds.iter().map(|l| l.error).fold(self.limit, f32::min);
-        let mut radius = (GROWTH * first).clamp(1e-3 * self.limit, self.limit);
-        loop {
-            let mut links = self.within(i, trees, radius);
-            let num_within = links.len();
-            links.extend(of_kinds.iter().filter(|l| l.error > radius));
-            choose::sort(&mut links);
-            let mut kept = choose::choose_of_one(&links, self.outcomes, radius, self.config);
-            let is_enough = kept.len() >= choose::most(self.config) && num_within >= NEAREST;
-            if is_enough || radius >= self.limit {
-                kept.extend(&links[..num_within.min(NEAREST)]);
-                return kept;
-            }
+    fn kept(&self, i: usize, threshold: f32) -> Vec<Link> {
+        let threshold = threshold.min(self.limit);
+        let mut radius = threshold;
+        let mut links = self.within(i, radius);
+        while links.len() < NEAREST && radius < self.limit {
             radius = (radius * GROWTH).min(self.limit);
+            links = self.within(i, radius);
         }
+        let num_within = links.len();
+        links.extend(self.of_kinds[i].iter().filter(|l| l.error > radius));
+        choose::sort(&mut links);
+        let mut kept = choose::choose_of_one(&links, self.outcomes, threshold, self.config);
+        kept.extend(&links[..num_within.min(NEAREST)]);
+        kept
     }
 
     /// The nearest possible link to an event of a tree.
@@ -181,9 +179,9 @@ impl<'a> Search<'a> {
     }
 
     /// All possible links within a radius.
-    fn within(&self, i: usize, trees: &[Tree], radius: f32) -> Vec<Link> {
+    fn within(&self, i: usize, radius: f32) -> Vec<Link> {
         let (reach, mut links) = (squared_reach(radius), Vec::new());
-        for tree in trees {
+        for tree in self.trees_of(i) {
             tree.visit(&self.points[i], reach, &mut |k| {
                 let error = self.distance_within(i, k as usize, radius);
                 links.extend(error.map(|error| Link { event: k as usize, error }));

@@ -5,7 +5,7 @@ use super::choose::{choose, sort};
 use super::collapse::collapse;
 use super::component::{EventGraph, components, largest_component};
 use super::events::{Event, EventKind};
-use super::matches::{self, Link, NEAREST};
+use super::matches::{self, Finder, Link, NEAREST};
 use super::{GraphConfig, MotionGraph, StateId};
 use crate::features::{self, Features, FeaturesConfig};
 use glam::{Quat, Vec3};
@@ -179,13 +179,15 @@ proptest! {
         num_events in 1usize..400,
         variety in 0.02f32..1.0,
         limit in 0.01f32..0.8,
+        share in 0.1f32..1.0,
         max_actions in 6usize..64,
     ) {
         let (features, events, outcomes) = random_events(seed, num_events, variety);
         let config = GraphConfig { max_actions, ..GraphConfig::default() };
         let all = all_links(&events, &features, limit, 9);
-        let found = matches::find(&events, &features, &outcomes, limit, 9, &config, &Silent);
-        let mut kept = choose(&all, &outcomes, limit, &config);
+        let highest = share * limit;
+        let found = Finder::new(&events, &features, &outcomes, limit, 9, &config, &Silent).links(highest);
+        let mut kept = choose(&all, &outcomes, highest, &config);
         kept.iter_mut().zip(&all).for_each(|(kept, all)| kept.extend(all.iter().take(NEAREST)));
         let back: Vec<(usize, Link)> = kept
             .iter()
@@ -200,7 +202,7 @@ proptest! {
         }
         prop_assert_eq!(&found, &kept);
         for share in [0.0, 0.2, 0.5, 0.8, 1.0] {
-            let threshold = share * limit;
+            let threshold = share * highest;
             prop_assert_eq!(choose(&found, &outcomes, threshold, &config), choose(&all, &outcomes, threshold, &config));
         }
     }
