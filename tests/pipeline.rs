@@ -218,10 +218,7 @@ fn an_unchanged_build_only_hashes_and_writes() {
 
     let first = build(&config, &out, &cache);
     assert!(first.cached.is_empty());
-    assert_eq!(
-        stages(&first),
-        ["clips", "features", "graph", "hash", "import", "policy", "retarget", "write"]
-    );
+    assert_eq!(stages(&first), ["clips", "features", "graph", "hash", "import", "policy", "retarget", "write"]);
     let made = bytes();
     let second = build(&config, &out, &cache);
     assert_eq!((stages(&second), second.cached), (vec!["hash", "write"], vec!["motion", "graph", "policy"]));

@@ -70,9 +70,8 @@ fn make(
 
     let from = s.run("hash", |_| provenance::collect(cfg))?;
     let motion_cfg = (cfg.motion(), parts == Parts::Possible);
-    let motion = s.several("motion", &[from.key()?], &motion_cfg, || {
-        motion::collect(cfg, parts, units.as_ref(), &from, &s)
-    })?;
+    let motion =
+        s.several("motion", &[from.key()?], &motion_cfg, || motion::collect(cfg, parts, units.as_ref(), &from, &s))?;
     let clips = &motion.clips;
     let features = s.on_demand("features", &[motion.key], &cfg.features, || features::extract(clips, &cfg.features))?;
     let blends = blends(cfg, &motion, motion.key, &mut attempts, &s)?;

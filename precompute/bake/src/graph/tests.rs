@@ -124,7 +124,11 @@ fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<E
         let joint = |j: usize, noise: Vec3| {
             Quat::from_scaled_axis(ways.iter().zip(by).map(|(way, by)| way[j] * by).sum::<Vec3>() + noise)
         };
-        rotations.extend(if pose.is_empty() { (0..NUM_JOINTS).map(|j| joint(j, vector(0.02))).collect() } else { pose });
+        rotations.extend(if pose.is_empty() {
+            (0..NUM_JOINTS).map(|j| joint(j, vector(0.02))).collect()
+        } else {
+            pose
+        });
     }
     let clip = Clip::new("c", 30.0, vec![Vec3::Y; 3 * num_events], rotations);
     let set = ClipSet { skeleton: Skeleton::default(), clips: vec![clip] };
@@ -150,7 +154,9 @@ fn all_links(events: &[Event], features: &Features, limit: f32, min_jump: u32) -
     let error = |i: usize, k: usize| features.distance(events[i].frame, events[k].frame);
     let is_near = |a: &Event, b: &Event| a.run == b.run && a.frame.0.abs_diff(b.frame.0) < min_jump;
     let of_event = |i: usize| {
-        let same = |k: usize, n: usize| n != i && events[k].standing_run.is_some() && events[n].standing_run == events[k].standing_run;
+        let same = |k: usize, n: usize| {
+            n != i && events[k].standing_run.is_some() && events[n].standing_run == events[k].standing_run
+        };
         let is_minimum = |k: usize| {
             !(k > 0 && same(k, k - 1) && error(i, k - 1) <= error(i, k))
                 && !(k + 1 < events.len() && same(k, k + 1) && error(i, k + 1) < error(i, k))

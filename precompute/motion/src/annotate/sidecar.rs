@@ -264,11 +264,7 @@ impl Sidecars {
     ///
     /// # Errors
     /// As [`Sidecars::insert`] and [`Sidecars::insert_beside`]; a sidecar of a clip that is not there.
-    pub fn collect(
-        raw: &ImportedSet,
-        names: &[String],
-        table: &BTreeMap<String, Sidecar>,
-    ) -> Result<Self, BuildError> {
+    pub fn collect(raw: &ImportedSet, names: &[String], table: &BTreeMap<String, Sidecar>) -> Result<Self, BuildError> {
         let mut out = Self::default();
         let mut rates = BTreeMap::new();
         for (Imported { clip, .. }, name) in raw.clips.iter().zip(names) {
