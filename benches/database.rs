@@ -26,8 +26,7 @@ type Failure = Box<dyn std::error::Error>;
 /// Names the folder of clips that a process is to bake.
 const BAKE: &str = "THRONG_BENCH_DATABASE";
 /// Stages of the table, in order.
-const STAGES: [&str; 9] =
-    ["import", "retarget", "resample", "annotate", "features", "graph", "policy", "hash", "write"];
+const STAGES: [&str; 7] = ["import", "retarget", "clips", "graph", "policy", "hash", "write"];
 
 fn main() -> Result<(), Failure> {
     if let Some(folder) = std::env::var_os(BAKE) {

@@ -115,7 +115,7 @@ fn wandering(num_clips: usize) -> ClipSet {
 
 fn connect(clips: &ClipSet, config: &GraphConfig) -> Result<(MotionGraph, GraphReport, Features), BuildError> {
     let features = features::extract(clips, &FeaturesConfig::default())?;
-    let (graph, report) = graph::connect(clips, &features, config, &Silent)?;
+    let (graph, report) = graph::connect(clips, &FeaturesConfig::default(), config, &Silent)?;
     Ok((graph, report, features))
 }
 

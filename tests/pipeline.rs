@@ -218,10 +218,7 @@ fn an_unchanged_build_only_hashes_and_writes() {
 
     let first = build(&config, &out, &cache);
     assert!(first.cached.is_empty());
-    assert_eq!(
-        stages(&first),
-        ["annotate", "features", "graph", "hash", "import", "policy", "resample", "retarget", "write"]
-    );
+    assert_eq!(stages(&first), ["clips", "features", "graph", "hash", "import", "policy", "retarget", "write"]);
     let made = bytes();
     let second = build(&config, &out, &cache);
     assert_eq!((stages(&second), second.cached), (vec!["hash", "write"], vec!["motion", "graph", "policy"]));
@@ -243,6 +240,27 @@ fn an_unchanged_build_only_hashes_and_writes() {
     std::fs::write(&clip, text + "\n").expect("a clip");
     let other = build(&config, &out, &cache);
     assert!(other.cached.is_empty(), "a changed clip was not read again: {:?}", other.cached);
+}
+
+#[test]
+fn one_more_performer_costs_the_files_of_that_one() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    write_clips(&clips, 0.6);
+    let first = std::fs::read_to_string(clips.join("walk_00.bvh")).expect("a clip");
+    let num_files = std::fs::read_dir(&clips).expect("the folder").count();
+    let cache = Cache::in_folder(folder.path().join("cache"));
+    let config = small_config(vec![clips.clone()]);
+    assert_eq!(build(&config, &out, &cache).clips_kept, 0);
+    // The same walk by somebody with shorter arms.
+    let other = first.replace("OFFSET 29.000000", "OFFSET 27.000000");
+    assert!(other != first, "no upper arm of that length");
+    std::fs::write(clips.join("other.bvh"), other).expect("a clip");
+    let more = build(&config, &out, &cache);
+    assert_eq!((more.files_kept, more.clips_kept, more.performers.len()), (num_files, num_files, 2));
+    let made = std::fs::read(&out).expect("a bundle");
+    build(&config, &out, &Cache::none());
+    assert!(made == std::fs::read(&out).expect("a bundle"), "the cache changes nothing");
 }
 
 #[test]

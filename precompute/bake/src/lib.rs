@@ -7,6 +7,7 @@ pub mod environment;
 pub mod examples;
 pub mod features;
 pub mod graph;
+mod motion;
 pub mod parts;
 pub mod patch;
 pub mod pipeline;

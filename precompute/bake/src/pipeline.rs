@@ -7,23 +7,19 @@ use crate::examples::BlendSpaces;
 use crate::parts::{Attempts, Parts};
 use crate::patch::{self, PatchConfig, Patches, TileConfig};
 use crate::policy::Policy;
-use crate::provenance::Provenance;
 use crate::report::{self, BuildReport, Built};
-use crate::stages::{Motion, Output, Performer, Stages};
+use crate::stages::{Motion, Output, Stages};
 use crate::write::{self, Baked};
-use crate::{cluster, examples, features, graph, policy, provenance};
+use crate::{cluster, examples, features, graph, motion, policy, provenance};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Warnings};
-use throng_motion::import::{Clips, Imported, ImportedSet, MotionFile};
+use throng_motion::import::Imported;
 use throng_motion::progress::Progress;
 use throng_motion::resample::ResampleConfig;
-use throng_motion::{annotate, files, import, resample, retarget};
-use throng_synth as synth;
+use throng_motion::{annotate, files, resample, retarget};
 
 /// Bakes the files of a config into a bundle.
 ///
@@ -74,7 +70,8 @@ fn make(
 
     let from = s.run("hash", |_| provenance::collect(cfg))?;
     let motion_cfg = (cfg.motion(), parts == Parts::Possible);
-    let motion = s.several("motion", &[from.key()?], &motion_cfg, || motion(cfg, parts, units.as_ref(), &from, &s))?;
+    let motion =
+        s.several("motion", &[from.key()?], &motion_cfg, || motion::collect(cfg, parts, units.as_ref(), &from, &s))?;
     let clips = &motion.clips;
     let features = s.on_demand("features", &[motion.key], &cfg.features, || features::extract(clips, &cfg.features))?;
     let blends = blends(cfg, &motion, motion.key, &mut attempts, &s)?;
@@ -89,13 +86,14 @@ fn make(
         None => None,
     };
     let connected = s.stage("graph", &[features.key], &cfg.graph, |p| match cfg.graph.enabled {
-        true => graph::connect(clips, features.get()?, &cfg.graph, p),
+        true => graph::connect(clips, &cfg.features, &cfg.graph, p),
         false => graph::none(clips, &cfg.graph),
     });
     let (connected, graph_key) = match attempts.made("policies", connected)? {
         Some(connected) => (connected.value, connected.key),
         None => (graph::none(clips, &cfg.graph)?, features.key),
     };
+    drop(features);
     let (graph, graph_report) = &connected;
     let policies = policies(cfg, clips, (graph, graph_key), &mut attempts, &s)?;
 
@@ -107,7 +105,6 @@ fn make(
     let baked = Baked { clips, graph, policies: &policies, groups, patches, blends: &blends.spaces, meta: &meta };
     let written = s.run("write", |_| write::bundle(&baked, out))?;
     let built = Built { motion: &motion, baked, blends: &blends, graph: graph_report, written };
-    drop(features);
     let (timing, warnings) = s.finish();
     Ok(BuildReport { not_made: attempts.not_made, ..report::of_build(cfg, &built, timing, warnings) })
 }
@@ -198,80 +195,6 @@ fn policies(
         }
     }
     Ok(all)
-}
-
-/// Reads files, or finds what an earlier build has read, file by file.
-///
-/// - returns how many were found, too.
-fn read(
-    cfg: &BuildConfig,
-    from: &Provenance,
-    s: &Stages<'_>,
-    p: &dyn Progress,
-) -> Result<(ImportedSet, usize), BuildError> {
-    let (cache, kept) = (s.cache(), AtomicUsize::new(0));
-    let reader = |file: &MotionFile, read: &dyn Fn() -> Clips| {
-        let Ok(key) = from.key_of(&file.path, &cfg.import) else { return read() };
-        let (imported, was_kept) = cache.each("import", key, read)?;
-        kept.fetch_add(usize::from(was_kept), Ordering::Relaxed);
-        Ok(imported)
-    };
-    let set = import::read_by(&reader, &cfg.inputs, &cfg.import, p)?.some()?;
-    cache.settle();
-    Ok((set, kept.into_inner()))
-}
-
-/// Files, or motion made by rule, to annotated clips of one skeleton.
-fn motion(
-    cfg: &BuildConfig,
-    parts: Parts,
-    units: Option<&UnitSet>,
-    from: &Provenance,
-    s: &Stages<'_>,
-) -> Result<Motion, BuildError> {
-    let ((mut raw, files_kept), sidecars) = s.run("import", |p| match &cfg.synth {
-        Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import).map(|(set, marks)| ((set, 0), marks)),
-        None => Ok((read(cfg, from, s, p)?, BTreeMap::new())),
-    })?;
-    let mut warnings = Warnings::default();
-    let mut skipped: Vec<String> = raw.skipped.iter().map(ToString::to_string).collect();
-    let repeated = tell_repeated(&mut raw, parts);
-    if parts == Parts::Possible {
-        skipped.extend(repeated)
-    } else {
-        warnings.messages.extend(repeated)
-    }
-    let imported = &raw.clips;
-    warnings.messages.extend(imported.iter().flat_map(|c| c.warnings.messages.iter().cloned()));
-    let performers = retarget::performers(imported);
-    let clips = s.run("retarget", |_| retarget::onto(imported, &cfg.retarget, &mut warnings))?;
-    let performer = |indices: Vec<usize>| Performer {
-        height_m: imported[indices[0]].height,
-        clips: indices.iter().map(|&i| clips.clips[i].name.clone()).collect(),
-    };
-    let performers = performers.into_iter().map(performer).collect();
-    let clips = s.run("resample", |_| resample::resample(&clips, &cfg.resample))?;
-    let sidecars = sidecars.into_iter().chain(cfg.clips.clone()).collect();
-    let marks = annotate::Sidecars::collect(&raw, &clips, &sidecars)?;
-    let mut clips = s.run("annotate", |_| annotate::annotate(&clips, &cfg.annotate, &marks))?;
-    if let Some(units) = units {
-        s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
-    }
-    Ok(Motion { clips, skipped, performers, files_kept, warnings })
-}
-
-/// Says which clips hold the motion of others; where only what is possible is made, they are left out.
-fn tell_repeated(raw: &mut ImportedSet, parts: Parts) -> Vec<String> {
-    let repeated = raw.repeated();
-    let path = |i: usize| raw.clips[i].clip.path.display();
-    let end = if parts == Parts::Possible { "; it is left out" } else { "" };
-    let told = repeated.iter().map(|&[first, i]| format!("{}: the same motion as {}{end}", path(i), path(first)));
-    let told = told.collect();
-    if parts == Parts::Possible {
-        let mut place = 0..;
-        raw.clips.retain(|_| place.next().is_none_or(|i: usize| repeated.iter().all(|[_, later]| *later != i)));
-    }
-    told
 }
 
 /// Motion patches of the environments in which clips were captured, and of tiles.

@@ -24,6 +24,28 @@ pub struct Provenance {
     along: BTreeMap<PathBuf, Vec<PathBuf>>,
 }
 
+/// What the keys of single motion files are made of.
+pub struct FileKeys<'a> {
+    config: &'a ImportConfig,
+    /// Skeleton and profiles that the config names.
+    given: Vec<&'a SourceMeta>,
+    files: BTreeMap<&'a Path, &'a SourceMeta>,
+    along: &'a BTreeMap<PathBuf, Vec<PathBuf>>,
+}
+
+impl FileKeys<'_> {
+    /// The key of what one motion file is read as: of the file, of what is read along with it and of the profiles.
+    ///
+    /// # Errors
+    /// Never in practice, as [`Provenance::key`].
+    pub fn key_of(&self, file: &Path) -> Result<Key, BuildError> {
+        let whole = import::clip_in_file(file).map_or(file.to_path_buf(), |(whole, _)| whole);
+        let along = self.along.get(&whole).into_iter().flatten();
+        let read: Vec<_> = std::iter::once(&whole).chain(along).map(|path| self.files.get(&**path)).collect();
+        Key::of("file", &[], &(file, read, &self.given, self.config))
+    }
+}
+
 /// Finds and hashes every file that the motion stages read; synthetic motion is named by what it is made by.
 ///
 /// # Errors
@@ -112,19 +134,12 @@ impl Provenance {
         Key::of("sources", &[], &self.sources)
     }
 
-    /// The key of what one motion file is read as: of the file, of what is read along with it and of the profiles.
-    ///
-    /// # Errors
-    /// Never in practice, as [`Provenance::key`].
-    pub fn key_of(&self, file: &Path, config: &ImportConfig) -> Result<Key, BuildError> {
-        let given = |path: &Path| config.asf.iter().chain(&config.profiles).any(|p| p == path);
-        let whole = import::clip_in_file(file).map_or(file.to_path_buf(), |(whole, _)| whole);
-        let along = self.along.get(&whole);
-        let counts = |s: &&SourceMeta| {
-            let path = Path::new(&s.path);
-            path == whole || given(path) || along.is_some_and(|all| all.iter().any(|p| p == path))
-        };
-        Key::of("file", &[], &(file, self.sources.iter().filter(counts).collect::<Vec<_>>(), config))
+    /// The keys of what single files are read as.
+    pub fn file_keys<'a>(&'a self, config: &'a ImportConfig) -> FileKeys<'a> {
+        let is_given = |path: &Path| config.asf.iter().chain(&config.profiles).any(|p| p == path);
+        let files: BTreeMap<_, _> = self.sources.iter().map(|s| (Path::new(&s.path), s)).collect();
+        let given = self.sources.iter().filter(|s| is_given(Path::new(&s.path))).collect();
+        FileKeys { config, given, files, along: &self.along }
     }
 
     /// What the bundle says of itself; clips and behaviours are filled in when it is written.
@@ -172,7 +187,7 @@ mod tests {
             let found = collect(&config).unwrap();
             assert_eq!(found.sources.len(), 2);
             // A clip of several is as its file is.
-            [at("m.gltf"), at("m.gltf/Run")].map(|p| found.key_of(&p, &config.import).unwrap())
+            [at("m.gltf"), at("m.gltf/Run")].map(|p| found.file_keys(&config.import).key_of(&p).unwrap())
         };
         let (first, second) = (keys(&[1]), keys(&[2]));
         assert!(first[0] != second[0] && first[1] != second[1]);

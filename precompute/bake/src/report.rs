@@ -43,7 +43,7 @@ pub struct BuildReport {
     pub seconds_total: f64,
     /// Time of each stage that ran (s).
     pub stage_s: BTreeMap<&'static str, f64>,
-    /// Outputs that were read from the cache: `motion` stands for import to annotate.
+    /// Outputs that were read from the cache: `motion` stands for import to clips.
     pub cached: Vec<&'static str>,
     /// Pose groups of the frames; 0 in a build without patches, which alone need them.
     pub pose_groups: usize,
@@ -88,6 +88,8 @@ pub struct BuildReport {
     pub performers: Vec<Performer>,
     /// Files that an earlier build had read, where the stage `import` ran.
     pub files_kept: usize,
+    /// Files whose clips an earlier build had made, where the stage `clips` ran.
+    pub clips_kept: usize,
     /// Files that were skipped, and why.
     pub skipped: Vec<String>,
     /// What is odd but tolerable.
@@ -156,6 +158,7 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
         not_made: Vec::new(),
         performers: motion.performers.clone(),
         files_kept: motion.files_kept,
+        clips_kept: motion.clips_kept,
         skipped: motion.skipped.clone(),
         warnings,
     }

@@ -29,6 +29,8 @@ pub struct Motion {
     pub performers: Vec<Performer>,
     /// Files that an earlier build had read.
     pub files_kept: usize,
+    /// Files whose clips an earlier build had made.
+    pub clips_kept: usize,
     /// What is odd but tolerable.
     pub warnings: Warnings,
 }

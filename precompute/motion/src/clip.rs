@@ -103,9 +103,11 @@ pub struct Clip {
     /// Frames a second (Hz, > 0).
     pub rate_hz: f64,
     /// Hips position in the world (m, num_frames).
+    #[serde(with = "crate::pod")]
     pub root_positions: Vec<Vec3>,
     /// Joint rotations relative to the parent; the hips' relative to the world.
     /// (num_frames * NUM_JOINTS), row-major by frame. Unit; neighbouring frames have a positive dot product.
+    #[serde(with = "crate::pod")]
     pub rotations: Vec<Quat>,
     /// Foot contacts; empty before the annotate stage (num_frames).
     pub contacts: Vec<Contacts>,
@@ -117,6 +119,7 @@ pub struct Clip {
     pub hits: Vec<Hit>,
     /// Height of what holds the character up: the lowest thing that a planted part touches, between contacts that of
     /// the last one. Empty where all of it is the ground at y = 0 (m, num_frames or 0).
+    #[serde(with = "crate::pod")]
     pub support: Vec<f32>,
 }
 

@@ -38,6 +38,30 @@ impl ResampleConfig {
     }
 }
 
+/// Refuses more frames than a database may have.
+///
+/// - `seconds`: lengths of the clips.
+///
+/// # Errors
+/// [`BuildError::Key`] with the number of frames that they would have.
+pub fn check_length(seconds: impl Iterator<Item = f64>, cfg: &ResampleConfig) -> Result<(), BuildError> {
+    let copies = if cfg.mirror { 2.0 } else { 1.0 };
+    let (mut total, mut frames) = (0.0, 0.0);
+    for s in seconds {
+        total += s;
+        frames += copies * (s * cfg.rate_hz + 1.0);
+    }
+    if frames <= MAX_FRAMES {
+        return Ok(());
+    }
+    let why = format!(
+        "{total:.0} s of motion at {} Hz would be {frames:.0} frames, expected {MAX_FRAMES} at most. Take fewer clips, a \
+         lower rate, or set `import.rate_hz` where files name a wrong one",
+        cfg.rate_hz
+    );
+    Err(BuildError::key("resample.rate_hz", why))
+}
+
 /// Brings all clips to one rate and adds mirrored copies, each after its original.
 ///
 /// Rotations by slerp, hips positions linearly, between the two frames on either side; a clip that has the rate
@@ -50,18 +74,7 @@ impl ResampleConfig {
 /// [`BuildError::Config`] for a rate outside its limits.
 pub fn resample(clips: &ClipSet, cfg: &ResampleConfig) -> Result<ClipSet, BuildError> {
     cfg.check().map_err(|e| e.within("resample"))?;
-    let seconds = |c: &Clip| c.num_frames() as f64 / c.rate_hz;
-    let copies = if cfg.mirror { 2.0 } else { 1.0 };
-    let frames: f64 = clips.clips.iter().map(|c| copies * (seconds(c) * cfg.rate_hz + 1.0)).sum();
-    if frames.is_nan() || frames > MAX_FRAMES {
-        let why = format!(
-            "{:.0} s of motion at {} Hz would be {frames:.0} frames, expected {MAX_FRAMES} at most. Take fewer clips, a \
-             lower rate, or set `import.rate_hz` where files name a wrong one",
-            clips.clips.iter().map(seconds).sum::<f64>(),
-            cfg.rate_hz
-        );
-        return Err(BuildError::key("resample.rate_hz", why));
-    }
+    check_length(clips.clips.iter().map(|c| c.num_frames() as f64 / c.rate_hz), cfg)?;
     let per_clip: Vec<Vec<Clip>> = clips
         .clips
         .par_iter()

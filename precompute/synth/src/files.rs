@@ -85,7 +85,8 @@ mod tests {
         let raw = read(&files, &ImportConfig::default(), &Silent).unwrap();
         let bare = set.clips.iter().map(|c| Clip { tags: Vec::new(), ..c.clone() }).collect();
         let bare = ClipSet { skeleton: set.skeleton.clone(), clips: bare };
-        let marks = Sidecars::collect(&raw, &bare, &BTreeMap::new()).unwrap();
+        let names: Vec<String> = bare.clips.iter().map(|c| c.name.clone()).collect();
+        let marks = Sidecars::collect(&raw, &names, &BTreeMap::new()).unwrap();
         let annotated = annotate(&bare, &AnnotateConfig::default(), &marks).unwrap();
         assert!(set.clips[0].tags.len() > 10);
         assert_eq!(annotated.clips[0].tags, set.clips[0].tags);

@@ -2,8 +2,8 @@
 
 use super::linkage;
 use super::neighbours::{Below, Space};
-use super::projection::{DIMS, Point};
 use super::tree::Item;
+use crate::features::projection::{DIMS, Point};
 
 /// Near pairs that may be known at a time, about 36 bytes each: so many a frame, within limits.
 const PAIRS_A_FRAME: usize = 128;

@@ -5,7 +5,6 @@ mod classes;
 mod config;
 mod linkage;
 mod neighbours;
-mod projection;
 pub mod reference;
 mod tree;
 

@@ -1,9 +1,9 @@
 //! Which items are near each other.
 
 use super::linkage::{Distance, Neighbour};
-use super::projection::{self, Point};
 use super::tree::Item;
 use crate::features::Features;
+use crate::features::projection::{Point, SLACK, project, squared_gap, squared_reach};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use throng_motion::clip::FrameId;
@@ -15,9 +15,6 @@ pub(super) struct Space<'a> {
     pub points: Vec<Point>,
 }
 
-/// By how much the squared distance of points may exceed that of frames, by rounding.
-const SLACK: f32 = 1e-3;
-
 /// Frames of an item whose points are looked at to find near items.
 const GLANCE: usize = 6;
 /// Frames of an item that are looked at to estimate how far another item is.
@@ -25,7 +22,7 @@ const SAMPLE: usize = 32;
 
 impl<'a> Space<'a> {
     pub fn new(features: &'a Features) -> Self {
-        Self { features, points: projection::project(features) }
+        Self { features, points: project(features) }
     }
 
     /// Distance of two frames (rad).
@@ -133,21 +130,6 @@ fn both_ways(order: &[u32], half: Vec<Vec<Neighbour>>) -> Vec<Vec<Neighbour>> {
     }
     out.par_iter_mut().for_each(|near| near.sort_unstable_by_key(|n| n.item));
     out
-}
-
-pub(super) fn squared_gap(a: &Point, b: &Point) -> f32 {
-    let mut sums = [0.0f32; 4];
-    for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
-        for l in 0..4 {
-            sums[l] += (a[l] - b[l]) * (a[l] - b[l]);
-        }
-    }
-    sums.iter().sum()
-}
-
-/// Points farther apart than this belong to frames farther apart than `limit`.
-fn squared_reach(limit: f32) -> f32 {
-    limit * limit * (1.0 + SLACK) + 1e-7
 }
 
 /// What the distance of frames is at least whose points are that far apart.

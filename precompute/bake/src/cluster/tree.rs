@@ -2,6 +2,7 @@
 //! mostly without looking at pairs of frames.
 
 use super::neighbours::Space;
+use crate::features::projection::{DIMS, squared_gap};
 
 /// Frames that are together already.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,12 +116,12 @@ fn farthest(space: &Space, centre: u32, frames: &[u32]) -> f32 {
 
 /// The frame whose point is nearest to the mean of all points.
 fn middle(space: &Space, frames: &[u32]) -> u32 {
-    let mut sums = [0.0f64; super::projection::DIMS];
+    let mut sums = [0.0f64; DIMS];
     for &f in frames {
         sums.iter_mut().zip(&space.points[f as usize]).for_each(|(sum, x)| *sum += f64::from(*x));
     }
     let mean = sums.map(|sum| (sum / frames.len() as f64) as f32);
-    let gap = |f: u32| super::neighbours::squared_gap(&mean, &space.points[f as usize]);
+    let gap = |f: u32| squared_gap(&mean, &space.points[f as usize]);
     let gaps = frames.iter().map(|&f| (gap(f), f));
     gaps.min_by(|x, y| x.0.total_cmp(&y.0)).map_or(frames[0], |(_, f)| f)
 }

@@ -7,14 +7,14 @@ use throng_core::NUM_JOINTS;
 use throng_motion::clip::FrameId;
 
 /// Dimensions of the embedding: a rotation matrix a joint, what is Euclidean anyway, the vertical as the root sees it.
-pub(crate) const EMBEDDING: usize = 9 * (NUM_JOINTS - 1) + LINEAR + 3;
+pub(super) const EMBEDDING: usize = 9 * (NUM_JOINTS - 1) + LINEAR + 3;
 
 impl Features {
     /// The point of a frame.
     ///
     /// Rotations count as the chord `2 sin(a / 2)` instead of the angle `a`: of rotation matrices for the joints,
     /// which do not tell `q` from `-q`, and of the vertical in the root's frame, which a turn about it leaves alone.
-    pub(crate) fn embed(&self, frame: FrameId) -> [f32; EMBEDDING] {
+    pub(super) fn embed(&self, frame: FrameId) -> [f32; EMBEDDING] {
         let row = &self.rows[frame.0 as usize];
         let mut out = [0.0; EMBEDDING];
         let (joints, rest) = out.split_at_mut(9 * (NUM_JOINTS - 1));

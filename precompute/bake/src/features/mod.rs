@@ -5,10 +5,11 @@
 
 mod config;
 mod embedding;
+pub(crate) mod projection;
 mod row;
 
 pub use config::FeaturesConfig;
-pub(crate) use embedding::EMBEDDING;
+use embedding::EMBEDDING;
 
 use config::Weights;
 use glam::{Quat, Vec3};
@@ -18,7 +19,9 @@ use throng_core::{NUM_JOINTS, Planar};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange};
 use throng_motion::error::BuildError;
 
-/// The features of every frame of a [`ClipSet`], excluded frames included.
+/// The features of every frame of a [`ClipSet`], excluded frames included, or of some of them.
+///
+/// A [`FrameId`] names a frame by its place among those that were measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Features {
     rows: Vec<Row>,
@@ -43,15 +46,38 @@ pub struct Features {
 /// quaternion logarithm, and velocities are per second instead of per frame; the weights take up both.
 pub fn extract(clips: &ClipSet, config: &FeaturesConfig) -> Result<Features, BuildError> {
     let weights = config.weights()?;
-    let rows = clips.clips.par_iter().map(|c| clip_rows(c, &weights)).flatten().collect();
-    let mut joint_weights = [0.0; LANES];
-    for j in 1..NUM_JOINTS {
-        joint_weights[j - 1] = weights.joints[j] as f32;
-    }
-    Ok(Features { rows, joint_weights, orientation_weight: weights.orientation as f32 })
+    let of_clip = |c: &Clip| rows(c, 0..c.num_frames(), &weights);
+    let rows = clips.clips.par_iter().map(of_clip).flatten().collect();
+    Ok(Features::new(rows, &weights))
+}
+
+/// As [`extract`], of some frames alone.
+///
+/// - `frames`: ascending.
+///
+/// # Errors
+/// As [`extract`].
+pub(crate) fn extract_at(clips: &ClipSet, frames: &[FrameId], config: &FeaturesConfig) -> Result<Features, BuildError> {
+    let weights = config.weights()?;
+    let starts = clips.frame_starts();
+    let of_clip = |(clip, &start): (&Clip, &u32)| {
+        let place = |frame: u32| frames.partition_point(|f| f.0 < frame);
+        let within = &frames[place(start)..place(start + clip.num_frames() as u32)];
+        rows(clip, within.iter().map(|f| (f.0 - start) as usize), &weights)
+    };
+    let rows = clips.clips.par_iter().zip(&starts).map(of_clip).flatten().collect();
+    Ok(Features::new(rows, &weights))
 }
 
 impl Features {
+    fn new(rows: Vec<Row>, weights: &Weights) -> Self {
+        let mut joint_weights = [0.0; LANES];
+        for j in 1..NUM_JOINTS {
+            joint_weights[j - 1] = weights.joints[j] as f32;
+        }
+        Self { rows, joint_weights, orientation_weight: weights.orientation as f32 }
+    }
+
     /// Number of frames.
     pub fn num_frames(&self) -> usize {
         self.rows.len()
@@ -80,12 +106,11 @@ impl Features {
     }
 }
 
-fn clip_rows(clip: &Clip, weights: &Weights) -> Vec<Row> {
-    let mut rows = Vec::with_capacity(clip.num_frames());
-    for run in runs(clip) {
-        rows.extend(run.clone().map(|f| Row::new(&measure(clip, &run, f), weights)));
-    }
-    rows
+/// - `frames`: ascending.
+fn rows(clip: &Clip, frames: impl Iterator<Item = usize>, weights: &Weights) -> Vec<Row> {
+    let runs = runs(clip);
+    let run_of = |f: usize| &runs[runs.partition_point(|run| run.end <= f)];
+    frames.map(|f| Row::new(&measure(clip, run_of(f), f), weights)).collect()
 }
 
 /// All frames in runs that are either usable or excluded, in order.

@@ -3,6 +3,7 @@
 use super::config::GraphConfig;
 use super::matches::Link;
 use rayon::prelude::*;
+use std::cmp::Ordering;
 use throng_core::Planar;
 use throng_core::planar::wrap_angle;
 
@@ -27,30 +28,71 @@ pub(super) fn choose(
     threshold: f32,
     config: &GraphConfig,
 ) -> Vec<Vec<Link>> {
-    let most = config.max_actions.saturating_sub(1 + RESERVED).max(1);
-    matches.par_iter().map(|links| choose_of_one(links, outcomes, threshold, most, config)).collect()
+    matches.par_iter().map(|links| choose_of_one(links, outcomes, threshold, config)).collect()
 }
 
-fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, most: usize, config: &GraphConfig) -> Vec<Link> {
-    let mut chosen: Vec<Link> = Vec::new();
-    for link in all {
-        let kind = kind_of(&outcomes[link.event]);
-        if chosen.len() < most && chosen.iter().all(|l| kind_of(&outcomes[l.event]) != kind) {
-            chosen.push(*link);
-        }
-    }
+/// As [`choose`], of one event.
+fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, config: &GraphConfig) -> Vec<Link> {
+    let mut choice = Choice::new(all, outcomes, config);
     for link in all.iter().take_while(|l| l.error <= threshold) {
-        let same = |l: &Link| same_outcome(&outcomes[l.event], &outcomes[link.event], config) || l.event == link.event;
-        if chosen.len() < most && !chosen.iter().any(same) {
-            chosen.push(*link);
+        if choice.takes(link.event) {
+            choice.take(*link);
         }
     }
+    let mut chosen = choice.chosen;
     sort(&mut chosen);
     chosen
 }
 
+/// What is chosen of the links of one event. Whatever a lower threshold chooses is among what a higher one does.
+pub(super) struct Choice<'a> {
+    chosen: Vec<Link>,
+    most: usize,
+    outcomes: &'a [Planar],
+    config: &'a GraphConfig,
+}
+
+impl<'a> Choice<'a> {
+    /// Takes the best of every kind of outcome.
+    ///
+    /// - `best_first`: those, at least.
+    pub fn new(best_first: &[Link], outcomes: &'a [Planar], config: &'a GraphConfig) -> Self {
+        let most = config.max_actions.saturating_sub(1 + RESERVED).max(1);
+        let mut chosen: Vec<Link> = Vec::new();
+        for link in best_first {
+            let kind = kind_of(&outcomes[link.event]);
+            if chosen.len() < most && chosen.iter().all(|l| kind_of(&outcomes[l.event]) != kind) {
+                chosen.push(*link);
+            }
+        }
+        Self { chosen, most, outcomes, config }
+    }
+
+    pub fn is_full(&self) -> bool {
+        self.chosen.len() >= self.most
+    }
+
+    /// Whether there is room for a link to an event, and no better one leads nearly to the same place; once there is one,
+    /// there will be.
+    pub fn takes(&self, event: usize) -> bool {
+        let same =
+            |l: &Link| l.event == event || same_outcome(&self.outcomes[l.event], &self.outcomes[event], self.config);
+        !self.is_full() && !self.chosen.iter().any(same)
+    }
+
+    /// Takes the next best one of those that it takes.
+    pub fn take(&mut self, link: Link) {
+        self.chosen.push(link);
+    }
+
+    /// What was taken, in no order.
+    pub fn chosen(&self) -> &[Link] {
+        &self.chosen
+    }
+}
+
 /// Kind of an outcome: side turned to, and direction of travel as one of five.
-fn kind_of(outcome: &Planar) -> (i8, u8) {
+pub(super) fn kind_of(outcome: &Planar) -> (i8, u8) {
     let side = if outcome.heading > TURN {
         1
     } else if outcome.heading < -TURN {
@@ -72,7 +114,12 @@ fn kind_of(outcome: &Planar) -> (i8, u8) {
 
 /// Best first.
 pub(super) fn sort(links: &mut [Link]) {
-    links.sort_unstable_by(|a, b| a.error.total_cmp(&b.error).then(a.event.cmp(&b.event)));
+    links.sort_unstable_by(order);
+}
+
+/// The better one is less.
+pub(super) fn order(a: &Link, b: &Link) -> Ordering {
+    a.error.total_cmp(&b.error).then(a.event.cmp(&b.event))
 }
 
 fn same_outcome(a: &Planar, b: &Planar, config: &GraphConfig) -> bool {

@@ -1,8 +1,6 @@
 //! The largest strongly connected component, without dead ends.
 
 use super::matches::Link;
-use petgraph::algo::kosaraju_scc;
-use petgraph::graph::{DiGraph, NodeIndex};
 
 /// Event frames and the ways between them: after event i comes either `next[i]`, as the clip goes on, or
 /// `next[l.event]` for a link l.
@@ -26,7 +24,12 @@ impl EventGraph {
 
     /// Events that may come after `i`.
     pub fn targets(&self, i: usize) -> impl Iterator<Item = usize> {
-        self.next[i].into_iter().chain(self.links[i].iter().filter_map(|l| self.next[l.event]))
+        (0..=self.links[i].len()).filter_map(move |way| self.target(i, way))
+    }
+
+    /// Where a way out of `i` leads: the clip's, for 0, or that of a link (way <= links[i].len()).
+    fn target(&self, i: usize, way: usize) -> Option<usize> {
+        self.next[if way == 0 { i } else { self.links[i][way - 1].event }]
     }
 
     /// Drops every way out of or into events that are not in the component.
@@ -85,18 +88,47 @@ fn too_far_ahead(graph: &EventGraph, alive: &[bool], most_frames: u32) -> Vec<us
 }
 
 /// Strongly connected components of the events alive, each ascending.
+///
+/// # Source
+/// Tarjan 1972, with a stack of its own: ways through a large database are longer than the stack of a thread.
 pub(super) fn components(graph: &EventGraph, alive: &[bool]) -> Vec<Vec<usize>> {
-    let mut g = DiGraph::<(), (), usize>::default();
-    let nodes: Vec<NodeIndex<usize>> = alive.iter().map(|_| g.add_node(())).collect();
-    for i in (0..alive.len()).filter(|&i| alive[i]) {
-        for n in graph.targets(i).filter(|&n| alive[n]) {
-            g.add_edge(nodes[i], nodes[n], ());
+    let mut out = Vec::new();
+    // Orders of arrival, 0 for events not seen yet; the earliest event that one leads back to.
+    let (mut order, mut lowest, mut num_seen) = (vec![0u32; alive.len()], vec![0u32; alive.len()], 0);
+    let (mut open, mut is_open) = (Vec::new(), vec![false; alive.len()]);
+    for root in (0..alive.len()).filter(|&i| alive[i]) {
+        // Events on the way from the root, and how many ways out of each were followed.
+        let mut way = if order[root] == 0 { vec![(root, 0)] } else { Vec::new() };
+        while let Some((i, followed)) = way.last_mut() {
+            let i = *i;
+            if *followed == 0 {
+                num_seen += 1;
+                (order[i], lowest[i], is_open[i]) = (num_seen, num_seen, true);
+                open.push(i);
+            }
+            if *followed <= graph.links[i].len() {
+                let target = graph.target(i, *followed).filter(|&n| alive[n]);
+                *followed += 1;
+                match target {
+                    Some(n) if order[n] == 0 => way.push((n, 0)),
+                    Some(n) if is_open[n] => lowest[i] = lowest[i].min(order[n]),
+                    _ => {}
+                }
+                continue;
+            }
+            way.pop();
+            if let Some(&(before, _)) = way.last() {
+                lowest[before] = lowest[before].min(lowest[i]);
+            }
+            if lowest[i] == order[i] {
+                let first = open.iter().rposition(|&n| n == i).unwrap_or(0);
+                let mut component = open.split_off(first);
+                component.iter().for_each(|&n| is_open[n] = false);
+                component.sort_unstable();
+                out.push(component);
+            }
         }
     }
-    let mut out: Vec<Vec<usize>> =
-        kosaraju_scc(&g).into_iter().map(|c| c.into_iter().map(NodeIndex::index).collect()).collect();
-    out.retain(|c: &Vec<usize>| alive[c[0]]);
-    out.iter_mut().for_each(|c| c.sort_unstable());
     out
 }
 

@@ -3,22 +3,34 @@
 use super::component::{EventGraph, largest_component};
 use super::config::GraphConfig;
 use super::events::{self, Event};
-use super::matches;
+use super::matches::{self, Finder, Limits};
 use super::report::{self, GraphReport};
 use super::{MotionGraph, bridge, choose, collapse};
-use crate::features::Features;
+use crate::features::{self, FeaturesConfig};
 use throng_core::Planar;
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 use throng_motion::progress::{Progress, Stopped};
 
+/// Points that are looked at for each event (see [`Limits`]); databases of some ten minutes have no more.
+const LOOKS: usize = 512;
+/// As [`LOOKS`], for each kind of outcome.
+const LOOKS_OF_KIND: usize = 48;
+/// What is wanted is exceeded by no more than this share, or all steps of the search are made.
+const ENOUGH: f64 = 1.003;
 /// Steps of the search for the threshold; each halves the interval.
-const SEARCH_STEPS: usize = 16;
+const SEARCH_STEPS: usize = 12;
+/// Links of a sample over actions of a state: some lead out of the component, or from frames with one way out.
+const MORE: f64 = 1.5;
+/// Share of the largest error up to which links are looked for at least.
+const LEAST_SHARE: f32 = 1.0 / 64.0;
+/// By how much the threshold grows up to which links are looked for, while there are too few.
+const GROWTH: f32 = 1.3;
 
 /// Connects similar frames to a graph of states and actions.
 ///
 /// - `clips`: with contacts; all at the same rate.
-/// - `features`: of the same clips.
+/// - `features`: how frames are told apart.
 ///
 /// Transitions join event frames of equal kind: a foot about to leave the ground, with the other foot equally
 /// planted or not, or standing. The largest strongly connected component of all transitions up to
@@ -36,20 +48,19 @@ const SEARCH_STEPS: usize = 16;
 /// beyond the threshold are kept where the component or the variety of outcomes needs them.
 pub fn connect(
     clips: &ClipSet,
-    features: &Features,
+    features: &FeaturesConfig,
     config: &GraphConfig,
     progress: &dyn Progress,
 ) -> Result<(MotionGraph, GraphReport), BuildError> {
     config.check()?;
     let rate_hz = check_clips(clips)?;
-    if features.num_frames() != clips.num_frames() {
-        let message = format!("expected features of {} frames, found {}", clips.num_frames(), features.num_frames());
-        return Err(fail(message, "Extract the features from the same clips"));
-    }
-    let search = Search::new(clips, features, config, rate_hz, progress)?;
-    let (graph, threshold) = search.run();
+    let events = events::find(clips, config);
+    let frames: Vec<_> = events.iter().map(|e| e.frame).collect();
+    let features = &features::extract_at(clips, &frames, features)?;
+    let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
+    let (graph, threshold) = Search::new(clips, &events, features, &outcomes, config, rate_hz, progress)?.run();
     let standing = events::standing_frames(clips, config);
-    let report = report::report(&graph, clips, &standing, search.events.len(), threshold);
+    let report = report::report(&graph, clips, &standing, events.len(), threshold);
     if (report.frames_kept as f64) < config.min_component_s * rate_hz || graph.states.is_empty() {
         return Err(too_small(&report, config, rate_hz));
     }
@@ -115,13 +126,14 @@ fn too_small(report: &GraphReport, config: &GraphConfig, rate_hz: f64) -> BuildE
     }
 }
 
-/// Everything that does not depend on the threshold.
+/// The search for a graph of the wanted branching.
 struct Search<'a> {
     clips: &'a ClipSet,
     config: &'a GraphConfig,
-    events: Vec<Event>,
-    outcomes: Vec<Planar>,
-    /// All event frames; its links are every transition up to the largest error.
+    events: &'a [Event],
+    outcomes: &'a [Planar],
+    finder: Finder<'a>,
+    /// All event frames; its links are those that the finder keeps, within the component.
     whole: EventGraph,
     /// The largest component of `whole`.
     alive: Vec<bool>,
@@ -132,13 +144,14 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(
         clips: &'a ClipSet,
-        features: &Features,
+        events: &'a [Event],
+        features: &'a features::Features,
+        outcomes: &'a [Planar],
         config: &'a GraphConfig,
         rate_hz: f64,
         progress: &dyn Progress,
     ) -> Result<Self, Stopped> {
-        let events = events::find(clips, config);
-        let next = matches::successors(&events);
+        let next = matches::successors(events);
         let (mut frames, mut worth) = (vec![0; events.len()], vec![0; events.len()]);
         let starts = clips.frame_starts();
         for (i, n) in next.iter().enumerate() {
@@ -150,38 +163,63 @@ impl<'a> Search<'a> {
         }
         let limit = config.max_error.max(config.threshold.unwrap_or(0.0)) as f32;
         let min_jump = (config.min_jump_s * rate_hz).round() as u32;
-        let links = matches::find(&events, features, limit, min_jump, progress)?;
-        let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
-        let mut whole = EventGraph { next, frames, worth, links };
+        let limits = Limits { error: limit, min_jump, looks_of_kind: LOOKS_OF_KIND, looks: LOOKS };
+        let finder = Finder::new(events, features, outcomes, limits, config, progress)?;
+        let whole = EventGraph { next, frames, worth, links: Vec::new() };
         let most_frames = (config.max_action_s * rate_hz).round() as u32;
-        let alive = largest_component(&whole, most_frames);
-        whole.restrict(&alive);
-        Ok(Self { clips, config, events, outcomes, whole, alive, most_frames })
+        Ok(Self { clips, config, events, outcomes, finder, whole, alive: Vec::new(), most_frames })
     }
 
     /// The graph at the threshold that is given, or at the least one that reaches the wanted branching, or at
     /// the largest error.
-    fn run(&self) -> (MotionGraph, f32) {
-        let threshold = self.config.threshold.map_or_else(|| self.find_threshold(), |t| t as f32);
+    fn run(mut self) -> (MotionGraph, f32) {
+        let threshold = match self.config.threshold {
+            Some(threshold) => {
+                self.reach(threshold as f32);
+                threshold as f32
+            }
+            None => self.find_threshold(),
+        };
         let (graph, alive) = self.events_at(threshold);
-        (collapse::collapse(&graph, &alive, &self.events, self.clips), threshold)
+        (collapse::collapse(&graph, &alive, self.events, self.clips), threshold)
     }
 
-    fn find_threshold(&self) -> f32 {
-        let suffices = |threshold| {
-            let (graph, alive) = self.events_at(threshold);
-            collapse::branching(&graph, &alive) >= self.config.branching
-        };
-        let (mut low, mut high) = (0.0, self.config.max_error as f32);
-        if !suffices(high) {
-            return high;
+    /// Finds the links for thresholds up to one, and their largest component.
+    fn reach(&mut self, threshold: f32) {
+        self.whole.links = self.finder.links(threshold);
+        self.alive = largest_component(&self.whole, self.most_frames);
+        self.whole.restrict(&self.alive);
+    }
+
+    /// Actions of a state on average at a threshold, over those that are wanted.
+    fn share_of_branching(&self, threshold: f32) -> f64 {
+        let (graph, alive) = self.events_at(threshold);
+        collapse::branching(&graph, &alive) / self.config.branching
+    }
+
+    /// Much motion has enough choices among near frames: it is looked for nearby first.
+    fn find_threshold(&mut self) -> f32 {
+        let most = self.config.max_error as f32;
+        let first = self.finder.threshold_for(MORE * self.config.branching);
+        let (mut low, mut high) = (0.0, first.clamp(LEAST_SHARE * most, most));
+        self.reach(high);
+        while self.share_of_branching(high) < 1.0 {
+            if high >= most {
+                return most;
+            }
+            (low, high) = (high, (high * GROWTH).min(most));
+            self.reach(high);
         }
         for _ in 0..SEARCH_STEPS {
             let middle = 0.5 * (low + high);
-            if suffices(middle) {
-                high = middle;
-            } else {
-                low = middle;
+            match self.share_of_branching(middle) {
+                share if share < 1.0 => low = middle,
+                share => {
+                    high = middle;
+                    if share < ENOUGH {
+                        break;
+                    }
+                }
             }
         }
         high
@@ -189,7 +227,7 @@ impl<'a> Search<'a> {
 
     /// The event graph with the links that are chosen at a threshold, and its component.
     fn events_at(&self, threshold: f32) -> (EventGraph, Vec<bool>) {
-        let links = choose::choose(&self.whole.links, &self.outcomes, threshold, self.config);
+        let links = choose::choose(&self.whole.links, self.outcomes, threshold, self.config);
         let whole = &self.whole;
         let (next, frames, worth) = (whole.next.clone(), whole.frames.clone(), whole.worth.clone());
         let mut graph = EventGraph { next, frames, worth, links };

@@ -1,8 +1,14 @@
-//! Which event frames are alike: all pairs, in parallel.
+//! Which event frames are alike.
 
-use super::events::Event;
+use super::choose::{self, Choice};
+use super::config::GraphConfig;
+use super::events::{Event, EventKind};
+use super::tree::{Tree, Walk};
 use crate::features::Features;
+use crate::features::projection::{Point, project, squared_reach};
 use rayon::prelude::*;
+use std::cmp::{Ordering, Reverse};
+use std::collections::{BTreeMap, BinaryHeap};
 use throng_core::Planar;
 use throng_core::planar::wrap_angle;
 use throng_motion::clip::{ClipSet, FrameId};
@@ -25,68 +31,257 @@ pub(super) fn successors(events: &[Event]) -> Vec<Option<usize>> {
     next
 }
 
-/// For every event the ones like it, best first, up to a distance of `limit` (events.len()).
-///
-/// Left out are events after which no other event comes, events nearer than `min_jump` frames in the same run,
-/// and within one standing run all but the local minima of the distance.
-///
-/// # Errors
-/// [`Stopped`] where the progress says so.
-pub(super) fn find(
-    events: &[Event],
-    features: &Features,
-    limit: f32,
-    min_jump: u32,
-    progress: &dyn Progress,
-) -> Result<Vec<Vec<Link>>, Stopped> {
-    progress.begin("graph", events.len() as u64, "event frames");
-    let next = successors(events);
-    let matches = (0..events.len())
-        .into_par_iter()
-        .map(|i| {
+/// Nearest links that every event keeps besides those that may be chosen: what may join the parts of the graph.
+pub(super) const NEAREST: usize = 64;
+/// A reach within which nothing is.
+const DONE: f32 = -1.0;
+/// Events that a threshold is told from.
+const SAMPLE: usize = 256;
+
+/// How far links are looked for.
+#[derive(Clone, Copy)]
+pub(super) struct Limits {
+    /// Largest distance (rad).
+    pub error: f32,
+    /// Events nearer to each other in the same run are not linked (frames).
+    pub min_jump: u32,
+    /// Most points that are looked at for the best link of an event to each kind of outcome, the nearest first: so that
+    /// time grows with the number of events, not with its square.
+    pub looks_of_kind: usize,
+    /// As `looks_of_kind`, for all other links of the event.
+    pub looks: usize,
+}
+
+/// Finds which events are alike, through k-d trees over points whose distance is never above that of the frames: the
+/// same as by looking at all pairs, where [`Limits`] let it look at enough.
+pub(super) struct Finder<'a> {
+    events: &'a [Event],
+    features: &'a Features,
+    outcomes: &'a [Planar],
+    limits: Limits,
+    config: &'a GraphConfig,
+    points: Vec<Point>,
+    /// The events that motion goes on from, by their kind and that of their outcome.
+    trees: BTreeMap<EventKind, Vec<Tree>>,
+    /// Events before and after each in its standing run (events.len()).
+    beside: Vec<[Option<usize>; 2]>,
+    next: Vec<Option<usize>>,
+    /// The best link of every event to each kind of outcome, best first (events.len()).
+    of_kinds: Vec<Vec<Link>>,
+}
+
+impl<'a> Finder<'a> {
+    /// - `features`: of the events (events.len()).
+    /// - `outcomes`: where the motion after each event leads.
+    ///
+    /// # Errors
+    /// [`Stopped`] where the progress says so.
+    pub fn new(
+        events: &'a [Event],
+        features: &'a Features,
+        outcomes: &'a [Planar],
+        limits: Limits,
+        config: &'a GraphConfig,
+        progress: &dyn Progress,
+    ) -> Result<Self, Stopped> {
+        let points = project(features);
+        let next = successors(events);
+        let mut parts = BTreeMap::<_, Vec<(u32, Point)>>::new();
+        for i in (0..events.len()).filter(|&i| next[i].is_some()) {
+            parts.entry((events[i].kind, choose::kind_of(&outcomes[i]))).or_default().push((i as u32, points[i]));
+        }
+        let mut trees = BTreeMap::<EventKind, Vec<Tree>>::new();
+        parts.into_iter().for_each(|((kind, _), part)| trees.entry(kind).or_default().push(Tree::new(part)));
+        let mut beside = vec![[None; 2]; events.len()];
+        let standing: Vec<usize> = (0..events.len()).filter(|&i| events[i].standing_run.is_some()).collect();
+        for pair in standing.windows(2).filter(|w| events[w[0]].standing_run == events[w[1]].standing_run) {
+            beside[pair[0]][1] = Some(pair[1]);
+            beside[pair[1]][0] = Some(pair[0]);
+        }
+        let of_kinds = Vec::new();
+        let mut finder = Self { events, features, outcomes, limits, config, points, trees, beside, next, of_kinds };
+        progress.begin("graph", events.len() as u64, "event frames");
+        let of_kinds = |search: &mut Search, i: usize| {
             progress.check()?;
-            let mut links = similar(events, features, i, limit);
-            keep_local_minima(&mut links, events);
-            links.retain(|l| next[l.event].is_some() && !is_near(&events[i], &events[l.event], min_jump));
-            links.sort_unstable_by(|a, b| a.error.total_cmp(&b.error).then(a.event.cmp(&b.event)));
+            let trees = finder.trees_of(i).iter();
+            let mut best: Vec<Link> = trees.filter_map(|tree| finder.nearest(i, tree, search)).collect();
+            choose::sort(&mut best);
             progress.advance(1);
-            Ok(links)
-        })
-        .collect();
-    progress.end();
-    matches
+            Ok(best)
+        };
+        finder.of_kinds =
+            (0..events.len()).into_par_iter().map_init(Search::default, of_kinds).collect::<Result<_, _>>()?;
+        progress.end();
+        Ok(finder)
+    }
+
+    /// For every event the ones like it that a graph may need, best first (events.len()).
+    ///
+    /// - `threshold`: the largest one at which links will be chosen.
+    ///
+    /// A link is possible from any event to one of the same kind up to the limit. Left out are events after which no
+    /// other event comes, events nearer than `min_jump` frames in the same run, and within one standing run all but the
+    /// local minima of the distance. Of the possible links of an event, those are kept that [`choose::choose`] may choose
+    /// up to the threshold, the nearest 64, and the way back of every link that is kept of another event: so that no
+    /// event is lost because those like it have many others.
+    pub fn links(&self, threshold: f32) -> Vec<Vec<Link>> {
+        let kept = |search: &mut Search, i: usize| self.kept(i, threshold, NEAREST, search);
+        let mut links: Vec<Vec<Link>> =
+            (0..self.events.len()).into_par_iter().map_init(Search::default, kept).collect();
+        let back = |(i, links): (usize, &Vec<Link>)| -> Vec<(usize, Link)> {
+            let back = links.iter().map(|l| (l.event, Link { event: i, error: l.error }));
+            back.filter(|(from, link)| self.is_possible(*from, link)).collect()
+        };
+        let ways_back: Vec<Vec<(usize, Link)>> = links.par_iter().enumerate().map(back).collect();
+        ways_back.into_iter().flatten().for_each(|(from, link)| links[from].push(link));
+        links.par_iter_mut().for_each(|links| {
+            choose::sort(links);
+            links.dedup_by_key(|l| l.event);
+        });
+        links
+    }
+
+    /// A threshold at which about so many links of an event are chosen; the limit where there are never as many.
+    ///
+    /// Of a sample alone: how near is near enough differs much between sets.
+    pub fn threshold_for(&self, branching: f64) -> f32 {
+        let sample: Vec<usize> = (0..self.events.len()).step_by(self.events.len().div_ceil(SAMPLE).max(1)).collect();
+        let chosen = |search: &mut Search, &i: &usize| self.kept(i, self.limits.error, 0, search);
+        let mut links: Vec<Link> = sample.par_iter().map_init(Search::default, chosen).flatten_iter().collect();
+        choose::sort(&mut links);
+        let enough = (branching * sample.len() as f64) as usize;
+        links.get(enough).map_or(self.limits.error, |l| l.error)
+    }
+
+    /// The events that an event may lead to, by kind of outcome.
+    fn trees_of(&self, i: usize) -> &[Tree] {
+        self.trees.get(&self.events[i].kind).map_or(&[], Vec::as_slice)
+    }
+
+    /// The distance of two events where it is at most `limit`.
+    fn distance_within(&self, i: usize, k: usize, limit: f32) -> Option<f32> {
+        let (a, b) = (FrameId(i as u32), FrameId(k as u32));
+        // As near as another one may still have a lower number.
+        let squared = (limit * (1.0 + 1e-6)).min(self.limits.error).powi(2);
+        self.features.squared_distance_within(a, b, squared).map(f32::sqrt)
+    }
+
+    /// Whether motion may jump from event `i` along a link whose distance is within the limit.
+    fn is_possible(&self, i: usize, link: &Link) -> bool {
+        let (a, b) = (&self.events[i], &self.events[link.event]);
+        let is_near = a.run == b.run && a.frame.0.abs_diff(b.frame.0) < self.limits.min_jump;
+        // Neighbours in a standing run are nearly the same pose: of each descent to a minimum only the bottom counts.
+        let [before, after] = self.beside[link.event].map(|k| k.filter(|&k| k != i));
+        let distance = |k: Option<usize>| k.and_then(|k| self.distance_within(i, k, self.limits.error));
+        link.event != i
+            && self.next[link.event].is_some()
+            && !is_near
+            && distance(before).is_none_or(|d| d > link.error)
+            && distance(after).is_none_or(|d| d >= link.error)
+    }
+
+    /// The links of an event that are kept for its own sake: those that may be chosen up to the threshold, and so many
+    /// of the nearest.
+    fn kept(&self, i: usize, threshold: f32, num_nearest: usize, search: &mut Search) -> Vec<Link> {
+        let threshold = threshold.min(self.limits.error);
+        let Search { walk, nearest, known, others } = search;
+        // Up to where there are nearest ones still.
+        let mut limit = if num_nearest > 0 { self.limits.error } else { 0.0 };
+        let (mut looks, at, reach) = (self.limits.looks, &self.points[i], squared_reach(limit.max(threshold)));
+        walk.visit(self.trees_of(i), at, reach, |k, gap| {
+            looks = looks.saturating_sub(1);
+            if gap > squared_reach(limit) {
+                others.push((gap, k as usize));
+                return if looks > 0 { squared_reach(limit.max(threshold)) } else { DONE };
+            }
+            let error = self.distance_within(i, k as usize, limit.max(threshold));
+            let link = error.map(|error| Link { event: k as usize, error });
+            if let Some(link) = link.filter(|l| self.is_possible(i, l)) {
+                known.push(Reverse(Ranked(link)));
+                nearest.push(Ranked(link));
+                if nearest.len() > num_nearest {
+                    nearest.pop();
+                }
+                if nearest.len() == num_nearest {
+                    limit = nearest.peek().map_or(0.0, |worst| worst.0.error);
+                }
+            }
+            if looks > 0 { squared_reach(limit.max(threshold)) } else { DONE }
+        });
+        let mut choice = Choice::new(&self.of_kinds[i], self.outcomes, self.config);
+        others.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        // Where a better one leads, others that lead there are passed by without knowing how far they are.
+        let take_before = |gap: f32, choice: &mut Choice<'_>, known: &mut BinaryHeap<Reverse<Ranked>>| {
+            while let Some(link) = known.peek().map(|k| k.0.0).filter(|l| squared_reach(l.error) < gap) {
+                known.pop();
+                if link.error <= threshold && choice.takes(link.event) && self.is_possible(i, &link) {
+                    choice.take(link);
+                }
+            }
+        };
+        for (gap, k) in others.drain(..) {
+            take_before(gap, &mut choice, known);
+            if choice.takes(k) {
+                let error = self.distance_within(i, k, threshold);
+                known.extend(error.map(|error| Reverse(Ranked(Link { event: k, error }))));
+            }
+        }
+        take_before(f32::INFINITY, &mut choice, known);
+        nearest.drain().map(|n| n.0).chain(choice.chosen().iter().copied()).collect()
+    }
+
+    /// The nearest possible link to an event of a tree.
+    fn nearest(&self, i: usize, tree: &Tree, search: &mut Search) -> Option<Link> {
+        let (mut best, mut limit): (Option<Link>, f32) = (None, self.limits.error);
+        let (mut looks, trees) = (self.limits.looks_of_kind, std::slice::from_ref(tree));
+        search.walk.visit(trees, &self.points[i], squared_reach(limit), |k, _| {
+            looks = looks.saturating_sub(1);
+            let error = self.distance_within(i, k as usize, limit);
+            let link = error.map(|error| Link { event: k as usize, error });
+            let is_better = |l: &Link| best.is_none_or(|b| choose::order(l, &b).is_lt());
+            if let Some(link) = link.filter(|l| is_better(l) && self.is_possible(i, l)) {
+                (best, limit) = (Some(link), link.error);
+            }
+            if looks > 0 { squared_reach(limit) } else { DONE }
+        });
+        best
+    }
 }
 
-fn similar(events: &[Event], features: &Features, i: usize, limit: f32) -> Vec<Link> {
-    let of_kind = events.iter().enumerate().filter(|&(k, e)| k != i && e.kind == events[i].kind);
-    of_kind
-        .filter_map(|(k, e)| {
-            let squared = features.squared_distance_within(events[i].frame, e.frame, limit * limit)?;
-            Some(Link { event: k, error: squared.sqrt() })
-        })
-        .collect()
+/// What is met while the links of an event are looked for; kept from one event to the next for its memory alone.
+#[derive(Default)]
+struct Search {
+    walk: Walk,
+    /// The nearest possible links, the worst on top.
+    nearest: BinaryHeap<Ranked>,
+    /// Links whose error is known, the best on top.
+    known: BinaryHeap<Reverse<Ranked>>,
+    /// Squared distances of points, and their events.
+    others: Vec<(f32, usize)>,
 }
 
-fn is_near(a: &Event, b: &Event, min_jump: u32) -> bool {
-    a.run == b.run && a.frame.0.abs_diff(b.frame.0) < min_jump
+/// A link in a heap.
+struct Ranked(Link);
+
+impl Ord for Ranked {
+    fn cmp(&self, other: &Self) -> Ordering {
+        choose::order(&self.0, &other.0)
+    }
 }
 
-/// Neighbours in a standing run are nearly the same pose: of each descent to a minimum only the bottom stays.
-fn keep_local_minima(links: &mut Vec<Link>, events: &[Event]) {
-    let neighbour = |a: &Link, b: &Link| {
-        events[a.event].standing_run.is_some() && events[a.event].standing_run == events[b.event].standing_run
-    };
-    let keep: Vec<bool> = (0..links.len())
-        .map(|k| {
-            let before = k > 0 && neighbour(&links[k - 1], &links[k]) && links[k - 1].error <= links[k].error;
-            let after =
-                k + 1 < links.len() && neighbour(&links[k], &links[k + 1]) && links[k + 1].error < links[k].error;
-            !before && !after
-        })
-        .collect();
-    let mut keep = keep.into_iter();
-    links.retain(|_| keep.next().unwrap_or(true));
+impl PartialOrd for Ranked {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
 }
+
+impl PartialEq for Ranked {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Ranked {}
 
 /// Where the motion after an event leads, seen from the event.
 pub(super) fn outcomes(events: &[Event], clips: &ClipSet, horizon_s: f64) -> Vec<Planar> {
@@ -112,27 +307,4 @@ pub(super) fn displacement(clips: &ClipSet, starts: &[u32], clip: usize, from: F
         previous = p;
     }
     Planar { heading: turned, ..first.to_local(previous) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::events::EventKind;
-    use super::*;
-
-    #[test]
-    fn only_the_bottom_of_each_descent_stays_within_a_standing_run() {
-        let event = |k: u32, standing_run| Event {
-            frame: FrameId(k),
-            clip: 0,
-            kind: EventKind::Standing,
-            run: 0,
-            standing_run,
-            run_end: FrameId(100),
-        };
-        let events: Vec<Event> = (0..8).map(|k| event(k, if k < 6 { Some(0) } else { Some(1) })).collect();
-        let errors = [0.3, 0.2, 0.2, 0.25, 0.1, 0.4, 0.5, 0.6];
-        let mut links: Vec<Link> = errors.iter().enumerate().map(|(event, &error)| Link { event, error }).collect();
-        keep_local_minima(&mut links, &events);
-        assert_eq!(links.iter().map(|l| l.event).collect::<Vec<_>>(), [1, 4, 6]);
-    }
 }

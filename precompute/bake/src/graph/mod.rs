@@ -10,6 +10,7 @@ mod events;
 mod export;
 mod matches;
 mod report;
+mod tree;
 
 pub use config::GraphConfig;
 pub use connect::{connect, none};

@@ -1,15 +1,20 @@
-//! Component, bridges and collapse of random event graphs against brute force.
+//! Matches, component, bridges and collapse of random event graphs against brute force.
 
 use super::bridge::bridge;
+use super::choose::{choose, sort};
 use super::collapse::collapse;
 use super::component::{EventGraph, components, largest_component};
 use super::events::{Event, EventKind};
-use super::matches::Link;
-use super::{MotionGraph, StateId};
+use super::matches::{self, Finder, Limits, Link, NEAREST};
+use super::{GraphConfig, MotionGraph, StateId};
+use crate::features::{self, Features, FeaturesConfig};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
-use throng_core::{NUM_JOINTS, Skeleton};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use throng_core::{NUM_JOINTS, Planar, Skeleton};
 use throng_motion::clip::{Clip, ClipSet, FrameId};
+use throng_motion::progress::Silent;
 
 /// Up to 14 events in runs, with random links; an event after which the clip ends cannot be entered.
 fn event_graph() -> impl Strategy<Value = EventGraph> {
@@ -104,6 +109,132 @@ fn clip_and_events(n: usize) -> (ClipSet, Vec<Event>) {
 fn ends_of(graph: &MotionGraph, state: usize) -> Vec<usize> {
     let actions = graph.actions_of(StateId(state as u32));
     actions.iter().map(|a| graph.segments[a.segment.0 as usize].end.0 as usize).collect()
+}
+
+/// Frames of poses that vary in a few ways and a little in all, events at every third one, and where each leads.
+fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<Event>, Vec<Planar>) {
+    let mut rng = Pcg64::seed_from_u64(seed);
+    let mut vector = |size: f32| Vec3::from_array([0; 3].map(|_| rng.random_range(-size..size)));
+    let ways: Vec<Vec<Vec3>> = (0..3).map(|_| (0..NUM_JOINTS).map(|_| vector(0.5)).collect()).collect();
+    let mut rotations = Vec::new();
+    for frame in 0..3 * num_events {
+        // Some poses are there twice.
+        let pose = if frame % 11 == 10 { rotations[rotations.len() - NUM_JOINTS..].to_vec() } else { Vec::new() };
+        let by = vector(variety).to_array();
+        let joint = |j: usize, noise: Vec3| {
+            Quat::from_scaled_axis(ways.iter().zip(by).map(|(way, by)| way[j] * by).sum::<Vec3>() + noise)
+        };
+        rotations.extend(if pose.is_empty() {
+            (0..NUM_JOINTS).map(|j| joint(j, vector(0.02))).collect()
+        } else {
+            pose
+        });
+    }
+    let clip = Clip::new("c", 30.0, vec![Vec3::Y; 3 * num_events], rotations);
+    let set = ClipSet { skeleton: Skeleton::default(), clips: vec![clip] };
+    let still = FeaturesConfig { horizon_s: 0.001, ..FeaturesConfig::default() };
+    let events = (0..num_events).map(|i| {
+        let standing = (i / 20) % 3 == 0;
+        let kind = if standing { EventKind::Standing } else { EventKind::LeavesLeft { other_planted: i % 2 == 0 } };
+        let standing_run = standing.then_some(i / 20);
+        let frame = FrameId(3 * i as u32);
+        Event { frame, clip: 0, kind, run: i / 50, standing_run, run_end: FrameId(3 * num_events as u32) }
+    });
+    let outcomes = (0..num_events).map(|_| {
+        let [x, z, turn] = vector(variety).to_array();
+        Planar::new(x, 2.0 * z, turn)
+    });
+    let (events, outcomes): (Vec<Event>, _) = (events.collect(), outcomes.collect());
+    let frames: Vec<FrameId> = events.iter().map(|e| e.frame).collect();
+    (features::extract_at(&set, &frames, &still).unwrap(), events, outcomes)
+}
+
+fn limits(error: f32) -> Limits {
+    Limits { error, min_jump: 9, looks_of_kind: usize::MAX, looks: usize::MAX }
+}
+
+#[test]
+fn a_few_looks_find_links_nearly_as_good() {
+    let (features, events, outcomes) = random_events(7, 1500, 0.4);
+    let all = all_links(&events, &features, 0.5, 9);
+    let (config, limits) = (GraphConfig::default(), Limits { looks_of_kind: 32, looks: 128, ..limits(0.5) });
+    let found = Finder::new(&events, &features, &outcomes, limits, &config, &Silent).unwrap().links(0.1);
+    let mut sums = [0.0; 2];
+    for (found, all) in found.iter().zip(&all) {
+        assert!(found.iter().all(|l| all.contains(l)));
+        assert_eq!(found.is_empty(), all.is_empty());
+        for k in 0..all.len().min(8) {
+            sums[0] += all[k].error;
+            sums[1] += found.get(k).map_or(0.5, |l| l.error);
+        }
+    }
+    assert!(sums[0] > 10.0 && sums[1] < 1.02 * sums[0], "{sums:?}");
+}
+
+/// Every possible link, from all pairs.
+fn all_links(events: &[Event], features: &Features, limit: f32, min_jump: u32) -> Vec<Vec<Link>> {
+    let next = matches::successors(events);
+    let error = |i: usize, k: usize| features.distance(FrameId(i as u32), FrameId(k as u32));
+    let is_near = |a: &Event, b: &Event| a.run == b.run && a.frame.0.abs_diff(b.frame.0) < min_jump;
+    let of_event = |i: usize| {
+        let same = |k: usize, n: usize| {
+            n != i && events[k].standing_run.is_some() && events[n].standing_run == events[k].standing_run
+        };
+        let is_minimum = |k: usize| {
+            !(k > 0 && same(k, k - 1) && error(i, k - 1) <= error(i, k))
+                && !(k + 1 < events.len() && same(k, k + 1) && error(i, k + 1) < error(i, k))
+        };
+        let possible = (0..events.len()).filter(|&k| {
+            k != i
+                && events[k].kind == events[i].kind
+                && features.squared_distance(FrameId(i as u32), FrameId(k as u32)) <= limit * limit
+                && next[k].is_some()
+                && !is_near(&events[i], &events[k])
+                && is_minimum(k)
+        });
+        let mut links: Vec<Link> = possible.map(|event| Link { event, error: error(i, event) }).collect();
+        sort(&mut links);
+        links
+    };
+    (0..events.len()).map(of_event).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn links_are_those_that_all_pairs_give(
+        seed in any::<u64>(),
+        num_events in 1usize..400,
+        variety in 0.02f32..1.0,
+        limit in 0.01f32..0.8,
+        share in 0.1f32..1.0,
+        max_actions in 6usize..64,
+    ) {
+        let (features, events, outcomes) = random_events(seed, num_events, variety);
+        let config = GraphConfig { max_actions, ..GraphConfig::default() };
+        let all = all_links(&events, &features, limit, 9);
+        let highest = share * limit;
+        let found = Finder::new(&events, &features, &outcomes, limits(limit), &config, &Silent).unwrap().links(highest);
+        let mut kept = choose(&all, &outcomes, highest, &config);
+        kept.iter_mut().zip(&all).for_each(|(kept, all)| kept.extend(all.iter().take(NEAREST)));
+        let back: Vec<(usize, Link)> = kept
+            .iter()
+            .enumerate()
+            .flat_map(|(i, links)| links.iter().map(move |l| (l.event, Link { event: i, error: l.error })))
+            .filter(|(from, link)| all[*from].contains(link))
+            .collect();
+        back.into_iter().for_each(|(from, link)| kept[from].push(link));
+        for links in &mut kept {
+            sort(links);
+            links.dedup();
+        }
+        prop_assert_eq!(&found, &kept);
+        for share in [0.0, 0.2, 0.5, 0.8, 1.0] {
+            let threshold = share * highest;
+            prop_assert_eq!(choose(&found, &outcomes, threshold, &config), choose(&all, &outcomes, threshold, &config));
+        }
+    }
 }
 
 proptest! {

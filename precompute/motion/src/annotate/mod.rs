@@ -53,7 +53,7 @@ impl AnnotateConfig {
 /// or hit outside its clip.
 pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> Result<ClipSet, BuildError> {
     cfg.check().map_err(|e| e.within("annotate"))?;
-    sidecars.check_names(clips)?;
+    sidecars.check_names(clips.clips.iter().map(sidecar::original_name))?;
     let annotated: Vec<Clip> = clips
         .clips
         .par_iter()

@@ -24,14 +24,14 @@ mod hit;
 mod tests;
 
 use super::hits::HitMark;
-use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange, Tag};
+use crate::clip::{Clip, Exclusion, ExclusionReason, FrameRange, Tag};
 use crate::error::BuildError;
-use crate::import::{ImportedSet, archive, clip_in_file};
+use crate::import::{Imported, ImportedSet, archive, clip_in_file};
 use crate::mirror;
 pub use hit::SidecarHit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use throng_base::file::MAX_TEXT_BYTES;
 use throng_base::text::{Source, did_you_mean};
@@ -88,12 +88,12 @@ pub enum TimeUnit {
 }
 
 /// The sidecars of a build by clip name.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Sidecars {
     entries: BTreeMap<String, Entry>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 struct Entry {
     sidecar: Sidecar,
     /// Frames a second of the file.
@@ -260,33 +260,37 @@ impl Sidecars {
 
     /// The sidecar files beside imported clips, and those that a config has in a table by clip name.
     ///
-    /// - `clips`: the same clips, in the same order, mirrored copies in between.
+    /// - `names`: what the clips are called (raw.clips.len()).
     ///
     /// # Errors
-    /// As [`Sidecars::insert`] and [`Sidecars::insert_beside`].
-    pub fn collect(raw: &ImportedSet, clips: &ClipSet, table: &BTreeMap<String, Sidecar>) -> Result<Self, BuildError> {
+    /// As [`Sidecars::insert`] and [`Sidecars::insert_beside`]; a sidecar of a clip that is not there.
+    pub fn collect(raw: &ImportedSet, names: &[String], table: &BTreeMap<String, Sidecar>) -> Result<Self, BuildError> {
         let mut out = Self::default();
-        for (imported, clip) in raw.clips.iter().zip(clips.clips.iter().filter(|c| !c.mirrored)) {
-            match clip_in_file(&imported.clip.path) {
-                Some((file, _)) => refuse_beside(&file, &clip.name)?,
-                None => drop(out.insert_beside(&clip.name, &imported.clip.path, imported.clip.rate_hz)?),
+        let mut rates = BTreeMap::new();
+        for (Imported { clip, .. }, name) in raw.clips.iter().zip(names) {
+            match clip_in_file(&clip.path) {
+                Some((file, _)) => refuse_beside(&file, name)?,
+                None => drop(out.insert_beside(name, &clip.path, clip.rate_hz)?),
             }
+            rates.insert(name, clip.rate_hz);
         }
         for (name, sidecar) in table {
-            let index = clips.clips.iter().filter(|c| !c.mirrored).position(|c| c.name == *name);
-            let rate_hz = index.map_or(1.0, |i| raw.clips[i].clip.rate_hz);
-            out.insert(name, sidecar.clone(), rate_hz, None)?;
+            out.insert(name, sidecar.clone(), rates.get(name).copied().unwrap_or(1.0), None)?;
         }
+        out.check_names(names.iter().map(String::as_str))?;
         Ok(out)
     }
 
+    /// What is said of one clip alone.
+    pub fn of(&self, name: &str) -> Self {
+        Self { entries: self.entries.get_key_value(name).map(|(n, e)| (n.clone(), e.clone())).into_iter().collect() }
+    }
+
     /// Refuses sidecars of clips that are not there.
-    pub(super) fn check_names(&self, clips: &ClipSet) -> Result<(), BuildError> {
-        for (name, entry) in &self.entries {
-            if clips.clips.iter().any(|c| original_name(c) == name) {
-                continue;
-            }
-            let meant = did_you_mean(name, clips.clips.iter().map(original_name));
+    pub(super) fn check_names<'a>(&self, names: impl Iterator<Item = &'a str>) -> Result<(), BuildError> {
+        let names: BTreeSet<&str> = names.collect();
+        for (name, entry) in self.entries.iter().filter(|(name, _)| !names.contains(name.as_str())) {
+            let meant = did_you_mean(name, names.iter().copied());
             let why = format!("there is no clip `{name}`.{meant}");
             return Err(match &entry.file {
                 Some(file) => BuildError::Config { message: format!("{}: {why}", file.display()) },
@@ -357,6 +361,7 @@ fn refuse_beside(file: &Path, clip: &str) -> Result<(), BuildError> {
     Err(BuildError::Config { message })
 }
 
-fn original_name(clip: &Clip) -> &str {
+/// Name of a clip, or of the one that it is a mirrored copy of.
+pub(super) fn original_name(clip: &Clip) -> &str {
     clip.name.strip_suffix(mirror::SUFFIX).unwrap_or(&clip.name)
 }

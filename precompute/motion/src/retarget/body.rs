@@ -44,13 +44,14 @@ pub struct Sample {
     pub still_feet: [bool; 2],
 }
 
-/// The geometry of one source skeleton.
-#[derive(Clone, Debug)]
+/// The geometry of one source skeleton. What is serialised is what laying a clip takes.
+#[derive(Clone, Debug, serde::Serialize)]
 pub struct Body {
     /// Source joint of every role.
     pub roles: Roles,
     /// Rest transforms of the roles, turned about the vertical so that the left side is +X.
     /// `None` where the rest pose is not a standing body.
+    #[serde(skip)]
     pub rest: Option<RolePose>,
     /// Position of every present role in the axes of its anchor (see [`anchor`]): the mean over the samples,
     /// exact where the source is rigid there (m).
@@ -60,6 +61,7 @@ pub struct Body {
     /// Ends of the hands in the axes of their joints, where the source has them (m).
     pub hand_tips: [Option<Vec3>; 2],
     /// Sampled frames.
+    #[serde(skip)]
     pub samples: Vec<Sample>,
 }
 

@@ -9,24 +9,24 @@ mod body;
 mod geometry;
 mod ground;
 mod legs;
+mod names;
+mod plan;
 mod proportions;
 mod transfer;
 
-use crate::clip::{Clip, ClipSet, Exclusion, ExclusionReason};
+use crate::clip::ClipSet;
 use crate::error::{BuildError, Warnings};
-use crate::import::{Glitch, Imported, Treated};
+use crate::import::Imported;
 use crate::raw::{RawClip, RawJoint};
-use align::Alignment;
 use body::Body;
 pub use body::{Roles, Source};
 use glam::Vec3;
+pub use plan::{Performer, Plan};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Component;
 use throng_core::{Joint, Skeleton};
-use transfer::Motion;
 
 /// How clips are laid onto the database skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -124,68 +124,17 @@ impl ExplicitProportions {
 pub fn onto(clips: &[Imported], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
     let sources: Vec<Source> = clips.iter().map(Source::from).collect();
     let mut set = lay_all(&sources, cfg, warnings)?;
-    for (clip, imported) in set.clips.iter_mut().zip(clips) {
-        clip.excluded = imported
-            .glitches
-            .iter()
-            .filter(|g| g.treated == Treated::Cut)
-            .map(|g| exclusion(g, clip.num_frames()))
-            .collect();
-    }
+    set.clips.iter_mut().zip(clips).for_each(|(clip, imported)| plan::leave_out_glitches(clip, imported));
     Ok(set)
 }
 
-/// The frames of a glitch and those next to it: at another rate, frames in between are made of both.
-fn exclusion(glitch: &Glitch, num_frames: usize) -> Exclusion {
-    let range = glitch.frames.start.saturating_sub(1)..(glitch.frames.end + 1).min(num_frames);
-    Exclusion { range, reason: ExclusionReason::Glitch }
-}
-
 fn lay_all(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
-    for s in sources {
-        check(s)?;
+    let mut plan = Plan::new(sources, cfg, warnings)?;
+    for p in 0..plan.performers.len() {
+        plan.performers[p].slope = plan.find_slope(p, sources);
     }
-    let groups = group(sources);
-    let bodies: Vec<(Body, Alignment)> = groups
-        .par_iter()
-        .map(|indices| {
-            let body = Body::measure(&indices.iter().map(|&i| sources[i]).collect::<Vec<_>>());
-            let alignment = align::align(&body);
-            (body, alignment)
-        })
-        .collect();
-    for (indices, (body, _)) in groups.iter().zip(&bodies) {
-        check_legs(&sources[indices[0]], body)?;
-    }
-    let mut group_of = vec![0; sources.len()];
-    for (g, indices) in groups.iter().enumerate() {
-        indices.iter().for_each(|&i| group_of[i] = g);
-    }
-    let skeleton = match (&cfg.proportions, bodies.first()) {
-        (Proportions::Clip, Some((body, a))) => proportions::own(body, a),
-        (Proportions::Explicit(p), _) => p.skeleton()?,
-        _ => Skeleton::default(),
-    };
-    let names = unique_names(sources, warnings);
-    let mut motions: Vec<Motion> = (0..sources.len())
-        .into_par_iter()
-        .map(|i| {
-            let (body, a) = &bodies[group_of[i]];
-            let own = proportions::own(body, a);
-            transfer::transfer(sources[i], body, a, &own, &skeleton)
-        })
-        .collect();
-    if cfg.align_ground {
-        stand(&mut motions, sources, &groups, &skeleton);
-    }
-    let clips: Vec<Clip> =
-        motions.into_iter().zip(sources).zip(&names).map(|((m, s), name)| clip_of(m, s, name.clone())).collect();
-    for (clip, name) in sources.iter().zip(&names) {
-        if clip.clip.num_frames < 2 {
-            warnings.push(format!("{}: `{name}` has a single frame and shows no motion.", clip.clip.path.display()));
-        }
-    }
-    Ok(ClipSet { skeleton, clips })
+    let clips = sources.par_iter().enumerate().map(|(i, source)| plan.lay_source(i, source)).collect();
+    Ok(ClipSet { skeleton: plan.skeleton, clips })
 }
 
 /// The clip's own proportions on the database topology.
@@ -207,38 +156,9 @@ fn own_skeleton(source: Source) -> Result<Skeleton, BuildError> {
     Ok(proportions::own(&body, &a))
 }
 
-/// Puts the feet of every clip on y = 0.
-fn stand(motions: &mut [Motion], sources: &[Source], groups: &[Vec<usize>], skeleton: &Skeleton) {
-    let standing: Vec<Vec<Vec3>> =
-        motions.par_iter().zip(sources).map(|(m, s)| ground::standing(m, skeleton, s.clip.rate_hz)).collect();
-    for indices in groups {
-        let points: Vec<&[Vec3]> = indices.iter().map(|&i| standing[i].as_slice()).collect();
-        let slope = ground::slope(&points);
-        for &i in indices {
-            ground::level(&mut motions[i], ground::height(&standing[i], slope), slope);
-        }
-    }
-}
-
 /// Whose motion clips are: those of one source skeleton, with the same joints and lengths, together; in input order.
 pub fn performers(clips: &[Imported]) -> Vec<Vec<usize>> {
     group(&clips.iter().map(Source::from).collect::<Vec<_>>())
-}
-
-fn clip_of(motion: Motion, source: &Source, name: String) -> Clip {
-    Clip {
-        name,
-        source: source.clip.path.display().to_string(),
-        mirrored: false,
-        rate_hz: source.clip.rate_hz,
-        root_positions: motion.root_positions,
-        rotations: motion.rotations,
-        contacts: Vec::new(),
-        excluded: Vec::new(),
-        tags: Vec::new(),
-        hits: Vec::new(),
-        support: Vec::new(),
-    }
 }
 
 /// Clips by source skeleton: same joints, rest pose and roles, whatever the ends of chains. Groups and their clips in input order.
@@ -258,12 +178,13 @@ fn group(sources: &[Source]) -> Vec<Vec<usize>> {
 }
 
 fn same_rig(a: &RawClip, b: &RawClip) -> bool {
-    let joints = |c: &RawClip| c.joints.iter().filter(|j| !j.is_end).cloned().collect::<Vec<_>>();
-    let (a, b) = (joints(a), joints(b));
+    fn joints(c: &RawClip) -> impl Iterator<Item = &RawJoint> {
+        c.joints.iter().filter(|j| !j.is_end)
+    }
     let same = |(a, b): (&RawJoint, &RawJoint)| {
         (&a.name, a.parent) == (&b.name, b.parent) && a.offset.distance(b.offset) < SAME_OFFSET_M
     };
-    a.len() == b.len() && a.iter().zip(&b).all(same)
+    joints(a).count() == joints(b).count() && joints(a).zip(joints(b)).all(same)
 }
 
 /// The roles without which there is nothing to lay onto a body.
@@ -303,46 +224,6 @@ fn check_legs(source: &Source, body: &Body) -> Result<(), BuildError> {
         ),
         help: "Check the unit and which joints are named as thighs, shins and feet.".into(),
     })
-}
-
-/// The clips' names; where two are the same, with as many of their folders in front as tell them apart.
-fn unique_names(sources: &[Source], warnings: &mut Warnings) -> Vec<String> {
-    let name = |i: usize, depth: usize| {
-        let clip = sources[i].clip;
-        let above = clip.path.components().count().saturating_sub(clip.name.split('/').count());
-        let folders = clip.path.components().take(above).filter(|c| matches!(c, Component::Normal(_)));
-        let folders: Vec<String> = folders.map(|c| c.as_os_str().to_string_lossy().into_owned()).collect();
-        let shown = &folders[folders.len().saturating_sub(depth)..];
-        shown.iter().chain([&clip.name]).cloned().collect::<Vec<_>>().join("/")
-    };
-    let given: Vec<String> = (0..sources.len()).map(|i| name(i, 0)).collect();
-    let mut names = given.clone();
-    for depth in 1..8 {
-        let mut seen = BTreeMap::<String, usize>::new();
-        names.iter().for_each(|n| *seen.entry(n.clone()).or_default() += 1);
-        for i in 0..names.len() {
-            if seen[&names[i]] > 1 {
-                names[i] = name(i, depth);
-            }
-        }
-        if seen.values().all(|&n| n == 1) {
-            break;
-        }
-    }
-    // Two files of one folder that differ in their extension alone.
-    let all = names.clone();
-    for i in (0..all.len()).filter(|&i| all[..i].contains(&all[i])) {
-        names[i] = format!("{}~{i}", all[i]);
-    }
-    let mut clashes = BTreeMap::<&String, Vec<&String>>::new();
-    (0..names.len())
-        .filter(|&i| names[i] != given[i])
-        .for_each(|i| clashes.entry(&given[i]).or_default().push(&names[i]));
-    for (name, called) in clashes {
-        let called: Vec<String> = called.iter().map(|n| format!("`{n}`")).collect();
-        warnings.push(format!("several files have the name `{name}`: their clips are called {}.", called.join(", ")));
-    }
-    names
 }
 
 #[cfg(test)]

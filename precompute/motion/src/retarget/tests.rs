@@ -1,4 +1,6 @@
+use super::names::unique_names;
 use super::*;
+use crate::clip::Clip;
 use crate::export::to_raw;
 use crate::raw::{RawClip, RawJoint, SourceFormat};
 use body::Roles;
@@ -102,6 +104,27 @@ fn worst_distance(set: &ClipSet, raw: &RawClip, roles: &Roles) -> f32 {
         }
     }
     worst
+}
+
+#[test]
+fn a_performer_is_measured_on_the_first_ten_minutes_alone() {
+    let s = Skeleton::default();
+    let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[]);
+    // 400 s a clip; the third one bends its knees the other way.
+    let slow = RawClip { rate_hz: 0.1, ..raw };
+    let mut odd = slow.clone();
+    odd.rotations.iter_mut().for_each(|q| *q = q.inverse());
+    let plan = |clips: &[&RawClip]| {
+        let sources: Vec<Source> = clips.iter().map(|clip| Source { clip, roles: &roles, heading: None }).collect();
+        let mut plan = Plan::new(&sources, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
+        plan.performers[0].slope = plan.find_slope(0, &sources);
+        (plan.performers[0].telling.clone(), serde_json::to_string(&plan.basis(0)).unwrap())
+    };
+    let two = plan(&[&slow, &slow]);
+    assert_eq!(two.0, [0, 1]);
+    assert_eq!(plan(&[&slow, &slow, &odd]), two);
+    assert!(plan(&[&slow, &odd, &slow]).1 != two.1);
+    assert_eq!(plan(&[&slow]).0, [0]);
 }
 
 const PLAIN: [Quat; NUM_JOINTS] = [Quat::IDENTITY; NUM_JOINTS];

@@ -200,7 +200,8 @@ fn several_animations_and_several_bodies_are_several_clips() {
     let read = |path: &Path| read_by(&|_, read| read(), &[path.to_path_buf()], &config, &Silent).unwrap();
     let set = read(&path);
     let clips = retarget::onto(&set.clips, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
-    let sidecars = || Sidecars::collect(&set, &clips, &BTreeMap::new());
+    let clip_names: Vec<String> = clips.clips.iter().map(|c| c.name.clone()).collect();
+    let sidecars = || Sidecars::collect(&set, &clip_names, &BTreeMap::new());
     assert!(sidecars().is_ok());
     std::fs::write(path.with_extension("toml"), "exclude = [[0.0, 1.0]]\n").unwrap();
     let e = sidecars().unwrap_err().to_string();

@@ -1,14 +1,14 @@
 //! Frames in a few dimensions, to tell at little cost that two are far apart.
 
-use crate::features::{EMBEDDING, Features};
+use super::{EMBEDDING, Features};
 use rayon::prelude::*;
 use throng_motion::clip::FrameId;
 
 /// Dimensions of the projection.
-pub(super) const DIMS: usize = 16;
+pub(crate) const DIMS: usize = 16;
 
 /// A frame in the projection; its distance to another one is never above that of the frames.
-pub(super) type Point = [f32; DIMS];
+pub(crate) type Point = [f32; DIMS];
 
 /// Frames of which the directions are found.
 const SAMPLE: usize = 2048;
@@ -17,19 +17,55 @@ const ROUNDS: usize = 8;
 
 type Direction = [f32; EMBEDDING];
 
-/// Projects every frame on the directions in which frames differ most, by falling variance.
+/// By how much the squared distance of points may exceed that of frames, by rounding.
+pub(crate) const SLACK: f32 = 1e-3;
+
+/// Projects frames on the directions in which they differ most, by falling variance.
 ///
-/// - returns the points (features.num_frames()).
-pub(super) fn project(features: &Features) -> Vec<Point> {
-    let n = features.num_frames();
-    let sample: Vec<Direction> =
-        (0..n).step_by(n.div_ceil(SAMPLE).max(1)).map(|f| features.embed(FrameId(f as u32))).collect();
-    let directions = principal_directions(sample);
-    let point = |f: usize| {
-        let x = features.embed(FrameId(f as u32));
+/// - returns their points (features.num_frames()).
+pub(crate) fn project(features: &Features) -> Vec<Point> {
+    let num_frames = features.num_frames() as u32;
+    let sample = (0..num_frames).step_by(features.num_frames().div_ceil(SAMPLE).max(1));
+    let directions = principal_directions(sample.map(|f| features.embed(FrameId(f))).collect());
+    let point = |f: u32| {
+        let x = features.embed(FrameId(f));
         directions.each_ref().map(|d| dot(d, &x))
     };
-    (0..n).into_par_iter().map(point).collect()
+    (0..num_frames).into_par_iter().map(point).collect()
+}
+
+/// Squared distance of two points.
+pub(crate) fn squared_gap(a: &Point, b: &Point) -> f32 {
+    let mut sums = [0.0f32; 4];
+    for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
+        for l in 0..4 {
+            sums[l] += (a[l] - b[l]) * (a[l] - b[l]);
+        }
+    }
+    sums.iter().sum()
+}
+
+/// Squared distance of two points where it is at most `limit`; the first dimensions tell most of those apart that are not.
+pub(crate) fn squared_gap_within(a: &Point, b: &Point, limit: f32) -> Option<f32> {
+    let half = |from: usize| {
+        let mut sums = [0.0f32; 4];
+        for d in (from..from + DIMS / 2).step_by(4) {
+            for l in 0..4 {
+                sums[l] += (a[d + l] - b[d + l]) * (a[d + l] - b[d + l]);
+            }
+        }
+        sums.iter().sum::<f32>()
+    };
+    let first = half(0);
+    if first > limit {
+        return None;
+    }
+    Some(first + half(DIMS / 2)).filter(|&gap| gap <= limit)
+}
+
+/// Largest squared distance of the points of frames that are no farther apart than `limit`.
+pub(crate) fn squared_reach(limit: f32) -> f32 {
+    limit * limit * (1.0 + SLACK) + 1e-7
 }
 
 /// Leading eigenvectors of the covariance, by subspace iteration.

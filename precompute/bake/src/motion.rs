@@ -1,0 +1,176 @@
+//! Files, or motion made by rule, to annotated clips of one skeleton: file by file, but for what they settle together.
+
+use crate::cache::{Cache, Key};
+use crate::config::BuildConfig;
+use crate::environment::UnitSet;
+use crate::parts::Parts;
+use crate::patch;
+use crate::provenance::{FileKeys, Provenance};
+use crate::stages::{Motion, Performer, Stages};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use throng_motion::annotate::{self, Sidecars, hits};
+use throng_motion::clip::{Clip, ClipSet};
+use throng_motion::error::{BuildError, Warnings};
+use throng_motion::import::{self, Clips, Imported, ImportedSet, MotionFile};
+use throng_motion::progress::Progress;
+use throng_motion::{mirror, resample, retarget};
+use throng_synth as synth;
+
+/// The clips of a build, their surroundings included.
+///
+/// # Errors
+/// As the stages from import to annotate; of several bad clips, the first is named.
+pub(crate) fn collect(
+    cfg: &BuildConfig,
+    parts: Parts,
+    units: Option<&UnitSet>,
+    from: &Provenance,
+    s: &Stages<'_>,
+) -> Result<Motion, BuildError> {
+    let files = from.file_keys(&cfg.import);
+    let ((mut raw, files_kept), sidecars) = s.run("import", |p| match &cfg.synth {
+        Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import).map(|(set, marks)| ((set, 0), marks)),
+        None => Ok((read(cfg, &files, s.cache(), p)?, BTreeMap::new())),
+    })?;
+    let mut warnings = Warnings::default();
+    let mut skipped: Vec<String> = raw.skipped.iter().map(ToString::to_string).collect();
+    let repeated = tell_repeated(&mut raw, parts);
+    if parts == Parts::Possible {
+        skipped.extend(repeated)
+    } else {
+        warnings.messages.extend(repeated)
+    }
+    warnings.messages.extend(raw.clips.iter().flat_map(|c| c.warnings.messages.iter().cloned()));
+    resample::check_length(raw.clips.iter().map(|c| c.clip.num_frames as f64 / c.clip.rate_hz), &cfg.resample)?;
+    let keys: Vec<Option<Key>> = match &cfg.synth {
+        Some(_) => vec![None; raw.clips.len()],
+        None => raw.clips.iter().map(|c| files.key_of(&c.clip.path).map(Some)).collect::<Result<_, _>>()?,
+    };
+    let plan = s.run("retarget", |_| settle(&raw.clips, &keys, cfg, s.cache(), &mut warnings))?;
+    let performer = |indices: Vec<usize>| Performer {
+        height_m: raw.clips[indices[0]].height,
+        clips: indices.iter().map(|&i| plan.names[i].clone()).collect(),
+    };
+    let performers = retarget::performers(&raw.clips).into_iter().map(performer).collect();
+    let sidecars = sidecars.into_iter().chain(cfg.clips.clone()).collect();
+    let marks = Sidecars::collect(&raw, &plan.names, &sidecars)?;
+    let maker = Maker { cfg, plan, marks, keys, cache: s.cache() };
+    let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw.clips, p))?;
+    if let Some(units) = units {
+        s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
+    }
+    Ok(Motion { clips, skipped, performers, files_kept, clips_kept, warnings })
+}
+
+/// Reads files, or finds what an earlier build has read, file by file.
+///
+/// - returns how many were found, too.
+fn read(
+    cfg: &BuildConfig,
+    keys: &FileKeys<'_>,
+    cache: &Cache,
+    p: &dyn Progress,
+) -> Result<(ImportedSet, usize), BuildError> {
+    let kept = AtomicUsize::new(0);
+    let reader = |file: &MotionFile, read: &dyn Fn() -> Clips| {
+        let Ok(key) = keys.key_of(&file.path) else { return read() };
+        let (imported, was_kept) = cache.each("import", key, read)?;
+        kept.fetch_add(usize::from(was_kept), Ordering::Relaxed);
+        Ok(imported)
+    };
+    let set = import::read_by(&reader, &cfg.inputs, &cfg.import, p)?.some()?;
+    cache.settle();
+    Ok((set, kept.into_inner()))
+}
+
+/// Says which clips hold the motion of others; where only what is possible is made, they are left out.
+fn tell_repeated(raw: &mut ImportedSet, parts: Parts) -> Vec<String> {
+    let repeated = raw.repeated();
+    let path = |i: usize| raw.clips[i].clip.path.display();
+    let end = if parts == Parts::Possible { "; it is left out" } else { "" };
+    let told = repeated.iter().map(|&[first, i]| format!("{}: the same motion as {}{end}", path(i), path(first)));
+    let told = told.collect();
+    if parts == Parts::Possible {
+        let mut place = 0..;
+        raw.clips.retain(|_| place.next().is_none_or(|i: usize| repeated.iter().all(|[_, later]| *later != i)));
+    }
+    told
+}
+
+/// Measures the performers and their floors.
+fn settle(
+    clips: &[Imported],
+    keys: &[Option<Key>],
+    cfg: &BuildConfig,
+    cache: &Cache,
+    warnings: &mut Warnings,
+) -> Result<retarget::Plan, BuildError> {
+    let sources: Vec<retarget::Source> = clips.iter().map(retarget::Source::from).collect();
+    let mut plan = retarget::Plan::new(&sources, &cfg.retarget, warnings)?;
+    for p in 0..plan.performers.len() {
+        let telling = &plan.performers[p].telling;
+        let find = || Ok::<_, BuildError>(plan.find_slope(p, &sources));
+        plan.performers[p].slope = match telling.iter().map(|&i| keys[i]).collect::<Option<Vec<Key>>>() {
+            Some(keys) => cache.each("floor", Key::of("floor", &keys, &plan.basis(telling[0]))?, find)?.0,
+            None => find()?,
+        };
+    }
+    Ok(plan)
+}
+
+/// What makes clips of files.
+struct Maker<'a> {
+    cfg: &'a BuildConfig,
+    plan: retarget::Plan,
+    marks: Sidecars,
+    /// Of every file; none where motion is made by rule.
+    keys: Vec<Option<Key>>,
+    cache: &'a Cache,
+}
+
+impl Maker<'_> {
+    /// The clips of all files, mirrored copies after their originals; a file's motion is given up when its clips are made.
+    ///
+    /// - returns how many files' clips were kept, too.
+    fn clips(&self, raw: Vec<Imported>, p: &dyn Progress) -> Result<(ClipSet, usize), BuildError> {
+        p.begin("clips", raw.len() as u64, "files");
+        let of_file = |(i, raw): (usize, Imported)| {
+            p.check()?;
+            let made = self.of_file(i, &raw);
+            p.advance(1);
+            made
+        };
+        let all: Vec<Result<(Vec<Clip>, bool), BuildError>> = raw.into_par_iter().enumerate().map(of_file).collect();
+        p.end();
+        self.cache.settle();
+        let (mut clips, mut num_kept) = (Vec::with_capacity(2 * all.len()), 0);
+        for made in all {
+            let (of_file, kept) = made?;
+            clips.extend(of_file);
+            num_kept += usize::from(kept);
+        }
+        hits::set_forces(&mut clips);
+        Ok((ClipSet { skeleton: self.plan.skeleton.clone(), clips }, num_kept))
+    }
+
+    /// The clips of one file, and whether they were kept. How hard blows are is seen beside those of other files only.
+    fn of_file(&self, i: usize, raw: &Imported) -> Result<(Vec<Clip>, bool), BuildError> {
+        let (cfg, name) = (self.cfg, &self.plan.names[i]);
+        let marks = self.marks.of(name);
+        let make = || {
+            let laid = ClipSet { skeleton: self.plan.skeleton.clone(), clips: vec![self.plan.lay(i, raw)] };
+            let resampled = resample::resample(&laid, &cfg.resample)?;
+            Ok::<_, BuildError>(annotate::annotate(&resampled, &cfg.annotate, &marks)?.clips)
+        };
+        let Some(key) = self.keys[i] else { return Ok((make()?, false)) };
+        let settings = (self.plan.basis(i), &cfg.resample, &cfg.annotate, &marks);
+        let (mut clips, kept) = self.cache.each("clips", Key::of("clips", &[key], &settings)?, make)?;
+        for clip in &mut clips {
+            // Other files may have changed what it takes to tell names apart.
+            clip.name = if clip.mirrored { format!("{name}{}", mirror::SUFFIX) } else { name.clone() };
+        }
+        Ok((clips, kept))
+    }
+}

@@ -1,0 +1,147 @@
+//! What the clips of a set settle together, so that each can then be laid onto the skeleton by itself.
+
+use super::align::{self, Alignment};
+use super::body::{Body, Source};
+use super::names::unique_names;
+use super::transfer::{Motion, transfer};
+use super::{Proportions, RetargetConfig, check, check_legs, ground, group, proportions};
+use crate::clip::{Clip, Exclusion, ExclusionReason};
+use crate::error::{BuildError, Warnings};
+use crate::import::{Glitch, Imported, Treated};
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use serde::Serialize;
+use throng_core::Skeleton;
+
+/// The first clips of a source skeleton, up to this length, say what its body and floor are like (s).
+const TELLING_S: f64 = 600.0;
+
+/// What laying a clip onto the database skeleton takes besides the clip.
+pub struct Plan {
+    /// The database skeleton.
+    pub skeleton: Skeleton,
+    /// Clips by source skeleton; groups and their clips in input order.
+    pub performers: Vec<Performer>,
+    /// Name of every clip, unique.
+    pub names: Vec<String>,
+    /// Group of every clip.
+    performer_of: Vec<usize>,
+    align_ground: bool,
+}
+
+/// Clips of one source skeleton, and what they share.
+#[derive(Serialize)]
+pub struct Performer {
+    /// Places of its first clips, which alone were measured: a later one changes nothing for the others.
+    #[serde(skip)]
+    pub telling: Vec<usize>,
+    /// Slope of its floor (rise per metre along x and z); level until [`Plan::find_slope`] says otherwise.
+    pub slope: Vec2,
+    body: Body,
+    alignment: Alignment,
+    own: Skeleton,
+}
+
+impl Performer {
+    fn new(clips: &[usize], sources: &[Source]) -> Self {
+        let mut seconds = 0.0;
+        let first = |i: &&usize| {
+            let enough = seconds >= TELLING_S;
+            seconds += sources[**i].clip.num_frames as f64 / sources[**i].clip.rate_hz;
+            !enough
+        };
+        let telling: Vec<usize> = clips.iter().take_while(first).copied().collect();
+        let body = Body::measure(&telling.iter().map(|&i| sources[i]).collect::<Vec<_>>());
+        let alignment = align::align(&body);
+        let own = proportions::own(&body, &alignment);
+        Self { telling, slope: Vec2::ZERO, body, alignment, own }
+    }
+
+    fn transfer(&self, source: &Source, skeleton: &Skeleton) -> Motion {
+        transfer(*source, &self.body, &self.alignment, &self.own, skeleton)
+    }
+}
+
+impl Plan {
+    /// Measures every source skeleton and names the clips; floors are level still.
+    ///
+    /// # Errors
+    /// As [`super::onto`].
+    pub fn new(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<Self, BuildError> {
+        sources.iter().try_for_each(check)?;
+        let groups = group(sources);
+        let performers: Vec<Performer> = groups.par_iter().map(|clips| Performer::new(clips, sources)).collect();
+        for (clips, performer) in groups.iter().zip(&performers) {
+            check_legs(&sources[clips[0]], &performer.body)?;
+        }
+        let mut performer_of = vec![0; sources.len()];
+        for (p, clips) in groups.iter().enumerate() {
+            clips.iter().for_each(|&i| performer_of[i] = p);
+        }
+        let skeleton = match (&cfg.proportions, performers.first()) {
+            (Proportions::Clip, Some(first)) => first.own.clone(),
+            (Proportions::Explicit(p), _) => p.skeleton()?,
+            _ => Skeleton::default(),
+        };
+        let names = unique_names(sources, warnings);
+        for (source, name) in sources.iter().zip(&names).filter(|(s, _)| s.clip.num_frames < 2) {
+            let path = source.clip.path.display();
+            warnings.push(format!("{path}: `{name}` has a single frame and shows no motion."));
+        }
+        Ok(Self { skeleton, performers, names, performer_of, align_ground: cfg.align_ground })
+    }
+
+    /// Slope of the floor that the first clips of a source skeleton show.
+    pub fn find_slope(&self, performer: usize, sources: &[Source]) -> Vec2 {
+        if !self.align_ground {
+            return Vec2::ZERO;
+        }
+        let p = &self.performers[performer];
+        let standing = |&i: &usize| {
+            let motion = p.transfer(&sources[i], &self.skeleton);
+            ground::standing(&motion, &self.skeleton, sources[i].clip.rate_hz)
+        };
+        let points: Vec<Vec<Vec3>> = p.telling.par_iter().map(standing).collect();
+        ground::slope(&points.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    }
+
+    /// All that laying a clip takes besides the clip and its name, for its key: skeletons, body and floor.
+    pub fn basis(&self, clip: usize) -> impl Serialize {
+        (&self.skeleton, &self.performers[self.performer_of[clip]], self.align_ground)
+    }
+
+    /// Lays a clip onto the skeleton; frames cut as glitches are left out.
+    ///
+    /// - `clip`: its place among the sources of the plan.
+    pub fn lay(&self, clip: usize, imported: &Imported) -> Clip {
+        let mut out = self.lay_source(clip, &imported.into());
+        leave_out_glitches(&mut out, imported);
+        out
+    }
+
+    pub(super) fn lay_source(&self, clip: usize, source: &Source) -> Clip {
+        let p = &self.performers[self.performer_of[clip]];
+        let mut motion = p.transfer(source, &self.skeleton);
+        if self.align_ground {
+            let standing = ground::standing(&motion, &self.skeleton, source.clip.rate_hz);
+            ground::level(&mut motion, ground::height(&standing, p.slope), p.slope);
+        }
+        let Motion { root_positions, rotations } = motion;
+        Clip {
+            source: source.clip.path.display().to_string(),
+            ..Clip::new(self.names[clip].clone(), source.clip.rate_hz, root_positions, rotations)
+        }
+    }
+}
+
+/// Excludes the frames of glitches that are cut.
+pub(super) fn leave_out_glitches(clip: &mut Clip, imported: &Imported) {
+    let n = clip.num_frames();
+    clip.excluded = imported.glitches.iter().filter(|g| g.treated == Treated::Cut).map(|g| exclusion(g, n)).collect();
+}
+
+/// The frames of a glitch and those next to it: at another rate, frames in between are made of both.
+fn exclusion(glitch: &Glitch, num_frames: usize) -> Exclusion {
+    let range = glitch.frames.start.saturating_sub(1)..(glitch.frames.end + 1).min(num_frames);
+    Exclusion { range, reason: ExclusionReason::Glitch }
+}
