@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 use throng_base::file::read_file;
 use throng_motion::error::{BuildError, Warnings};
-use throng_motion::files::write_quickly;
+use throng_motion::files::{remove_left, write_quickly};
 use xxhash_rust::xxh3::Xxh3;
 
 /// Part of every key: the version and a hash of the sources (`build.rs`), as other code may make something else of the
@@ -214,8 +214,10 @@ impl Cache {
         })
     }
 
-    /// Removes what was not used for longest until all fits, but not the entry that was just written.
+    /// Removes what killed processes left, and what was not used for longest until all fits, but not the entry that was just
+    /// written.
     fn make_room(&self, written: Option<&Path>) -> Result<(), BuildError> {
+        self.folder.iter().for_each(|folder| remove_left(folder));
         let entries = self.entries()?;
         let mut bytes: u64 = entries.iter().map(|e| e.bytes).sum();
         for e in entries.iter().filter(|e| Some(&*e.path) != written) {

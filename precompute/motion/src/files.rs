@@ -28,6 +28,9 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), BuildError> {
+    if let Ok(real) = follow(path) {
+        remove_left(folder_of(&real));
+    }
     let done = replace(path, write, |file| file.sync_all())?;
     // The name is on the disk when the folder is. Not every file system can be asked for that.
     match sync_folder(folder_of(&done)) {
@@ -40,7 +43,8 @@ pub fn write_atomically(
     }
 }
 
-/// As [`write_atomically`], without waiting for the disk: for what is checked when it is read, and can be made again.
+/// As [`write_atomically`], without waiting for the disk and without a look for what killed processes left: for many files
+/// that are checked when they are read, and can be made again.
 ///
 /// # Errors
 /// As [`write_atomically`].
@@ -58,7 +62,6 @@ fn replace(
     let io = |source| BuildError::Io { path: path.to_path_buf(), source };
     let real = follow(path).map_err(io)?;
     let folder = folder_of(&real);
-    remove_left(folder);
     let in_folder = |e: std::io::Error| {
         let why = format!("the folder {} takes no file: {}", folder.display(), plain(&e));
         io(std::io::Error::new(e.kind(), why))
@@ -102,7 +105,7 @@ fn new_file(folder: &Path) -> std::io::Result<NamedTempFile> {
 }
 
 /// Removes temporary files that nobody writes any more.
-fn remove_left(folder: &Path) {
+pub fn remove_left(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten().filter(|e| is_temporary(&e.file_name().to_string_lossy())) {
         let path = entry.path();

@@ -23,8 +23,8 @@ const MOST_OF_ONE: u32 = 16;
 const LEAST_W: f32 = 0.3;
 /// A rotation in the middle is looked for where the identity leaves w smaller.
 const WIDE_W: f32 = 0.5;
-/// The tip of a hand or a toe counts as a joint so far away (m).
-const TIP_M: f32 = 0.08;
+/// How far what a hand, a toe or the head turns counts as lying from it (m): little, since no joint hangs on them.
+const TIP_M: f32 = 0.03;
 
 /// The field of one joint.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
