@@ -4,6 +4,7 @@
 # must give the same bytes as an undisturbed one.
 #
 # `scripts/faults.sh [N] [THRONG]`: N times each (500), with a program (target/release/throng, or target/debug/throng).
+# Kills count where they ended the program, and go on until there are N.
 # Prints a table, and exits 1 where anything was wrong.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -72,22 +73,31 @@ duration() {
     echo $((($(date +%s%N) - begin) / 1000000 + 1))
 }
 
+# Starts a command and kills it at a random moment; fails where it had ended before.
+kill_once() { # MILLISECONDS COMMAND...
+    local most=$1 pid code=0
+    shift
+    "$@" > /dev/null 2>&1 &
+    pid=$!
+    sleep "$(awk -v m="$most" -v r=$RANDOM 'BEGIN { printf "%.4f", m * r / 32768000 }')"
+    kill -9 $pid 2> /dev/null || true
+    wait $pid 2> /dev/null || code=$?
+    [ $code -eq 137 ]
+}
+
 # Kills a command at random moments: its output is then absent or the whole one.
 kills() { # WHAT WHOLE OUT COMMAND...
-    local what=$1 whole=$2 out=$3 wrong=0 killed=0 most pid
+    local what=$1 whole=$2 out=$3 wrong=0 killed=0 tried=0 most
     shift 3
     most=$(duration "$@")
-    for ((i = 0; i < times; i++)); do
+    while [ $killed -lt "$times" ] && [ $tried -lt $((4 * times)) ]; do
         rm -rf "$out" killed-cache
-        "$@" > /dev/null 2>&1 &
-        pid=$!
-        sleep "$(awk -v m="$most" -v r=$RANDOM 'BEGIN { printf "%.4f", m * r / 32768000 }')"
-        kill -9 $pid 2> /dev/null && killed=$((killed + 1))
-        wait $pid 2> /dev/null || true
+        tried=$((tried + 1))
+        kill_once "$most" "$@" && killed=$((killed + 1))
         [ ! -e "$out" ] || cmp -s "$out" "$whole" || wrong=$((wrong + 1))
     done
     "$@" > /dev/null 2>&1 && cmp -s "$out" "$whole" || wrong=$((wrong + 1))
-    row "$what" "$times" "$killed" "$wrong"
+    row "$what" "$tried" "$killed" "$wrong"
 }
 kills "builds killed" whole.throng out.throng \
     "$throng" build small.toml --out out.throng --cache killed-cache
@@ -98,18 +108,16 @@ picture=("$throng" run whole.throng --characters 20 --seconds 2 --png out.png)
 kills "recordings killed" whole.png out.png "${picture[@]}"
 
 # Builds killed with one cache, which keeps what the killed ones left.
-wrong=0 killed=0 most=$(duration build out.throng shared-cache)
-for ((i = 0; i < times; i++)); do
-    [ $((i % 10)) -ne 0 ] || rm -rf shared-cache
+wrong=0 killed=0 tried=0 most=$(duration build out.throng shared-cache)
+while [ $killed -lt "$times" ] && [ $tried -lt $((4 * times)) ]; do
+    # Most of them begin with nothing: with a whole cache, a build is over in a moment.
+    [ $((tried % 3)) -eq 2 ] || rm -rf shared-cache
     rm -f out.throng
-    "$throng" build small.toml --out out.throng --cache shared-cache > /dev/null 2>&1 &
-    pid=$!
-    sleep "$(awk -v m="$most" -v r=$RANDOM 'BEGIN { printf "%.4f", m * r / 32768000 }')"
-    kill -9 $pid 2> /dev/null && killed=$((killed + 1))
-    wait $pid 2> /dev/null || true
+    tried=$((tried + 1))
+    kill_once "$most" "$throng" build small.toml --out out.throng --cache shared-cache && killed=$((killed + 1))
     build out.throng shared-cache > /dev/null 2>&1 && cmp -s out.throng whole.throng || wrong=$((wrong + 1))
 done
-row "builds after a killed one" "$times" "$killed" "$wrong"
+row "builds after a killed one" "$tried" "$killed" "$wrong"
 
 # No file may grow beyond some size: as on a full disk, writing fails in the middle.
 wrong=0 failed=0 kb=$(($(stat -c %s whole.throng) / 1024))

@@ -1,9 +1,11 @@
 //! Clips become examples: their arcs, keytimes and names, and what is wrong with those that cannot.
 
-use crate::made_up::{Puppet, SIX, config, fit, idle, six};
+use crate::made_up::{Puppet, SIX, config, fit, idle, set, six};
 use throng_precompute::Clip;
 use throng_precompute::clip::{Exclusion, ExclusionReason};
-use throng_precompute::examples::BlendConfig;
+use throng_precompute::config::BuildConfig;
+use throng_precompute::examples::{self, BlendConfig};
+use throng_precompute::progress::Silent;
 use throng_runtime::Contacts;
 use throng_runtime::blend::ExampleRecord;
 
@@ -135,6 +137,47 @@ fn what_is_named_must_be_there() {
 }
 
 #[test]
+fn faults_of_examples_stand_where_the_config_names_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("x.toml");
+    let axes = "[blend.walk]\naxes = [{ kind = 'style', name = 'mood' }, { kind = 'speed' }]\n";
+    for (text, expected) in [
+        (
+            "examples = [{ clip = 'slow', style = { mood = 1 } }, { clip = 'jog' }]",
+            "4:56: blend.walk.examples[1].clip: no clip `jog`",
+        ),
+        (
+            "examples = [{ clip = 'slow', tag = 'sad' }]",
+            "4:30: blend.walk.examples[0].tag: no clip `slow` with tag `sad`",
+        ),
+        (
+            "examples = [{ clip = 'slow', frames = [9000, 9001] }]",
+            "4:30: blend.walk.examples[0].frames: no clip `slow`",
+        ),
+        ("[[blend.walk.examples]]\nclip = 'slow'\nstyle.bad = 1", "6:7: blend.walk.examples[0].style.bad: expected"),
+        (
+            "[[blend.walk.examples]]\nclip = 'slow'\nstyle = {}",
+            "6:1: blend.walk.examples[0].style: slow: it has no value",
+        ),
+        ("[[blend.walk.examples]]\nclip = 'slow'\nstill = true", "4:1: blend.walk.examples[0]: slow: it is not still"),
+        ("[[blend.walk.examples]]\nclip = 'slow'\nsymmetric = true\nstill = true", "7:1: blend.walk.examples[0].still"),
+        ("examples = [{ clip = '' }]", "4:15: blend.walk.examples[0].clip: expected a clip"),
+        ("[[blend.walk.find]]\nclips = ['jog*']", "5:1: blend.walk.find[0].clips: no clip is there that matches"),
+        ("[[blend.walk.find]]\nclips = ['*']\nclosing_deg = 200", "6:1: blend.walk.find[0].closing_deg: expected"),
+        ("examples = [{ clip = 'slow', style = { mood = 1 } }]", "2:8: blend.walk: 2 axes need 3 examples"),
+        (
+            "for_each = ['jog', 'slow']\nexamples = [{ clip = '{}', style = { mood = 1 } }]",
+            "5:15: blend.walk.examples[0].clip: space `walk-jog`: no clip `jog`",
+        ),
+    ] {
+        std::fs::write(&path, format!("inputs = ['a']\n{axes}{text}\n")).expect("a config");
+        let made = BuildConfig::load(&path).and_then(|config| examples::fit(&set(six()), &config.blend, &Silent));
+        let e = made.expect_err(text).in_file(&path).to_string();
+        assert!(e.contains(&format!("x.toml:{expected}")), "{e}, expected {expected}");
+    }
+}
+
+#[test]
 fn too_few_flat_and_coincident_examples_are_named() {
     let two_axes = "axes = [{ kind = 'speed' }, { kind = 'gyration' }]\n";
     let e = fault(six(), &config(&format!("{two_axes}examples = [{{ clip = 'slow*' }}]")));
@@ -235,5 +278,5 @@ fn a_box_so_wide_that_weights_run_away_is_refused_by_its_axis() {
         examples = [{ clip = 'slow' }, { clip = 'slow_left' }, { clip = 'fast' }]
         weight_tolerance = 0.5";
     let e = fault(six(), &config(text));
-    assert!(e.contains("blend.walk.axes.range: [-900, 1] of axis `gyration`") && e.contains("below 1000"), "{e}");
+    assert!(e.starts_with("blend.walk.axes[1].range: [-900, 1] of axis `gyration`") && e.contains("below 1000"), "{e}");
 }

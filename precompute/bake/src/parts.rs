@@ -50,16 +50,12 @@ impl Attempts {
         let why = match made {
             Ok(made) => return Ok(Some(made)),
             Err(e) if self.parts == Parts::All => return Err(e),
-            Err(BuildError::Key { why, .. }) => why,
+            Err(BuildError::Key { why, .. }) => why.trim_end_matches('.').to_owned(),
             Err(BuildError::Stage { message, help, .. }) => format!("{message}. {}", help.trim_end_matches('.')),
             Err(BuildError::Config { message }) => message.trim_end_matches('.').to_owned(),
             Err(e) => return Err(e),
         };
-        let part = part.into();
-        // Messages of blend spaces begin with their keys.
-        let key = part.strip_prefix("blend space ").map_or_else(String::new, |space| format!("blend.{space}: "));
-        let why = why.strip_prefix(&key).unwrap_or(&why).to_owned();
-        self.not_made.push(NotMade { part, why });
+        self.not_made.push(NotMade { part: part.into(), why });
         Ok(None)
     }
 }
@@ -70,7 +66,7 @@ mod tests {
 
     #[test]
     fn what_the_motion_does_not_allow_is_told_and_what_else_goes_wrong_ends_the_build() {
-        let bad = || Err::<u8, _>(BuildError::key("a", "too little motion"));
+        let bad = || Err::<u8, _>(BuildError::key("a", "too little motion."));
         assert!(Attempts::new(Parts::All).made("policy a", bad()).is_err());
         let mut attempts = Attempts::new(Parts::Possible);
         assert_eq!(attempts.made("policy a", bad()).unwrap(), None);

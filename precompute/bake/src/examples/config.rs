@@ -250,34 +250,58 @@ impl BlendConfig {
     }
 
     fn check_styles(&self, names: &[String]) -> Result<(), BuildError> {
-        let styles = self.examples.iter().map(|e| &e.style).chain(self.find.iter().map(|f| &f.style));
-        for (name, value) in styles.flatten() {
-            let known = names.iter().zip(&self.axes).any(|(n, a)| n == name && a.kind == AxisKind::Style);
-            if !known || !(-1e4..=1e4).contains(value) {
-                let found = format!("expected a number on a style axis, found `{name} = {value}`");
-                return Err(fault("style", &found));
+        let examples = self.examples.iter().enumerate().map(|(i, e)| (format!("examples[{i}]"), &e.style));
+        let found = self.find.iter().enumerate().map(|(i, f)| (format!("find[{i}]"), &f.style));
+        for (entry, style) in examples.chain(found) {
+            for (name, value) in style {
+                let known = names.iter().zip(&self.axes).any(|(n, a)| n == name && a.kind == AxisKind::Style);
+                if !known || !(-1e4..=1e4).contains(value) {
+                    let found = format!("expected a number on a style axis, found `{name} = {value}`");
+                    return Err(fault(format!("{entry}.style.{name}"), &found));
+                }
             }
         }
-        for (i, f) in self.find.iter().enumerate() {
-            if f.most == Some(0) || f.closing_deg.is_some_and(|d| !(d > 0.0 && d <= 180.0)) || f.clips.is_empty() {
-                let expected =
-                    "expected `clips`, and `most` and `closing_deg` above 0, up to 180, where they are given";
-                return Err(fault(format!("find[{i}]"), expected));
-            }
+        let named =
+            |(i, e): (usize, &ExampleConfig)| e.check().map_err(|fault| fault.within(&format!("examples[{i}]")));
+        self.examples.iter().enumerate().try_for_each(named)?;
+        let found = |(i, f): (usize, &FindConfig)| f.check().map_err(|fault| fault.within(&format!("find[{i}]")));
+        self.find.iter().enumerate().try_for_each(found)
+    }
+}
+
+/// What `symmetric` does not go together with.
+const SYMMETRIC: &str = "`symmetric` makes the cycle of one step and its mirrored image, of what moves; expected neither \
+                         `mirror` nor `still` with it, found";
+
+impl ExampleConfig {
+    fn check(&self) -> Result<(), BuildError> {
+        if self.clip.is_empty() {
+            return Err(fault("clip", "expected a clip by name or pattern, found none"));
         }
-        let both = "`symmetric` makes the cycle of one step and its mirrored image, of what moves; expected neither \
-                    `mirror` nor `still` with it, found";
-        if let Some(e) = self.examples.iter().find(|e| e.symmetric && (e.mirror || e.still)) {
-            let found = if e.still { "still" } else { "mirror" };
-            return Err(fault("examples", &format!("`{}`: {both} `{found}`", e.clip)));
+        if let Some([first, end]) = self.frames.filter(|[first, end]| first >= end) {
+            return Err(fault("frames", &format!("expected [first, end) of some frames, found [{first}, {end}]")));
         }
-        if let Some(i) = self.find.iter().position(|f| f.symmetric && f.mirror) {
-            let f = &self.find[i];
-            return Err(fault(format!("find[{i}]"), &format!("{:?}: {both} `mirror`", f.clips)));
-        }
-        match self.examples.iter().find(|e| e.frames.is_some_and(|[a, b]| a >= b) || e.clip.is_empty()) {
-            Some(e) => Err(fault("examples", &format!("expected a clip and frames [first, end), found {e:?}"))),
+        match [("still", self.still), ("mirror", self.mirror)].into_iter().find(|(_, on)| self.symmetric && *on) {
+            Some((key, _)) => Err(fault(key, &format!("`{}`: {SYMMETRIC} `{key}`", self.clip))),
             None => Ok(()),
+        }
+    }
+}
+
+impl FindConfig {
+    fn check(&self) -> Result<(), BuildError> {
+        if self.clips.is_empty() {
+            return Err(fault("clips", "expected clips by name or pattern, found none"));
+        }
+        if self.most == Some(0) {
+            return Err(fault("most", "expected 1 or more, found 0"));
+        }
+        if let Some(deg) = self.closing_deg.filter(|d| !(*d > 0.0 && *d <= 180.0)) {
+            return Err(fault("closing_deg", &format!("expected more than 0, 180 at most, found {deg}")));
+        }
+        match self.symmetric && self.mirror {
+            true => Err(fault("mirror", &format!("{:?}: {SYMMETRIC} `mirror`", self.clips))),
+            false => Ok(()),
         }
     }
 }
@@ -322,10 +346,10 @@ mod tests {
             (BlendConfig { axes: same_axis, ..plain() }, "axes[1]"),
             (BlendConfig { examples: Vec::new(), ..plain() }, "examples"),
             (BlendConfig { weight_tolerance: 0.0, ..plain() }, "weight_tolerance"),
-            (unknown, "style"),
-            (twofold, "examples"),
-            (standing, "examples"),
-            (found, "find[0]"),
+            (unknown, "examples[0].style.mood"),
+            (twofold, "examples[0].mirror"),
+            (standing, "examples[0].still"),
+            (found, "find[0].mirror"),
             (backwards, "axes[1].range"),
         ] {
             let e = config.check().unwrap_err().to_string();

@@ -130,8 +130,8 @@ pub struct ExampleReport {
 /// - returns spaces in the order of their names.
 ///
 /// # Errors
-/// [`BuildError::Key`] for a setting out of its limits; [`BuildError::Stage`] for named examples that are not there,
-/// have wrong keytimes or coincide, for too few examples, and for a weight table that would be too large.
+/// [`BuildError::Key`] for a setting out of its limits, for named examples that are not there, have wrong keytimes or
+/// coincide, for too few examples, and for a weight table that would be too large.
 ///
 /// # Source
 /// Kim, Kim and Shin (2003a), section 4.
@@ -140,18 +140,30 @@ pub fn fit(
     configs: &BTreeMap<String, BlendConfig>,
     progress: &dyn Progress,
 ) -> Result<BlendSpaces, BuildError> {
-    let all = spaces(configs)?;
+    let num_spaces = spaces(configs)?.len();
     let mut out = BlendSpaces::default();
-    progress.begin("examples", all.len() as u64, "spaces");
-    for (name, config) in &all {
-        progress.check()?;
-        let (space, report) = space(name, config, clips, &mut out.warnings)?;
-        out.spaces.push(space);
-        out.report.push(report);
-        progress.advance(1);
+    progress.begin("examples", num_spaces as u64, "spaces");
+    for (table, config) in configs {
+        for (name, config) in config.spaces(table) {
+            progress.check()?;
+            let made = space(&name, &config, clips, &mut out.warnings);
+            let (space, report) = made.map_err(|e| of_table(e, table, &name))?;
+            out.spaces.push(space);
+            out.report.push(report);
+            progress.advance(1);
+        }
     }
     progress.end();
     Ok(out)
+}
+
+/// A fault of a space as seen from the whole config: a table that makes several spaces does not say which.
+fn of_table(fault: BuildError, table: &str, space: &str) -> BuildError {
+    let fault = match fault {
+        BuildError::Key { key, why } if space != table => BuildError::key(key, format!("space `{space}`: {why}")),
+        other => other,
+    };
+    fault.within(&format!("blend.{table}"))
 }
 
 /// Every space of some tables of a config, by name.
@@ -166,7 +178,7 @@ pub fn spaces(configs: &BTreeMap<String, BlendConfig>) -> Result<Vec<(String, Bl
             if all.iter().any(|(n, _)| *n == name) {
                 return Err(BuildError::key(key, format!("two spaces are called `{name}`. Correct the config.")));
             }
-            space.check().map_err(|e| e.within(&key))?;
+            space.check().map_err(|e| of_table(e, table, &name))?;
             all.push((name, space));
         }
     }
@@ -187,17 +199,17 @@ fn space(
     let basis = CardinalBasis::new(&points, &spacings, config.kernel_reach, config.min_distance)
         .map_err(|fault| cardinal_fault(name, config, &chosen, &fault, &warnings.messages[told..]))?;
     let table = grid::tabulate(&basis, extent(config, &points), config.weight_tolerance, config.max_weight_bytes)
-        .map_err(|large| too_large(name, config, &large))?;
-    check_weights(name, config, &points, &table)?;
+        .map_err(|large| too_large(config, &large))?;
+    check_weights(config, &points, &table)?;
     let cycles: Vec<&Cycle<'_>> = chosen.iter().map(|c| &c.cycle).collect();
     let postures = posture::tabulate(&cycles, &clips.skeleton, config.phases).map_err(|t| {
         let message = format!(
-            "blend.{name}: the examples hold their {} so differently that no reference orientation continues from phase \
+            "the examples hold their {} so differently that no reference orientation continues from phase \
              {} to the next",
             t.joint.name(),
             t.phase
         );
-        stage(message, "Take examples that are more alike into one space, or more phases")
+        fault("", message, "Take examples that are more alike into one space, or more phases")
     })?;
     let (joint, worst, turn) = postures.largest;
     if turn > FAR_APART {
@@ -235,12 +247,7 @@ fn extent(config: &BlendConfig, points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Weights that a bundle may hold: far from all examples, hyperplanes rise without bound.
-fn check_weights(
-    space: &str,
-    config: &BlendConfig,
-    points: &[Vec<f64>],
-    table: &WeightTable,
-) -> Result<(), BuildError> {
+fn check_weights(config: &BlendConfig, points: &[Vec<f64>], table: &WeightTable) -> Result<(), BuildError> {
     let largest = table.weights.iter().fold(0.0f32, |l, w| l.max(w.abs()));
     if largest < MAX_WEIGHT {
         return Ok(());
@@ -257,13 +264,17 @@ fn check_weights(
     let widest = (0..config.axes.len()).max_by(|&a, &b| beyond(a).total_cmp(&beyond(b))).unwrap_or(0);
     let (low, high) = along(widest);
     let message = format!(
-        "blend.{space}.axes.range: [{}, {}] of axis `{}` is so far beyond the examples, {low:.3} to {high:.3}, that \
+        "[{}, {}] of axis `{}` is so far beyond the examples, {low:.3} to {high:.3}, that \
          weights reach {largest:.0}; expected below {MAX_WEIGHT}",
         table.grid.low[widest],
         table.grid.high[widest],
         config.axis_names()[widest]
     );
-    Err(stage(message, "Narrow the `range` of this axis, or add examples nearer to its ends"))
+    Err(fault(
+        &format!("axes[{widest}].range"),
+        message,
+        "Narrow the `range` of this axis, or add examples nearer to its ends",
+    ))
 }
 
 fn record(config: &BlendConfig, table: &WeightTable, num_examples: usize) -> BlendRecord {
@@ -348,8 +359,9 @@ fn report(
     }
 }
 
-fn stage(message: String, help: &str) -> BuildError {
-    BuildError::Stage { stage: "examples", message, help: help.to_owned() }
+/// A fault of a key of a space's table.
+fn fault(key: &str, message: String, help: &str) -> BuildError {
+    BuildError::key(key, format!("{message}. {help}."))
 }
 
 /// Why examples have no weights, by their names.
@@ -358,7 +370,7 @@ fn cardinal_fault(
     space: &str,
     config: &BlendConfig,
     chosen: &[Candidate<'_>],
-    fault: &CardinalFault,
+    why: &CardinalFault,
     lacking: &[String],
 ) -> BuildError {
     let axes = config.axis_names();
@@ -375,16 +387,19 @@ fn cardinal_fault(
             .filter(|p| !p.is_empty())
             .fold(String::new(), |all, p| format!("{all}{}{p}", if all.is_empty() { ": " } else { "; " }))
     };
-    let (what, help) = match fault {
+    let (key, what, help) = match why {
         CardinalFault::TooFew => (
+            String::new(),
             format!("{} axes need {} examples at least, found {}{}", axes.len(), axes.len() + 1, chosen.len(), names()),
             "Add examples, or leave axes out".to_owned(),
         ),
         CardinalFault::NoExtent(k) => (
+            format!("axes[{k}]"),
             format!("all examples have the same value on axis `{}`: {}", axes[*k], values(*k)),
             format!("Add an example with another value of `{}`, or leave the axis out", axes[*k]),
         ),
         CardinalFault::NoSpread(k) => (
+            format!("axes[{k}]"),
             format!(
                 "all examples lie in one hyperplane: their values on axis `{}` ({}) follow from those on `{}`",
                 axes[*k],
@@ -394,6 +409,7 @@ fn cardinal_fault(
             format!("Add an example that differs in `{}` alone, or leave the axis out", axes[*k]),
         ),
         CardinalFault::Coincident(a, b, distance) => (
+            "min_distance".to_owned(),
             format!(
                 "examples `{}` and `{}` lie at the same place: {distance:.4} apart, with each axis from 0 to 1, where \
                  min_distance is {}",
@@ -402,18 +418,19 @@ fn cardinal_fault(
             "Leave one of them out, add an axis that tells them apart, or lower `min_distance`".to_owned(),
         ),
         CardinalFault::Overlap => (
+            "kernel_reach".to_owned(),
             format!("the radial bases of the examples overlap too much with kernel_reach {}", config.kernel_reach),
             "Lower `kernel_reach`, or leave out examples that lie close together".to_owned(),
         ),
     };
-    stage(format!("blend.{space}: {what}"), &help)
+    fault(&key, what, &help)
 }
 
-fn too_large(space: &str, config: &BlendConfig, large: &grid::TooLarge) -> BuildError {
+fn too_large(config: &BlendConfig, large: &grid::TooLarge) -> BuildError {
     let axis = |((name, knots), error): ((&String, &usize), &f64)| format!("{knots} along `{name}` (error {error:.4})");
     let axes: Vec<_> = config.axis_names().iter().zip(&large.knots).zip(&large.errors).map(axis).collect();
     let message = format!(
-        "blend.{space}: for a weight_tolerance of {}, the weight table needs at least {} knots and {} bytes; \
+        "for a weight_tolerance of {}, the weight table needs at least {} knots and {} bytes; \
          max_weight_bytes is {}, and a table has at most {MAX_KNOTS} knots",
         config.weight_tolerance,
         axes.join(", "),
@@ -422,5 +439,5 @@ fn too_large(space: &str, config: &BlendConfig, large: &grid::TooLarge) -> Build
     );
     let help = "Raise `max_weight_bytes` or `weight_tolerance`, leave out examples that lie close together, or narrow the \
                 `range` of an axis that is much wider than its examples";
-    stage(message, help)
+    fault("max_weight_bytes", message, help)
 }

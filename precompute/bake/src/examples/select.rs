@@ -43,7 +43,8 @@ pub struct Candidate<'a> {
 
 /// Everything that is asked of each run of frames.
 struct Wish<'a> {
-    space: &'a str,
+    /// The entry of the config that asks, such as `examples[2]`.
+    entry: String,
     config: &'a BlendConfig,
     style: &'a BTreeMap<String, f64>,
 }
@@ -60,7 +61,7 @@ pub fn sources(set: &ClipSet, config: &BlendConfig) -> Vec<Source> {
 /// The candidates of a space: first those that are named, then those that are found.
 ///
 /// # Errors
-/// [`BuildError::Stage`] naming the clip where an example has no value on a style axis, or a named one is not there or
+/// [`BuildError::Key`] naming entry and clip where an example has no value on a style axis, or a named one is not there or
 /// has wrong or missing keytimes; a found stretch without them is left out, and a warning says so.
 pub fn candidates<'a>(
     space: &str,
@@ -69,14 +70,16 @@ pub fn candidates<'a>(
     warnings: &mut Warnings,
 ) -> Result<Vec<Candidate<'a>>, BuildError> {
     let mut out = Vec::new();
-    for example in &config.examples {
-        let wish = Wish { space, config, style: &example.style };
+    for (i, example) in config.examples.iter().enumerate() {
+        let wish = Wish { entry: format!("examples[{i}]"), config, style: &example.style };
         named(&wish, example, sources, &mut out)?;
     }
     let mut found = Vec::new();
-    for find in &config.find {
-        let wish = Wish { space, config, style: &find.style };
-        found.extend(search(&wish, find, sources, warnings)?);
+    for (i, find) in config.find.iter().enumerate() {
+        let wish = Wish { entry: format!("find[{i}]"), config, style: &find.style };
+        let mut without = Vec::new();
+        found.extend(search(&wish, find, sources, &mut without)?);
+        warnings.messages.extend(told_without(space, &without));
     }
     out.extend(found);
     tell_apart(&mut out);
@@ -91,7 +94,7 @@ fn named<'a>(
     out: &mut Vec<Candidate<'a>>,
 ) -> Result<(), BuildError> {
     let before = out.len();
-    let fault = |source: &Source, what: String| wish.fault(&source.clip.name, &what, KEYTIMES_HELP);
+    let fault = |source: &Source, what: String| wish.fault("", &format!("{}: {what}", source.clip.name), KEYTIMES_HELP);
     let clips = || sources.chunks_exact(2).filter(|pair| matches(&example.clip, &pair[0].clip.name));
     for pair in clips().filter(|_| example.symmetric) {
         let found = halved(pair, example.tag.as_deref(), example.frames);
@@ -99,8 +102,8 @@ fn named<'a>(
             out.push(wish.candidate(source, cycle, true)?);
         }
     }
-    let sources = clips().filter(|_| !example.symmetric).flatten();
-    for source in sources.filter(|s| example.mirror || !s.clip.mirrored) {
+    let walkers = clips().filter(|_| !example.symmetric).flatten();
+    for source in walkers.filter(|s| example.mirror || !s.clip.mirrored) {
         let longest =
             |r: FrameRange| runs(&source.clip, r, example.still).into_iter().max_by_key(ExactSizeIterator::len);
         for range in spans(&source.clip, example.tag.as_deref(), example.frames).into_iter().filter_map(longest) {
@@ -118,7 +121,12 @@ fn named<'a>(
     let tag = example.tag.as_ref().map_or(String::new(), |t| format!(" with tag `{t}`"));
     let frames = example.frames.map_or(String::new(), |f| format!(" with frames {f:?}"));
     let what = format!("no clip `{}`{tag}{frames} is there", example.clip);
-    Err(wish.fault("examples", &what, "Name a clip as `throng inspect` lists it; `*` stands for any text"))
+    let key = match (clips().next(), &example.tag) {
+        (None, _) => ".clip",
+        (Some(_), Some(_)) => ".tag",
+        (Some(_), None) => ".frames",
+    };
+    Err(wish.fault(key, &what, "Name a clip as `throng inspect` lists it; `*` stands for any text"))
 }
 
 const KEYTIMES_HELP: &str = "Name its steady `frames`, exclude it, or adjust `annotate.contacts` so that each step is one \
@@ -183,20 +191,21 @@ fn tolerance(config: &BlendConfig) -> Tolerance {
 }
 
 /// Every steady stretch of the clips that one entry of the config names.
+///
+/// - `without`: takes names of clips in which none was found, with why.
 fn search<'a>(
     wish: &Wish<'_>,
     find: &FindConfig,
     sources: &'a [Source],
-    warnings: &mut Warnings,
+    without: &mut Vec<(String, String)>,
 ) -> Result<Vec<Candidate<'a>>, BuildError> {
     let mut out = Vec::new();
     let wanted = |pair: &&[Source]| find.clips.iter().any(|p| matches(p, &pair[0].clip.name));
     let clips = || sources.chunks_exact(2).filter(wanted);
     if clips().next().is_none() {
         let what = format!("no clip is there that matches {:?}", find.clips);
-        return Err(wish.fault("find", &what, "Name clips as `throng inspect` lists them; `*` stands for any text"));
+        return Err(wish.fault(".clips", &what, "Name clips as `throng inspect` lists them; `*` stands for any text"));
     }
-    let mut without: Vec<(String, String)> = Vec::new();
     let mut warn = |clip: &Clip, why: &str| without.push((clip.name.clone(), why.to_owned()));
     let most = find.closing_deg.unwrap_or(CLOSING_DEG).to_radians();
     for pair in clips().filter(|_| find.symmetric) {
@@ -223,7 +232,6 @@ fn search<'a>(
             warn(&source.clip, faults.first().map_or("none of its cycles closes", |f| &f.what));
         }
     }
-    warnings.messages.extend(told_without(wish.space, &without));
     out.retain(|c| wish.within(&c.parameters));
     out.sort_by(|a, b| a.cycle.closing.total_cmp(&b.cycle.closing));
     if let Some(most) = find.most {
@@ -346,8 +354,8 @@ impl Wish<'_> {
             AxisKind::Style => {
                 let tagged = || style_of(&source.clip, &cycle, &axis.tags);
                 self.style.get(&name).copied().or_else(tagged).ok_or_else(|| {
-                    let what = format!("it has no value on the style axis `{name}`");
-                    self.fault(&source.clip.name, &what, "Give it by `style`, or name its tags in the axis's `tags`")
+                    let what = format!("{}: it has no value on the style axis `{name}`", source.clip.name);
+                    self.fault(".style", &what, "Give it by `style`, or name its tags in the axis's `tags`")
                 })
             }
         };
@@ -366,9 +374,9 @@ impl Wish<'_> {
         parameters.iter().zip(&self.config.axes).all(inside)
     }
 
-    fn fault(&self, place: &str, what: &str, help: &str) -> BuildError {
-        let message = format!("blend.{}: {place}: {what}", self.space);
-        BuildError::Stage { stage: "examples", message, help: help.to_owned() }
+    /// - `key`: of the entry, with its dot; empty for the whole.
+    fn fault(&self, key: &str, what: &str, help: &str) -> BuildError {
+        BuildError::key(format!("{}{key}", self.entry), format!("{what}. {help}."))
     }
 }
 

@@ -1,10 +1,12 @@
 //! Runs scenes in turns for as long as one likes, and checks every step.
 
 mod memory;
+mod pools;
 mod stock;
 mod turn;
 
 pub use memory::resident_bytes;
+pub use pools::Pools;
 pub use stock::scenes;
 pub use turn::{hash_at_end, turn};
 
@@ -121,7 +123,7 @@ pub fn soak(scenes: &[Scene], config: &SoakConfig) -> Result<SoakReport, BuildEr
     }
     let begin = Instant::now();
     let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
-    let mut report = SoakReport::default();
+    let (pools, mut report) = (Pools::new()?, SoakReport::default());
     let mut round = 0;
     while round == 0 || begin.elapsed().as_secs_f64() < config.seconds {
         for scene in scenes {
@@ -130,7 +132,7 @@ pub fn soak(scenes: &[Scene], config: &SoakConfig) -> Result<SoakReport, BuildEr
             }
             let mut scene = scene.clone();
             scene.seed = rng.random_range(0..1 << 32);
-            turn(&scene, config, &mut rng, &mut report)?;
+            turn(&scene, config, &pools, &mut rng, &mut report)?;
             remember(&mut report, round);
         }
         round += 1;

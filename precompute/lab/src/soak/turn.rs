@@ -1,13 +1,15 @@
 //! One run of a scene with all its checks.
 
+use super::pools::{self, Pools};
 use super::{SoakConfig, SoakReport, Worst, fault};
 use crate::run::Figures;
 use crate::run::watch::Watch;
 use rand::{Rng, RngExt};
+use rayon::ThreadPool;
 use std::time::Instant;
 use throng_motion::error::BuildError;
 use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
-use throng_runtime::{Inline, Planar, Rayon, Run};
+use throng_runtime::{Inline, Planar, Rayon};
 
 /// Nobody is faster than this on the whole, nor farther from its start than that allows (m/s, m).
 const FASTEST_MPS: f32 = 12.0;
@@ -18,54 +20,49 @@ const HEIGHT_M: f32 = 100.0;
 /// Steps between comparisons with runs on several threads.
 const COMPARED: usize = 15;
 
-/// Runs a scene and checks it; then runs it on several threads, and from a snapshot, and compares.
+/// What a run has to come to again.
+struct Seen {
+    /// Hashes at the start and after every [`COMPARED`] steps.
+    hashes: Vec<u64>,
+    /// The state at the moment of the snapshot.
+    kept: Vec<u8>,
+    /// The hash at the later moment.
+    then: u64,
+}
+
+/// Runs a scene and checks it; then runs it from a snapshot, and on several threads, and compares. One simulation is
+/// there at a time.
 ///
 /// # Errors
 /// [`BuildError::Config`] for a scene that cannot be opened or stepped.
-pub fn turn(scene: &Scene, config: &SoakConfig, rng: &mut impl Rng, report: &mut SoakReport) -> Result<(), BuildError> {
+pub fn turn(
+    scene: &Scene,
+    config: &SoakConfig,
+    pools: &Pools,
+    rng: &mut impl Rng,
+    report: &mut SoakReport,
+) -> Result<(), BuildError> {
     let compiled = scene.open().map_err(fault)?;
-    let steps = (config.run_s * config.step_hz).round().max(2.0) as usize;
+    let (steps, hz) = ((config.run_s * config.step_hz).round().max(2.0) as usize, config.step_hz);
     let kept_at = rng.random_range(0..steps);
     let until = rng.random_range(kept_at + 1..=steps);
-    let threads = [2, 8][rng.random_range(0..2usize)];
+    let pool = pools.any(rng);
     let name = format!("{} (seed {})", scene.name, scene.seed);
 
-    let mut sim = Simulation::new(&compiled).map_err(fault)?;
-    let groups: Vec<usize> = (0..sim.groups().len()).collect();
-    let mut watch = Watch::new(&sim, &groups)?;
-    let mut look = Look { starts: sim.roots().collect(), last: sim.roots().collect() };
-    let mut hashes = vec![sim.hash()];
-    let (mut kept, mut then) = (sim.snapshot(), sim.hash());
-    for step in 1..=steps {
-        let begin = Instant::now();
-        sim.step_to(step as f64 / config.step_hz, &Inline).map_err(fault)?;
-        report.worst.step_ms = report.worst.step_ms.max(1e3 * begin.elapsed().as_secs_f64());
-        watch.observe(&sim, (1.0 / config.step_hz) as f32, step, config.step_hz);
-        look.at(&sim, &name, (1.0 / config.step_hz) as f32, report);
-        if step == kept_at {
-            kept = sim.snapshot();
-        }
-        if step == until {
-            then = sim.hash();
-        }
-        if step.is_multiple_of(COMPARED) {
-            hashes.push(sim.hash());
-        }
-    }
-    overlaps(&watch.figures(&sim, config.run_s, None), &name, report);
-
-    let mut other = Simulation::new(&compiled).map_err(fault)?;
-    let restored = other.restore(&kept);
-    report.check(restored.is_ok(), || format!("{name}: the snapshot of step {kept_at} is refused"));
-    for step in kept_at + 1..=until {
-        other.step_to(step as f64 / config.step_hz, &Inline).map_err(fault)?;
-    }
-    let now = other.hash();
+    let Seen { hashes, kept, then } = watched(&compiled, config, &name, [kept_at, until], report)?;
+    let now = {
+        let mut sim = Simulation::new(&compiled).map_err(fault)?;
+        let restored = sim.restore(&kept);
+        report.check(restored.is_ok(), || format!("{name}: the snapshot of step {kept_at} is refused"));
+        (kept_at + 1..=until).try_for_each(|step| sim.step_to(step as f64 / hz, &Inline)).map_err(fault)?;
+        sim.hash()
+    };
     report.check(now == then, || {
         format!("{name}: from the snapshot of step {kept_at} to {until}: {now:016x}, not {then:016x}")
     });
 
-    let together = on_threads(threads, || hashes_of(&compiled, steps, config.step_hz, &Rayon))?;
+    let together = hashes_of(&compiled, steps, hz, pool)?;
+    let threads = pool.current_num_threads();
     let differs = (0..hashes.len()).find(|&k| together.get(k) != hashes.get(k));
     report.check(differs.is_none(), || {
         format!("{name}: {threads} threads differ by step {}", COMPARED * differs.unwrap_or_default())
@@ -75,6 +72,40 @@ pub fn turn(scene: &Scene, config: &SoakConfig, rng: &mut impl Rng, report: &mut
     Ok(())
 }
 
+/// Runs a scene, and checks every step.
+fn watched(
+    scene: &CompiledScene,
+    config: &SoakConfig,
+    name: &str,
+    [kept_at, until]: [usize; 2],
+    report: &mut SoakReport,
+) -> Result<Seen, BuildError> {
+    let mut sim = Simulation::new(scene).map_err(fault)?;
+    let groups: Vec<usize> = (0..sim.groups().len()).collect();
+    let mut watch = Watch::new(&sim, &groups)?;
+    let mut look = Look { starts: sim.roots().collect(), last: sim.roots().collect() };
+    let mut seen = Seen { hashes: vec![sim.hash()], kept: sim.snapshot(), then: sim.hash() };
+    let steps = (config.run_s * config.step_hz).round().max(2.0) as usize;
+    for step in 1..=steps {
+        let begin = Instant::now();
+        sim.step_to(step as f64 / config.step_hz, &Inline).map_err(fault)?;
+        report.worst.step_ms = report.worst.step_ms.max(1e3 * begin.elapsed().as_secs_f64());
+        watch.observe(&sim, (1.0 / config.step_hz) as f32, step, config.step_hz);
+        look.at(&sim, name, (1.0 / config.step_hz) as f32, report);
+        if step == kept_at {
+            seen.kept = sim.snapshot();
+        }
+        if step == until {
+            seen.then = sim.hash();
+        }
+        if step.is_multiple_of(COMPARED) {
+            seen.hashes.push(sim.hash());
+        }
+    }
+    overlaps(&watch.figures(&sim, config.run_s, None), name, report);
+    Ok(seen)
+}
+
 /// The hash of a scene after some simulated time, on so many threads (s).
 ///
 /// # Errors
@@ -82,27 +113,18 @@ pub fn turn(scene: &Scene, config: &SoakConfig, rng: &mut impl Rng, report: &mut
 pub fn hash_at_end(scene: &Scene, config: &SoakConfig, threads: usize) -> Result<u64, BuildError> {
     let compiled = scene.open().map_err(fault)?;
     let steps = (config.run_s * config.step_hz).round().max(1.0) as usize;
-    let hashes = on_threads(threads, || {
-        let mut sim = Simulation::new(&compiled).map_err(fault)?;
-        (1..=steps).try_for_each(|k| sim.step_to(k as f64 / config.step_hz, &Rayon).map_err(fault))?;
-        Ok(vec![sim.hash()])
-    })?;
-    Ok(hashes[0])
+    let (pool, mut sim) = (pools::of(threads)?, Simulation::new(&compiled).map_err(fault)?);
+    pool.install(|| (1..=steps).try_for_each(|k| sim.step_to(k as f64 / config.step_hz, &Rayon))).map_err(fault)?;
+    Ok(sim.hash())
 }
 
-fn on_threads(
-    threads: usize,
-    work: impl FnOnce() -> Result<Vec<u64>, BuildError> + Send,
-) -> Result<Vec<u64>, BuildError> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|e| BuildError::Config { message: e.to_string() })?.install(work)
-}
-
-fn hashes_of(scene: &CompiledScene, steps: usize, hz: f64, run: &dyn Run) -> Result<Vec<u64>, BuildError> {
+/// Hashes of a scene on several threads. The simulation is made by the calling one, where the allocator has room of the
+/// one before it.
+fn hashes_of(scene: &CompiledScene, steps: usize, hz: f64, pool: &ThreadPool) -> Result<Vec<u64>, BuildError> {
     let mut sim = Simulation::new(scene).map_err(fault)?;
     let mut hashes = vec![sim.hash()];
     for step in 1..=steps {
-        sim.step_to(step as f64 / hz, run).map_err(fault)?;
+        pool.install(|| sim.step_to(step as f64 / hz, &Rayon)).map_err(fault)?;
         if step.is_multiple_of(COMPARED) {
             hashes.push(sim.hash());
         }

@@ -7,6 +7,9 @@ use crate::pose::{Lane, Lane3};
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
 
+/// How far shares and cosines may be out of their ranges.
+const ROUNDING: f32 = 1e-3;
+
 /// One foot of eight walkers.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Foot {
@@ -47,6 +50,13 @@ impl Foot {
         bent: [-1.0; LANES],
         step: [1.0; LANES],
     };
+
+    /// True where shares and cosines of a lane are within their ranges.
+    fn can_be(&self, lane: usize) -> bool {
+        let is_share = |of: &Lane| (-ROUNDING..=1.0 + ROUNDING).contains(&of[lane]);
+        let is_cosine = |of: &Lane| of[lane].abs() <= 1.0 + ROUNDING;
+        is_share(&self.step) && is_share(&self.down) && is_cosine(&self.bent) && self.turn.iter().all(is_cosine)
+    }
 
     /// Every number of the lanes.
     fn lanes(&mut self) -> impl Iterator<Item = &mut Lane> {
@@ -132,11 +142,13 @@ impl Block {
         self.contacts[lane] = from.contacts[from_lane];
     }
 
-    /// True where every number of a lane is finite and below 1e7.
-    pub fn is_near(&self, lane: usize) -> bool {
+    /// True where a walker's numbers can be: shares and cosines within their ranges, everything finite and below 1e7.
+    pub fn can_be(&self, lane: usize) -> bool {
         let points = [self.parameters[lane], self.parameter_rates[lane], self.asked[lane]];
         let mut own = *self;
-        points.iter().flatten().copied().chain(own.lanes().map(|of| of[lane])).all(|v| v.abs() < 1e7)
+        let is_near = points.iter().flatten().copied().chain(own.lanes().map(|of| of[lane])).all(|v| v.abs() < 1e7);
+        let is_share = |of: &Lane| (-ROUNDING..=1.0 + ROUNDING).contains(&of[lane]);
+        is_near && is_share(&self.phase) && is_share(&self.placed) && self.feet.iter().all(|foot| foot.can_be(lane))
     }
 
     /// Puts the root of a lane elsewhere; its feet forget where they stood.
@@ -150,5 +162,30 @@ impl Block {
         for (foot, mut free) in self.feet.iter_mut().zip([Foot::ZERO; 2]) {
             foot.lanes().zip(free.lanes()).for_each(|(to, from)| to[lane] = from[lane]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A step of a foot at -4096 lifts it by a power of four of that, and poses are infinite.
+    #[test]
+    fn shares_and_cosines_out_of_their_ranges_cannot_be() {
+        let of = |change: &dyn Fn(&mut Block)| {
+            let mut block = Block::ZERO;
+            change(&mut block);
+            [0, 2].map(|lane| block.can_be(lane))
+        };
+        assert_eq!(of(&|_| ()), [true, true]);
+        assert_eq!(of(&|b| b.feet[0].step[2] = -4096.0), [true, false]);
+        assert_eq!(of(&|b| b.feet[1].down[2] = 1.5), [true, false]);
+        assert_eq!(of(&|b| b.feet[0].turn[1][2] = -4.0), [true, false]);
+        assert_eq!(of(&|b| b.feet[1].bent[2] = 2.0), [true, false]);
+        assert_eq!(of(&|b| b.phase[2] = -0.1), [true, false]);
+        assert_eq!(of(&|b| b.placed[2] = 3.0), [true, false]);
+        assert_eq!(of(&|b| b.root[0][2] = f32::NAN), [true, false]);
+        assert_eq!(of(&|b| b.asked[2][5] = 1e8), [true, false]);
+        assert_eq!(of(&|b| (b.phase[2], b.feet[0].turn[0][2]) = (1.0, -1.0001)), [true, true]);
     }
 }

@@ -137,7 +137,7 @@ impl Cast for Walkers {
             return refuse("its rows do not fit together; it is damaged");
         }
         let can_be =
-            |row: usize, id: Id| kept.orders[row].check(id).is_ok() && kept.blocks[row / LANES].is_near(row % LANES);
+            |row: usize, id: Id| kept.orders[row].check(id).is_ok() && kept.blocks[row / LANES].can_be(row % LANES);
         if !kept.roster.ids().iter().enumerate().all(|(row, &id)| can_be(row, id)) {
             return refuse("it has numbers that cannot be; it is damaged");
         }
