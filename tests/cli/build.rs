@@ -21,7 +21,7 @@ fn build_reports_what_it_did() {
     ];
     let report = json(&args, &keys);
     has_keys(&report["policies"][0], &["name", "cells", "sweeps", "residual", "bytes", "seconds"]);
-    has_keys(&report["stage_s"], &["import", "retarget", "clips", "features", "graph", "policy", "write"]);
+    has_keys(&report["stage_s"], &["import", "retarget", "clips", "graph", "policy", "write"]);
     assert_eq!(report["name"], "little");
     assert_eq!(report["policies"][0]["cells"], 48);
     assert_eq!(report["bundle_bytes"].as_u64(), Some(std::fs::metadata(&out).expect("the bundle").len()));

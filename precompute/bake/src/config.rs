@@ -109,11 +109,22 @@ impl BuildConfig {
             config.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         }
         let folder = path.parent().unwrap_or(Path::new(""));
-        let places = config.inputs.iter_mut().chain(&mut config.import.asf).chain(&mut config.import.profiles);
-        let patches = &mut config.patches;
-        let places = places.chain(&mut patches.units).chain(patches.environments.iter_mut().map(|e| &mut e.file));
-        places.for_each(|p| *p = folder.join(&p));
+        config.paths_mut().for_each(|p| *p = folder.join(&p));
         Ok(config)
+    }
+
+    /// All files and folders that are named.
+    pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        let (import, patches) = (&self.import, &self.patches);
+        let motion = self.inputs.iter().chain(&import.asf).chain(&import.profiles);
+        motion.chain(&patches.units).chain(patches.environments.iter().map(|e| &e.file))
+    }
+
+    /// As [`Self::paths`].
+    pub(crate) fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
+        let (import, patches) = (&mut self.import, &mut self.patches);
+        let motion = self.inputs.iter_mut().chain(&mut import.asf).chain(&mut import.profiles);
+        motion.chain(&mut patches.units).chain(patches.environments.iter_mut().map(|e| &mut e.file))
     }
 
     /// Reads a config's text; `path` is for messages alone.

@@ -56,7 +56,8 @@ pub(crate) fn collect(
     let performers = retarget::performers(&raw.clips).into_iter().map(performer).collect();
     let sidecars = sidecars.into_iter().chain(cfg.clips.clone()).collect();
     let marks = Sidecars::collect(&raw, &plan.names, &sidecars)?;
-    let maker = Maker { cfg, plan, marks, keys, cache: s.cache() };
+    let sources = raw.clips.iter().map(|c| from.seen_from_base(&c.clip.path).display().to_string()).collect();
+    let maker = Maker { cfg, plan, marks, keys, sources, cache: s.cache() };
     let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw.clips, p))?;
     if let Some(units) = units {
         s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
@@ -127,6 +128,8 @@ struct Maker<'a> {
     marks: Sidecars,
     /// Of every file; none where motion is made by rule.
     keys: Vec<Option<Key>>,
+    /// Path of every file, as the bundle keeps it.
+    sources: Vec<String>,
     cache: &'a Cache,
 }
 
@@ -169,6 +172,7 @@ impl Maker<'_> {
         let (mut clips, kept) = self.cache.each("clips", Key::of("clips", &[key], &settings)?, make)?;
         for clip in &mut clips {
             // Other files may have changed what it takes to tell names apart.
+            clip.source.clone_from(&self.sources[i]);
             clip.name = if clip.mirrored { format!("{name}{}", mirror::SUFFIX) } else { name.clone() };
         }
         Ok((clips, kept))

@@ -7,7 +7,7 @@ use crate::graph::GraphReport;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use throng_base::file::open_file;
 use throng_core::format::{Meta, SourceMeta};
 use throng_motion::error::BuildError;
@@ -22,6 +22,9 @@ pub struct Provenance {
     pub sources: Vec<SourceMeta>,
     /// Which of them are read along with which motion file.
     along: BTreeMap<PathBuf, Vec<PathBuf>>,
+    /// Folder of all that the config names: a bundle keeps paths as they are seen from there, so that it is the same
+    /// wherever it was made.
+    base: PathBuf,
 }
 
 /// What the keys of single motion files are made of.
@@ -66,7 +69,21 @@ pub fn collect(config: &BuildConfig) -> Result<Provenance, BuildError> {
     }
     let mut sources: Vec<SourceMeta> = all.into_par_iter().map(|p| hash(&p)).collect::<Result<_, _>>()?;
     sources.extend(config.synth.iter().flat_map(SynthInput::all).map(|s| made(s, config.resample.rate_hz)));
-    Ok(Provenance { sources, along })
+    let named: Vec<&PathBuf> = config.paths().collect();
+    let base = named.iter().map(|p| folder_of(p)).reduce(|a, b| shared(&a, &b)).unwrap_or_default();
+    Ok(Provenance { sources, along, base })
+}
+
+/// The folder of a path, or that of the first name with a star in it.
+fn folder_of(path: &Path) -> PathBuf {
+    let is_plain = |c: &Component<'_>| !c.as_os_str().to_string_lossy().contains('*');
+    let plain: PathBuf = path.components().take_while(is_plain).collect();
+    if plain == path { path.parent().unwrap_or(Path::new("")).to_path_buf() } else { plain }
+}
+
+/// The folder that two folders have in common.
+fn shared(a: &Path, b: &Path) -> PathBuf {
+    a.components().zip(b.components()).take_while(|(a, b)| a == b).map(|(a, _)| a).collect()
 }
 
 /// Unit objects, what they are drawn with, and the environments of clips.
@@ -142,17 +159,28 @@ impl Provenance {
         FileKeys { config, given, files, along: &self.along }
     }
 
+    /// A path as the bundle keeps it.
+    pub fn seen_from_base(&self, path: &Path) -> PathBuf {
+        path.strip_prefix(&self.base).ok().filter(|p| !p.as_os_str().is_empty()).unwrap_or(path).to_path_buf()
+    }
+
     /// What the bundle says of itself; clips and behaviours are filled in when it is written.
     ///
     /// # Errors
     /// [`BuildError::Config`] where the config cannot be written as TOML.
     pub fn meta(&self, cfg: &BuildConfig, graph: &GraphReport) -> Result<Meta, BuildError> {
+        let mut cfg = cfg.clone();
+        cfg.paths_mut().for_each(|path| *path = self.seen_from_base(path));
+        let seen = |s: &SourceMeta| SourceMeta {
+            path: self.seen_from_base(Path::new(&s.path)).display().to_string(),
+            ..s.clone()
+        };
         Ok(Meta {
             name: cfg.name.clone(),
             generator: concat!("throng ", env!("CARGO_PKG_VERSION")).into(),
             rate_hz: cfg.resample.rate_hz,
             config: cfg.to_toml()?,
-            sources: self.sources.clone(),
+            sources: self.sources.iter().map(seen).collect(),
             frames_in: graph.frames_in as u64,
             frames_kept: graph.frames_kept as u64,
             ..Meta::default()

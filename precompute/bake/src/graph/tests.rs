@@ -181,8 +181,9 @@ fn all_links(events: &[Event], features: &Features, limit: f32, min_jump: u32) -
             n != i && events[k].standing_run.is_some() && events[n].standing_run == events[k].standing_run
         };
         let is_minimum = |k: usize| {
-            !(k > 0 && same(k, k - 1) && error(i, k - 1) <= error(i, k))
-                && !(k + 1 < events.len() && same(k, k + 1) && error(i, k + 1) < error(i, k))
+            let better_before = k > 0 && same(k, k - 1) && error(i, k - 1) <= error(i, k);
+            let better_after = k + 1 < events.len() && same(k, k + 1) && error(i, k + 1) < error(i, k);
+            !better_before && !better_after
         };
         let possible = (0..events.len()).filter(|&k| {
             k != i

@@ -289,15 +289,15 @@ impl Sidecars {
     /// Refuses sidecars of clips that are not there.
     pub(super) fn check_names<'a>(&self, names: impl Iterator<Item = &'a str>) -> Result<(), BuildError> {
         let names: BTreeSet<&str> = names.collect();
-        for (name, entry) in self.entries.iter().filter(|(name, _)| !names.contains(name.as_str())) {
-            let meant = did_you_mean(name, names.iter().copied());
-            let why = format!("there is no clip `{name}`.{meant}");
-            return Err(match &entry.file {
-                Some(file) => BuildError::Config { message: format!("{}: {why}", file.display()) },
-                None => BuildError::key(format!("clips.{name}"), why),
-            });
-        }
-        Ok(())
+        let Some((name, entry)) = self.entries.iter().find(|(name, _)| !names.contains(name.as_str())) else {
+            return Ok(());
+        };
+        let meant = did_you_mean(name, names.iter().copied());
+        let why = format!("there is no clip `{name}`.{meant}");
+        Err(match &entry.file {
+            Some(file) => BuildError::Config { message: format!("{}: {why}", file.display()) },
+            None => BuildError::key(format!("clips.{name}"), why),
+        })
     }
 
     /// What is written about a clip, in its frames. A mirrored copy has its original's, sides exchanged.

@@ -7,7 +7,7 @@ pub(super) use blends::blends;
 pub(super) use patches::{patches, pose_groups};
 
 use super::{Bundle, tags};
-use crate::format::{FormatError, FrameRow, JointCode};
+use crate::format::FormatError;
 use crate::policy::ActionTable;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
@@ -86,12 +86,11 @@ pub(super) fn hits(t: &Bundle) -> Result<(), FormatError> {
 
 /// Neighbouring frames of a clip have rotations on the same side, so that interpolation never meets zero.
 fn rotations_continue(t: &Bundle) -> Result<(), FormatError> {
-    let turned = |c: &JointCode, rows: &[FrameRow]| c.stores_w() && c.coded(&rows[0]).dot(c.coded(&rows[1])) < 0.0;
     for c in t.clips() {
         let first = c.first_frame as usize;
         let rows = &t.frames()[first..first + c.num_frames as usize];
         for (i, pair) in rows.windows(2).enumerate() {
-            if t.rotation_code().joints.iter().any(|c| turned(c, pair)) {
+            if !t.rotation_code().joints.iter().all(|c| c.continues(&pair[0], &pair[1])) {
                 return Err(FormatError::value(tags::FRAMES, first + i, "its rotations do not continue in the next"));
             }
         }

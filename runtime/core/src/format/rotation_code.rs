@@ -23,6 +23,8 @@ const MOST_OF_ONE: u32 = 16;
 const LEAST_W: f32 = 0.3;
 /// A rotation in the middle is looked for where the identity leaves w smaller.
 const WIDE_W: f32 = 0.5;
+/// Neighbours on opposite sides are farther apart than rounding can bring them.
+const LEAST_DOT: f32 = -0.25;
 /// How far what a hand, a toe or the head turns counts as lying from it (m): little, since no joint hangs on them.
 const TIP_M: f32 = 0.03;
 
@@ -93,6 +95,12 @@ impl JointCode {
         let v = Vec3::new(value(0), value(1), value(2));
         let w = if self.stores_w() { value(3) } else { (1.0 - v.length_squared()).max(0.0).sqrt() };
         Quat::from_xyzw(v.x, v.y, v.z, w)
+    }
+
+    /// True where interpolation from one row to the next never comes near zero. A joint that turns by 180 degrees from one
+    /// frame to the next may end up a little on the other side, as values are rounded.
+    pub(crate) fn continues(&self, row: &FrameRow, next: &FrameRow) -> bool {
+        !self.stores_w() || self.coded(row).dot(self.coded(next)) > LEAST_DOT
     }
 
     /// Puts a rotation into its field, as near as it goes.

@@ -67,6 +67,19 @@ proptest! {
     }
 
     #[test]
+    fn joints_that_turn_by_half_a_turn_each_frame_continue(turns in prop::collection::vec(any::<[f32; 3]>(), 60)) {
+        let mut poses = vec![[Quat::from_rotation_x(2.0); NUM_JOINTS]];
+        for turn in turns {
+            let axis = Vec3::from(turn).try_normalize().unwrap_or(Vec3::X);
+            poses.push(poses[poses.len() - 1].map(|q| (q * Quat::from_xyzw(axis.x, axis.y, axis.z, 0.0)).normalize()));
+        }
+        let (code, rows) = pack(&Skeleton::default(), &poses);
+        for (j, c) in code.joints.iter().enumerate() {
+            prop_assert!(rows.windows(2).all(|r| c.continues(&r[0], &r[1])), "{j}");
+        }
+    }
+
+    #[test]
     fn all_fields_are_sound_and_lie_beside_each_other(poses in motion()) {
         let (code, _) = pack(&Skeleton::default(), &poses);
         let mut taken = [false; BITS as usize];
