@@ -3,7 +3,6 @@
 use super::config::GraphConfig;
 use super::matches::Link;
 use rayon::prelude::*;
-use std::cmp::Ordering;
 use throng_core::Planar;
 use throng_core::planar::wrap_angle;
 
@@ -114,12 +113,7 @@ pub(super) fn kind_of(outcome: &Planar) -> (i8, u8) {
 
 /// Best first.
 pub(super) fn sort(links: &mut [Link]) {
-    links.sort_unstable_by(order);
-}
-
-/// The better one is less.
-pub(super) fn order(a: &Link, b: &Link) -> Ordering {
-    a.error.total_cmp(&b.error).then(a.event.cmp(&b.event))
+    links.sort_unstable_by_key(Link::rank);
 }
 
 fn same_outcome(a: &Planar, b: &Planar, config: &GraphConfig) -> bool {

@@ -7,7 +7,7 @@ use super::tree::{Tree, Walk};
 use crate::features::Features;
 use crate::features::projection::{Point, project, squared_reach};
 use rayon::prelude::*;
-use std::cmp::{Ordering, Reverse};
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use throng_core::Planar;
 use throng_core::planar::wrap_angle;
@@ -21,6 +21,17 @@ pub(super) struct Link {
     pub event: usize,
     /// Distance between the two frames (rad).
     pub error: f32,
+}
+
+impl Link {
+    /// Orders links, the better one first: the bits of the distance, which is not negative, and the event.
+    pub fn rank(&self) -> (u32, usize) {
+        (self.error.to_bits(), self.event)
+    }
+
+    fn of_rank((error, event): (u32, usize)) -> Self {
+        Self { event, error: f32::from_bits(error) }
+    }
 }
 
 /// The event after each one in its run; motion goes on to it (events.len()).
@@ -121,7 +132,7 @@ impl<'a> Finder<'a> {
     ///
     /// A link is possible from any event to one of the same kind up to the limit. Left out are events after which no
     /// other event comes, events nearer than `min_jump` frames in the same run, and within one standing run all but the
-    /// local minima of the distance. Of the possible links of an event, those are kept that [`choose::choose`] may choose
+    /// local minima of the distance. Of the possible links of an event that are looked at, those are kept that [`choose::choose`] may choose
     /// up to the threshold, the nearest 64, and the way back of every link that is kept of another event: so that no
     /// event is lost because those like it have many others.
     pub fn links(&self, threshold: f32) -> Vec<Vec<Link>> {
@@ -197,13 +208,13 @@ impl<'a> Finder<'a> {
             let error = self.distance_within(i, k as usize, limit.max(threshold));
             let link = error.map(|error| Link { event: k as usize, error });
             if let Some(link) = link.filter(|l| self.is_possible(i, l)) {
-                known.push(Reverse(Ranked(link)));
-                nearest.push(Ranked(link));
+                known.push(Reverse(link.rank()));
+                nearest.push(link.rank());
                 if nearest.len() > num_nearest {
                     nearest.pop();
                 }
                 if nearest.len() == num_nearest {
-                    limit = nearest.peek().map_or(0.0, |worst| worst.0.error);
+                    limit = nearest.peek().map_or(0.0, |&worst| Link::of_rank(worst).error);
                 }
             }
             if looks > 0 { squared_reach(limit.max(threshold)) } else { DONE }
@@ -211,8 +222,8 @@ impl<'a> Finder<'a> {
         let mut choice = Choice::new(&self.of_kinds[i], self.outcomes, self.config);
         others.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         // Where a better one leads, others that lead there are passed by without knowing how far they are.
-        let take_before = |gap: f32, choice: &mut Choice<'_>, known: &mut BinaryHeap<Reverse<Ranked>>| {
-            while let Some(link) = known.peek().map(|k| k.0.0).filter(|l| squared_reach(l.error) < gap) {
+        let take_before = |gap: f32, choice: &mut Choice<'_>, known: &mut BinaryHeap<Reverse<(u32, usize)>>| {
+            while let Some(link) = known.peek().map(|k| Link::of_rank(k.0)).filter(|l| squared_reach(l.error) < gap) {
                 known.pop();
                 if link.error <= threshold && choice.takes(link.event) && self.is_possible(i, &link) {
                     choice.take(link);
@@ -223,11 +234,11 @@ impl<'a> Finder<'a> {
             take_before(gap, &mut choice, known);
             if choice.takes(k) {
                 let error = self.distance_within(i, k, threshold);
-                known.extend(error.map(|error| Reverse(Ranked(Link { event: k, error }))));
+                known.extend(error.map(|error| Reverse(Link { event: k, error }.rank())));
             }
         }
         take_before(f32::INFINITY, &mut choice, known);
-        nearest.drain().map(|n| n.0).chain(choice.chosen().iter().copied()).collect()
+        nearest.drain().map(Link::of_rank).chain(choice.chosen().iter().copied()).collect()
     }
 
     /// The nearest possible link to an event of a tree.
@@ -238,7 +249,7 @@ impl<'a> Finder<'a> {
             looks = looks.saturating_sub(1);
             let error = self.distance_within(i, k as usize, limit);
             let link = error.map(|error| Link { event: k as usize, error });
-            let is_better = |l: &Link| best.is_none_or(|b| choose::order(l, &b).is_lt());
+            let is_better = |l: &Link| best.is_none_or(|b| l.rank() < b.rank());
             if let Some(link) = link.filter(|l| is_better(l) && self.is_possible(i, l)) {
                 (best, limit) = (Some(link), link.error);
             }
@@ -252,36 +263,13 @@ impl<'a> Finder<'a> {
 #[derive(Default)]
 struct Search {
     walk: Walk,
-    /// The nearest possible links, the worst on top.
-    nearest: BinaryHeap<Ranked>,
-    /// Links whose error is known, the best on top.
-    known: BinaryHeap<Reverse<Ranked>>,
+    /// Ranks of the nearest possible links, the worst on top.
+    nearest: BinaryHeap<(u32, usize)>,
+    /// Ranks of links whose distance is known, the best on top.
+    known: BinaryHeap<Reverse<(u32, usize)>>,
     /// Squared distances of points, and their events.
     others: Vec<(f32, usize)>,
 }
-
-/// A link in a heap.
-struct Ranked(Link);
-
-impl Ord for Ranked {
-    fn cmp(&self, other: &Self) -> Ordering {
-        choose::order(&self.0, &other.0)
-    }
-}
-
-impl PartialOrd for Ranked {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Ranked {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Ranked {}
 
 /// Where the motion after an event leads, seen from the event.
 pub(super) fn outcomes(events: &[Event], clips: &ClipSet, horizon_s: f64) -> Vec<Planar> {

@@ -1,7 +1,7 @@
 //! Points in a k-d tree whose nodes keep the box around their points.
 
 use crate::features::projection::{DIMS, Point, squared_gap_within};
-use std::cmp::Ordering;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Points of a leaf, at most.
@@ -74,7 +74,9 @@ const ROUNDING: f32 = 1.0 - 1e-5;
 /// A way through the nodes of trees, nearest first (Beis and Lowe 1997).
 #[derive(Default)]
 pub(super) struct Walk {
-    ahead: BinaryHeap<Ahead>,
+    /// Nodes it has not been to, the nearest on top: the bits of what is no more than the squared distance to any of its
+    /// points (they order numbers that are not negative), its tree, its number.
+    ahead: BinaryHeap<Reverse<(u32, u32, u32)>>,
 }
 
 impl Walk {
@@ -83,8 +85,8 @@ impl Walk {
     pub fn visit(&mut self, trees: &[Tree], at: &Point, mut reach: f32, mut see: impl FnMut(u32, f32) -> f32) {
         self.ahead.clear();
         (0..trees.len()).for_each(|tree| self.push(trees, tree as u32, 0, at, reach));
-        while let Some(Ahead { gap, tree, node }) = self.ahead.pop()
-            && gap <= reach
+        while let Some(Reverse((gap, tree, node))) = self.ahead.pop()
+            && f32::from_bits(gap) <= reach
         {
             let Tree { points, nodes } = &trees[tree as usize];
             let Node { points: [from, to], second, .. } = nodes[node as usize];
@@ -104,36 +106,7 @@ impl Walk {
     fn push(&mut self, trees: &[Tree], tree: u32, node: u32, at: &Point, reach: f32) {
         let gap = trees[tree as usize].squared_gap_to(node as usize, at);
         if gap <= reach {
-            self.ahead.push(Ahead { gap, tree, node });
+            self.ahead.push(Reverse((gap.to_bits(), tree, node)));
         }
     }
 }
-
-/// A node that a walk has not been to.
-struct Ahead {
-    /// No more than the squared distance to any of its points.
-    gap: f32,
-    tree: u32,
-    node: u32,
-}
-
-/// The nearer is the greater, so that a heap gives it first.
-impl Ord for Ahead {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.gap.total_cmp(&self.gap).then((other.tree, other.node).cmp(&(self.tree, self.node)))
-    }
-}
-
-impl PartialOrd for Ahead {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Ahead {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Ahead {}
