@@ -164,6 +164,9 @@ pub struct CrowdArgs {
         value_parser = limits::number::<f32>(&limits::BEND)
     )]
     bend: f32,
+    /// Let characters take no notice of each other; not for scenes.
+    #[arg(long)]
+    no_avoid: bool,
     /// Character shown as a strip of poses; not for scenes.
     #[arg(
         long,
@@ -188,6 +191,7 @@ impl CrowdArgs {
         trial.seed = self.seed.unwrap_or(trial.seed);
         trial.motion.seed = trial.seed;
         trial.motion.bend_rad_per_m = self.bend;
+        trial.motion.avoid = trial.motion.avoid.filter(|_| !self.no_avoid);
         let temperature = self.temperature.unwrap_or(0.0);
         trial.motion.choice = if self.single_load { Choice::BestAction } else { Choice::LookAhead { temperature } };
         trial

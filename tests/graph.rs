@@ -12,6 +12,7 @@ use throng_precompute::import::{self, ImportConfig};
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::{self, ResampleConfig};
 use throng_precompute::retarget::{self, RetargetConfig};
+use throng_precompute::stops;
 use throng_precompute::write::{self, Baked};
 use throng_precompute::{BuildError, Clip, ClipSet, Warnings};
 use throng_runtime::Bundle;
@@ -304,7 +305,7 @@ fn json_lists_states_and_actions() {
     let (graph, ..) = connect(&clips, &GraphConfig::default()).unwrap();
     let meta = Meta { rate_hz: RATE_HZ, ..Meta::default() };
     let baked =
-        Baked { clips: &clips, graph: &graph, policies: &[], groups: None, patches: None, blends: &[], meta: &meta };
+        Baked { clips: &clips, graph: &graph, stops: &stops::find(&clips, &graph).0, policies: &[], groups: None, patches: None, blends: &[], meta: &meta };
     let mut bytes = Vec::new();
     write::lay_out(&baked).unwrap().write(&mut bytes).unwrap();
     let tables = Bundle::from_bytes(AlignedBytes::from_slice(&bytes)).unwrap();

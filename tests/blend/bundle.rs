@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 use throng_precompute::examples::{self, BlendSpaces};
 use throng_precompute::graph::MotionGraph;
 use throng_precompute::progress::Silent;
+use throng_precompute::stops::Stops;
 use throng_precompute::write::{self, Baked};
 use throng_runtime::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow, channel};
 use throng_runtime::bundle::tags;
@@ -35,6 +36,7 @@ fn bundle_of(spaces: &BlendSpaces) -> Vec<u8> {
     let baked = Baked {
         clips: &clips,
         graph: &graph,
+        stops: &Stops::default(),
         policies: &[],
         groups: None,
         patches: None,

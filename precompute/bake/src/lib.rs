@@ -17,4 +17,5 @@ mod replaced;
 pub mod report;
 mod stages;
 pub mod stitch;
+pub mod stops;
 pub mod write;

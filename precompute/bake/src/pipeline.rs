@@ -10,7 +10,7 @@ use crate::policy::Policy;
 use crate::report::{self, BuildReport, Built};
 use crate::stages::{Motion, Output, Stages};
 use crate::write::{self, Baked};
-use crate::{cluster, examples, features, graph, motion, policy, provenance};
+use crate::{cluster, examples, features, graph, motion, policy, provenance, stops};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::path::{Path, PathBuf};
@@ -95,6 +95,7 @@ fn make(
     };
     drop(features);
     let (graph, graph_report) = &connected;
+    let (stops, stops_report) = s.run("stops", |_| Ok(stops::find(clips, graph)))?;
     let policies = policies(cfg, clips, (graph, graph_key), &mut attempts, &s)?;
 
     let (groups, patches) = baked_patches.as_ref().map(|(g, p)| (&**g, &**p)).unzip();
@@ -102,9 +103,10 @@ fn make(
         return Err(nothing(&attempts));
     }
     let meta = from.meta(cfg, graph_report)?;
-    let baked = Baked { clips, graph, policies: &policies, groups, patches, blends: &blends.spaces, meta: &meta };
+    let baked =
+        Baked { clips, graph, stops: &stops, policies: &policies, groups, patches, blends: &blends.spaces, meta: &meta };
     let written = s.run("write", |_| write::bundle(&baked, out))?;
-    let built = Built { motion: &motion, baked, blends: &blends, graph: graph_report, written };
+    let built = Built { motion: &motion, baked, blends: &blends, graph: graph_report, stops: stops_report, written };
     let (timing, warnings) = s.finish();
     Ok(BuildReport { not_made: attempts.not_made, ..report::of_build(cfg, &built, timing, warnings) })
 }

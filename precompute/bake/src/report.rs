@@ -6,6 +6,7 @@ use crate::cluster::PoseGroups;
 use crate::config::BuildConfig;
 use crate::examples::{BlendReport, BlendSpaces};
 use crate::graph::{GraphReport, Spread};
+use crate::stops::StopsReport;
 use crate::parts::NotMade;
 use crate::patch::PatchReport;
 use crate::policy::PolicyReport;
@@ -76,6 +77,8 @@ pub struct BuildReport {
     pub joint_error_worst_mm: f32,
     /// The motion graph's figures.
     pub graph: GraphReport,
+    /// How soon characters can stand; all 0 where there is no motion graph.
+    pub stops: StopsReport,
     /// Foot contacts over all clips: shares and speeds, weighted by frames.
     pub contacts: ContactSanity,
     /// Effective hitting points of all clips, mirrored copies included.
@@ -102,12 +105,13 @@ pub(crate) struct Built<'a> {
     pub baked: Baked<'a>,
     pub blends: &'a BlendSpaces,
     pub graph: &'a GraphReport,
+    pub stops: StopsReport,
     pub written: Written,
 }
 
 /// Everything together; `odd` is what is odd about the build itself.
 pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd: Warnings) -> BuildReport {
-    let Built { motion, baked, blends, graph, written } = *built;
+    let Built { motion, baked, blends, graph, stops, written } = *built;
     let (blends, blend_warnings) = (&blends.report, &blends.warnings);
     let mut warnings = [&motion.warnings, blend_warnings, &odd].map(|w| w.messages.clone()).concat();
     warnings.extend(baked.policies.iter().filter_map(|p| p.report.promise.warning.clone()));
@@ -152,6 +156,7 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
         joint_error_p95_mm: written.joint_error_mm[0],
         joint_error_worst_mm: written.joint_error_mm[1],
         graph: graph.clone(),
+        stops,
         contacts: contacts(motion),
         hits: HitReport::new(&HitPoint::of_set(&motion.clips)),
         excluded_frames,

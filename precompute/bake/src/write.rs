@@ -5,6 +5,7 @@ use crate::examples::BlendSpace;
 use crate::graph::MotionGraph;
 use crate::patch::{Patch, Patches};
 use crate::policy::Policy;
+use crate::stops::Stops;
 use bytemuck::Zeroable;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -30,6 +31,8 @@ pub struct Baked<'a> {
     pub clips: &'a ClipSet,
     /// Which frame may follow which.
     pub graph: &'a MotionGraph,
+    /// How characters come to a stand.
+    pub stops: &'a Stops,
     /// One per behaviour.
     pub policies: &'a [Policy],
     /// Pose groups of the frames, where they were grouped.
@@ -289,6 +292,9 @@ fn graph(baked: &Baked<'_>, out: &mut BundleWriter) {
     out.section(tags::ACTION_OFFSETS, if g.action_offsets.is_empty() { &[0] } else { g.action_offsets.as_slice() });
     out.section(tags::ACTION_SEGMENTS, &g.actions.iter().map(|a| a.segment.0).collect::<Vec<_>>());
     out.section(tags::ACTION_ERRORS, &g.actions.iter().map(|a| a.error).collect::<Vec<_>>());
+    out.section(tags::SWEEPS, &baked.stops.sweeps);
+    out.section(tags::SWEEP_NODES, &baked.stops.nodes);
+    out.section(tags::STOPS, &baked.stops.stops);
 }
 
 fn policies(policies: &[Policy], out: &mut BundleWriter) {

@@ -5,6 +5,7 @@ pub mod damage;
 pub mod inspect;
 pub mod matching;
 pub mod measure;
+pub mod overlap;
 pub mod picture;
 pub mod run;
 pub mod selftest;

@@ -1,16 +1,19 @@
 //! A trial of a bundle: characters chase targets of their own, and what they do is measured.
 
+use crate::overlap::{OverlapMeter, Present};
 use crate::slip::SlipMeter;
 use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
+use std::collections::HashMap;
 use std::f32::consts::TAU;
 use std::time::Instant;
 use throng_motion::error::BuildError;
 use throng_runtime::base::limits::{CHARACTERS, SECONDS, STEP_HZ};
-use throng_runtime::characters::{Characters, CharactersConfig, Goal, MotionSet, Start};
-use throng_runtime::{Bundle, Contacts, Error, NUM_JOINTS, Planar};
+use throng_runtime::characters::{AvoidConfig, Characters, CharactersConfig, Order, PolicyCharacters, Spawn};
+use throng_runtime::stops::REST;
+use throng_runtime::{Body, Bundle, Cast, Contacts, Error, Inline, NUM_JOINTS, Planar, Skeleton};
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +49,7 @@ impl Default for TrialConfig {
             reach_m: 0.5,
             snapshot_s: 3.5,
             recorded: Some(0),
-            motion: CharactersConfig::default(),
+            motion: CharactersConfig { avoid: Some(AvoidConfig::default()), ..CharactersConfig::default() },
         }
     }
 }
@@ -74,6 +77,12 @@ pub struct TrialReport {
     pub longest_wait_s: f64,
     /// Share of the characters near their targets at the end that stand still there.
     pub standing_fraction: f64,
+    /// Pairs of characters that were in each other at any time: discs of 0.25 m about their roots, or trunks and heads.
+    pub character_overlaps: usize,
+    /// How deep the two who were most in each other were (m).
+    pub deepest_overlap_m: f64,
+    /// Share of the time on the way that characters stood.
+    pub stopped_share: f64,
     /// Mean speed of planted heels and toes (m/s).
     pub foot_slip_mean_mps: f64,
     /// 95th percentile of the speed of planted heels and toes (m/s).
@@ -151,55 +160,95 @@ pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialR
             config.characters, recorded
         )));
     }
-    let motion_set = MotionSet::new(tables);
-    let (starts, targets) = scatter(tables, config);
-    let roots = starts.iter().map(|s| s.root).collect();
-    let mut characters = Characters::new(&motion_set, config.motion, &starts).map_err(fail)?;
-    let mut watch = Watch::new(config, roots, targets);
+    let (mut cast, targets) = scatter(tables, config).map_err(fail)?;
+    let mut watch = Watch::new(config, tables.skeleton(), cast.bodies().roots.to_vec(), targets);
     let dt = 1.0 / config.step_hz;
     let mut busy_s = 0.0;
     let steps = (config.seconds * config.step_hz).round().max(1.0) as usize;
     for step in 0..=steps {
-        let goals = [Goal { policy: 0, weight: 1.0, targets: &watch.record.targets }];
         let begin = Instant::now();
         // The first step only takes the first choice.
-        characters.step(&motion_set, if step == 0 { 0.0 } else { dt }, &goals).map_err(fail)?;
+        cast.step(if step == 0 { 0.0 } else { dt }, &Inline).map_err(fail)?;
         busy_s += begin.elapsed().as_secs_f64();
-        watch.observe(&characters, config, step, dt);
+        watch.observe(&cast, config, step, dt);
     }
-    Ok(watch.finish(&characters, config, steps, busy_s))
+    let characters = cast.characters();
+    Ok(watch.finish(characters, config, steps, busy_s))
 }
 
 fn stage_error(message: String) -> BuildError {
     BuildError::Stage { stage: "trial", message, help: "`throng run --help` lists what may be given".into() }
 }
 
-/// Characters on a loose grid, each with a target in some direction.
-fn scatter(tables: &Bundle, config: &TrialConfig) -> (Vec<Start>, Vec<Vec3>) {
+/// Characters on a loose grid, each with a target in some direction; targets are apart where there is room. Those who make
+/// way start where somebody stands, if anybody does.
+fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
     let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
-    let num_states = tables.graph().states.len() as u32;
+    let states = starts(tables, config);
     let side = (config.characters as f32).sqrt().ceil() as usize;
-    let spacing = 2.0;
     let middle = (side as f32 - 1.0) * 0.5;
     let [near, far] = config.distances;
-    (0..config.characters)
-        .map(|i| {
-            let place = |k: usize| (k as f32 - middle) * spacing;
-            let (x, z) = (place(i % side), place(i / side));
-            let mut jitter = || rng.random_range(-0.4..0.4f32) * spacing;
-            let (x, z) = (x + jitter(), z + jitter());
-            let root = Planar::new(x, z, rng.random_range(0.0..TAU));
+    let mut cast = PolicyCharacters::with_capacity(tables, config.characters, config.motion)?;
+    let (mut targets, mut taken) = (Vec::new(), HashMap::new());
+    for i in 0..config.characters {
+        let place = |k: usize| (k as f32 - middle) * SPACING_M;
+        let (x, z) = (place(i % side), place(i / side));
+        let mut jitter = || rng.random_range(-JITTER_M..JITTER_M);
+        let (x, z) = (x + jitter(), z + jitter());
+        let root = Planar::new(x, z, rng.random_range(0.0..TAU));
+        let mut draw = || {
             let (angle, distance) = (rng.random_range(0.0..TAU), near + (far - near) * rng.random_range(0.0..1.0f32));
-            let target = Vec3::new(x + distance * angle.sin(), 0.0, z + distance * angle.cos());
-            (Start { root, state: rng.random_range(0..num_states) }, target)
-        })
-        .unzip()
+            Vec2::new(x + distance * angle.sin(), z + distance * angle.cos())
+        };
+        let is_free = |p: &Vec2| around(*p).all(|c| taken.get(&c).is_none_or(|o: &Vec2| o.distance(*p) >= APART_M));
+        let target = (0..TRIES).map(|_| draw()).find(is_free).unwrap_or_else(&mut draw);
+        taken.insert(cell(target), target);
+        let state = Some(states[rng.random_range(0..states.len())]);
+        let id = cast.spawn(Spawn { root, state })?;
+        let target = Vec3::new(target.x, 0.0, target.y);
+        cast.order(id, Order::aim(0, target))?;
+        targets.push(target);
+    }
+    Ok((cast, targets))
+}
+
+/// States to start in: of those who make way, the ones in which somebody stands upright, where there are any.
+fn starts(tables: &Bundle, config: &TrialConfig) -> Vec<u32> {
+    let all = 0..tables.graph().states.len() as u32;
+    let radius = |s: u32| tables.stops().stops[s as usize].radius;
+    let rests: Vec<u32> = all.clone().filter(|&s| tables.stops().stops[s as usize].kind == REST).collect();
+    let least = rests.iter().map(|&s| radius(s)).fold(f32::INFINITY, f32::min);
+    match config.motion.avoid.is_some() && !rests.is_empty() {
+        true => rests.into_iter().filter(|&s| radius(s) < least + 0.03).collect(),
+        false => all.collect(),
+    }
+}
+
+/// Distance of neighbours on the grid of starts, and how far each is from its place along an axis (m).
+const SPACING_M: f32 = 2.0;
+const JITTER_M: f32 = 0.6;
+/// Targets are this far apart (m).
+const APART_M: f32 = 0.8;
+/// Targets that are drawn before one is taken as it is.
+const TRIES: usize = 20;
+
+/// Cells that hold one target at most.
+fn cell(p: Vec2) -> [i32; 2] {
+    (p * (std::f32::consts::SQRT_2 / APART_M)).floor().to_array().map(|v| v as i32)
+}
+
+/// Cells in which a target is that is too near to a place.
+fn around(p: Vec2) -> impl Iterator<Item = [i32; 2]> {
+    let [x, z] = cell(p);
+    (-2..=2).flat_map(move |dx| (-2..=2).map(move |dz| [x + dx, z + dz]))
 }
 
 /// Who moves less than this over [`STILL_S`] stands (m).
 const STILL_M: f32 = 0.15;
 /// (s)
 const STILL_S: f32 = 1.0;
+/// Who is slower does not walk (m/s).
+const STANDING_MPS: f32 = 0.1;
 /// Groups of targets by their distance.
 const RINGS: usize = 4;
 
@@ -245,13 +294,20 @@ struct Watch {
     starts: Vec<Planar>,
     /// Of each character, the number of its choices and when it made the last one (s).
     choices: Vec<(u32, f32)>,
+    overlaps: OverlapMeter,
+    present: Vec<Present>,
+    /// Roots at the last step.
+    before: Vec<Planar>,
+    /// Steps of all characters on the way, and those in which they stood.
+    on_the_way: [u64; 2],
+    skeleton: Skeleton,
     longest_wait_s: f32,
     /// Where each character was [`STILL_S`] before the end (m).
     late: Vec<Vec2>,
 }
 
 impl Watch {
-    fn new(config: &TrialConfig, starts: Vec<Planar>, targets: Vec<Vec3>) -> Self {
+    fn new(config: &TrialConfig, skeleton: &Skeleton, starts: Vec<Planar>, targets: Vec<Vec3>) -> Self {
         let n = config.characters;
         let record = TrialRecord {
             trails: vec![Vec::new(); n],
@@ -260,10 +316,27 @@ impl Watch {
             ..TrialRecord::default()
         };
         let choices = vec![(0, 0.0); n];
-        Self { record, slip: SlipMeter::new(n), starts, choices, longest_wait_s: 0.0, late: Vec::new() }
+        Self {
+            record,
+            slip: SlipMeter::new(n),
+            before: starts.clone(),
+            starts,
+            choices,
+            overlaps: OverlapMeter::default(),
+            present: Vec::with_capacity(n),
+            on_the_way: [0; 2],
+            skeleton: skeleton.clone(),
+            longest_wait_s: 0.0,
+            late: Vec::new(),
+        }
     }
 
-    fn observe(&mut self, characters: &Characters, config: &TrialConfig, step: usize, dt: f32) {
+    fn observe(&mut self, cast: &PolicyCharacters, config: &TrialConfig, step: usize, dt: f32) {
+        let (characters, bodies) = (cast.characters(), cast.bodies());
+        self.present.clear();
+        let one = |c: usize| Present::with_body(c, &Body { root: bodies.roots[c], model: &bodies.model[c] }, &self.skeleton);
+        self.present.extend((0..config.characters).map(one));
+        self.overlaps.observe(&self.present);
         let time_s = step as f32 * dt;
         if time_s <= config.snapshot_s.min(config.seconds) + 0.5 * dt {
             self.follow(characters, config, step, time_s, dt);
@@ -278,6 +351,12 @@ impl Watch {
                 self.choices[c] = (characters.num_choices(c), time_s);
             }
             let root = characters.root(c);
+            if self.record.arrivals_s[c].is_infinite() {
+                let stands = place(root).distance(place(self.before[c])) < STANDING_MPS * dt;
+                self.on_the_way[0] += 1;
+                self.on_the_way[1] += u64::from(stands && step > 0);
+            }
+            self.before[c] = root;
             let target = self.record.targets[c];
             let distance = (root.x - target.x).hypot(root.z - target.z);
             if distance < config.reach_m {
@@ -347,6 +426,9 @@ impl Watch {
             standing_fraction: standing as f64 / near.len().max(1) as f64,
             mean_arrival_s: (!arrived.is_empty()).then(|| arrived.iter().sum::<f64>() / arrived.len() as f64),
             mean_final_distance_m: (0..n).map(left).sum::<f64>() / n as f64,
+            character_overlaps: self.overlaps.pairs(),
+            deepest_overlap_m: f64::from(self.overlaps.deepest_m()),
+            stopped_share: self.on_the_way[1] as f64 / self.on_the_way[0].max(1) as f64,
             foot_slip_mean_mps: self.slip.mean_mps(),
             foot_slip_p95_mps: self.slip.p95_mps(),
             steps_per_second: per_second((steps + 1) as f64),

@@ -9,6 +9,7 @@ use throng_bake::config::BuildConfig;
 use throng_bake::policy::BehaviourKind;
 use throng_motion::clip::joint_transforms;
 use throng_motion::error::BuildError;
+use throng_runtime::characters::CharactersConfig;
 use throng_runtime::{Bundle, Planar};
 
 /// Reached by as many, targets are well within reach.
@@ -57,7 +58,9 @@ pub fn try_out(tables: &Bundle) -> Result<Option<(TrialReport, Verdict)>, BuildE
     if tables.policies().is_empty() || !config.is_ok_and(is_approach) {
         return Ok(None);
     }
-    let config = TrialConfig { characters: CHARACTERS, step_hz: 30.0, recorded: None, ..TrialConfig::default() };
+    // What the motion can do shows where nobody is in the way.
+    let motion = CharactersConfig::default();
+    let config = TrialConfig { characters: CHARACTERS, step_hz: 30.0, recorded: None, motion, ..TrialConfig::default() };
     let (report, _) = trial::run(tables, &config)?;
     let verdict = Verdict::new(tables, &report);
     Ok(Some((report, verdict)))

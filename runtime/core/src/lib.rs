@@ -16,8 +16,10 @@ mod placement;
 pub mod planar;
 pub mod policy;
 pub mod pose;
+pub mod reserve;
 mod roster;
 pub mod skeleton;
+pub mod stops;
 pub mod walkers;
 
 pub use bundle::Bundle;

@@ -139,6 +139,9 @@ pub fn bundle(name: &str) -> Vec<u8> {
     out.section(tags::ACTION_OFFSETS, &[0u32]);
     out.section::<u32>(tags::ACTION_SEGMENTS, &[]);
     out.section::<f32>(tags::ACTION_ERRORS, &[]);
+    out.section::<throng_core::stops::SweepRecord>(tags::SWEEPS, &[]);
+    out.section::<throng_core::stops::SweepNode>(tags::SWEEP_NODES, &[]);
+    out.section::<throng_core::stops::StopRecord>(tags::STOPS, &[]);
     out.section::<PolicyRecord>(tags::POLICIES, &[]);
     out.section::<SegmentRecord>(tags::POLICY_SEGMENTS, &[]);
     out.section::<PathRecord>(tags::POLICY_PATHS, &[]);

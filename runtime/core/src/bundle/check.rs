@@ -2,9 +2,11 @@
 
 mod blends;
 mod patches;
+mod stops;
 
 pub(super) use blends::blends;
 pub(super) use patches::{patches, pose_groups};
+pub(super) use stops::stops;
 
 use super::{Bundle, tags};
 use crate::format::FormatError;

@@ -14,6 +14,7 @@ use crate::hits::HitRecord;
 use crate::patch::Patches;
 use crate::policy::{PolicyRecord, PolicyTable};
 use crate::skeleton::Skeleton;
+use crate::stops::StopTables;
 use sections::Sections;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
@@ -41,6 +42,7 @@ struct Shared {
     skeleton: Skeleton,
     sections: Sections,
     graph: MotionGraph,
+    stops: StopTables,
     patches: Patches,
     blends: Blends,
     sizes: Vec<(Tag, usize)>,
@@ -133,6 +135,11 @@ impl Bundle {
                 action_segments: s.action_segments.clone(),
                 action_errors: s.action_errors.clone(),
             },
+            stops: StopTables {
+                sweeps: s.sweeps.clone(),
+                nodes: s.sweep_nodes.clone(),
+                stops: s.stops.clone(),
+            },
             patches: Patches {
                 patches: s.patches.clone(),
                 edges: s.patch_edges.clone(),
@@ -160,6 +167,7 @@ impl Bundle {
         check::motion(&bundle)?;
         check::hits(&bundle)?;
         check::graph(&bundle)?;
+        check::stops(&bundle)?;
         bundle.policies = policies::open(&bundle)?.into();
         check::pose_groups(&bundle)?;
         check::patches(&bundle)?;
@@ -205,6 +213,11 @@ impl Bundle {
     /// The motion graph.
     pub fn graph(&self) -> &MotionGraph {
         &self.shared.graph
+    }
+
+    /// The stop tables of the motion graph.
+    pub fn stops(&self) -> &StopTables {
+        &self.shared.stops
     }
 
     /// The policies; their names are `meta().behaviours`.

@@ -7,6 +7,7 @@ use crate::graph::{MotionSegment, StateRecord};
 use crate::hits::HitRecord;
 use crate::patch::{CellRecord, EdgeRecord, LinkRecord, PatchRecord};
 use crate::policy::{PathRecord, PolicyRecord, SegmentRecord, StateGridRecord};
+use crate::stops::{StopRecord, SweepNode, SweepRecord};
 use std::sync::Arc;
 
 /// Makes the tags, and a struct with one table for each section, out of one list.
@@ -59,6 +60,12 @@ sections! {
     ACTION_SEGMENTS = b"ASEG", action_segments: u32;
     /// Error of each action (f32).
     ACTION_ERRORS = b"AERR", action_errors: f32;
+    /// [`crate::stops::SweepRecord`] per segment.
+    SWEEPS = b"SWEP", sweeps: SweepRecord;
+    /// [`crate::stops::SweepNode`] per node of each sweep.
+    SWEEP_NODES = b"SWND", sweep_nodes: SweepNode;
+    /// [`crate::stops::StopRecord`] per state.
+    STOPS = b"STOP", stops: StopRecord;
     /// [`crate::policy::PolicyRecord`] per policy.
     POLICIES = b"POLI", policies: PolicyRecord;
     /// [`crate::policy::SegmentRecord`] per policy and segment.

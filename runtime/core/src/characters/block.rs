@@ -1,6 +1,7 @@
 //! State of eight characters, laid out so that one load fetches a value of all eight.
 
 use super::motion_set::MotionSet;
+use super::pace;
 use super::reaction::Reaction;
 use crate::contacts::Contacts;
 use crate::graph::MotionSegment;
@@ -94,13 +95,19 @@ pub(crate) struct Block {
     pub drift_from: Lane,
     /// How fast the action is bent (rad/frame).
     pub bend: Lane,
+    /// How the segment is played, see [`super::pace`].
+    pub pace: [u32; LANES],
+    /// How long one who is held waits until it chooses again (frames).
+    pub wait: Lane,
+    /// Choices in a row at which nothing was clear.
+    pub blocked: [u32; LANES],
     /// Time since the last transition (s).
     pub age_s: Lane,
     /// Choices made so far.
     pub num_choices: [u32; LANES],
     /// State of the last choice; [`NO_STATE`] where the segment was not chosen.
     pub choice_state: [u32; LANES],
-    /// Planar root in the world at the last choice: x, z, heading (m, m, rad).
+    /// Planar root in the world at the segment's first frame: x, z, heading (m, m, rad).
     pub choice_root: Lane3,
     /// Contacts at the last step.
     pub contacts: [Contacts; LANES],
@@ -124,6 +131,9 @@ impl Block {
         turn: [0.0; LANES],
         drift_from: [0.0; LANES],
         bend: [0.0; LANES],
+        pace: [pace::NORMAL; LANES],
+        wait: [0.0; LANES],
+        blocked: [0; LANES],
         age_s: [f32::INFINITY; LANES],
         num_choices: [0; LANES],
         choice_state: [NO_STATE; LANES],
@@ -139,7 +149,7 @@ impl Block {
         planar(&self.root, lane)
     }
 
-    /// Planar root of one lane at its last choice.
+    /// Planar root of one lane at its segment's first frame.
     pub fn choice_root(&self, lane: usize) -> Planar {
         planar(&self.choice_root, lane)
     }
@@ -173,6 +183,8 @@ impl Block {
         self.set_segment(lane, segment, &motion_set.graph.segments[segment as usize]);
         self.time[lane] = self.length[lane] as f32;
         self.set_clip_to_world(lane, root.compose(motion_set.planar(frame).inverse()));
+        let whole = motion_set.graph.segments[segment as usize].displacement();
+        self.set_choice_root(lane, root.compose(whole.inverse()));
         set(&mut self.root, lane, Vec3::new(root.x, root.z, root.heading));
     }
 
@@ -185,6 +197,13 @@ impl Block {
         set(&mut self.drift, lane, Vec3::ZERO);
         self.turn[lane] = 0.0;
         self.drift_from[lane] = 0.0;
+        self.bend[lane] = 0.0;
+        self.pace[lane] = pace::NORMAL;
+    }
+
+    /// Replaces the planar root at the segment's first frame.
+    pub fn set_choice_root(&mut self, lane: usize, to: Planar) {
+        set(&mut self.choice_root, lane, Vec3::new(to.x, to.z, to.heading));
     }
 
     /// Replaces it; the heading is wrapped.

@@ -1,6 +1,6 @@
 //! How characters move.
 
-use super::{FootLockConfig, ReactionConfig};
+use super::{AvoidConfig, FootLockConfig, ReactionConfig};
 use throng_base::Result;
 use throng_base::error::check;
 use throng_base::limits::{BEND, TEMPERATURE};
@@ -37,6 +37,8 @@ pub struct CharactersConfig {
     /// How far a walked action may be bent towards the target; 0 leaves motion as captured (Lee, Choi and Lee 2006, section 6, linear
     /// path editing) (rad/m, >= 0).
     pub bend_rad_per_m: f32,
+    /// How characters make way for each other and for walls; without it they take no notice of anybody.
+    pub avoid: Option<AvoidConfig>,
     /// Also write local transforms.
     pub local_transforms: bool,
     /// Also measure where the time of a step goes, see [`super::Characters::times`].
@@ -53,6 +55,7 @@ impl Default for CharactersConfig {
             foot_lock: FootLockConfig::default(),
             reaction: ReactionConfig::default(),
             bend_rad_per_m: 0.0,
+            avoid: None,
             local_transforms: false,
             timed: false,
         }
@@ -82,6 +85,7 @@ impl CharactersConfig {
         let most = self.foot_lock.max_correction_m;
         check("foot_lock.max_correction_m", None, most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
         self.reaction.check()?;
+        self.avoid.map_or(Ok(()), |avoid| avoid.check())?;
         BEND.check("bend_rad_per_m", None, self.bend_rad_per_m)?;
         if let Choice::LookAhead { temperature } = self.choice {
             TEMPERATURE.check("temperature", None, temperature)?;

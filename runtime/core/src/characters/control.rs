@@ -5,8 +5,9 @@ use super::blow::PassedHits;
 use super::motion_set::MotionSet;
 use super::order::Order;
 use super::scheduled_clip::to_root;
+use super::avoid::Plan;
 use super::transition::{self, Change};
-use super::{CharactersConfig, Choice, Goal};
+use super::{CharactersConfig, Choice, Goal, pace};
 use crate::planar::{Planar, wrap_angle};
 use crate::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use crate::pose::set;
@@ -30,15 +31,16 @@ pub(crate) enum Asked<'a> {
 
 /// A behaviour that one character is asked.
 #[derive(Clone, Copy, Default)]
-struct OwnGoal {
-    policy: usize,
-    weight: f32,
-    target: Vec3,
+pub(crate) struct OwnGoal {
+    pub policy: usize,
+    pub weight: f32,
+    /// In the world (m).
+    pub target: Vec3,
 }
 
 impl Asked<'_> {
     /// The number of behaviours that one character is asked, and those.
-    fn of(&self, character: usize, motion_set: &MotionSet) -> (usize, [OwnGoal; MAX_GOALS]) {
+    pub(crate) fn of(&self, character: usize, motion_set: &MotionSet) -> (usize, [OwnGoal; MAX_GOALS]) {
         let mut own = [OwnGoal::default(); MAX_GOALS];
         match self {
             Self::All(goals) => {
@@ -138,7 +140,7 @@ fn collect(
         return;
     }
     let segment = &motion_set.graph.segments[b.segment[lane] as usize];
-    let root = b.clip_to_world(lane).compose(motion_set.planar(segment.start + segment.num_frames));
+    let root = b.end(lane, motion_set);
     let i = pending.len;
     pending.len += 1;
     pending.characters[i] = character as u32;
@@ -185,9 +187,7 @@ fn select(pending: &mut Pending, blocks: &[Block], motion_set: &MotionSet, confi
             for i in 0..n {
                 let c = pending.characters[i] as usize;
                 let (b, lane) = (&blocks[c / LANES], c % LANES);
-                let number = config.first_number.wrapping_add(b.name[lane]);
-                let random = uniform(config.seed, number, u64::from(b.num_choices[lane]));
-                pending.actions[i] = ranked[i].choose(temperature, random);
+                pending.actions[i] = ranked[i].choose(temperature, draw(b, lane, config));
             }
         }
     }
@@ -204,39 +204,76 @@ fn apply(
 ) {
     let mut changes = [Change::default(); BATCH];
     let mut num_changes = 0;
-    let rate = motion_set.rate_hz;
     for i in 0..pending.len {
-        let character = pending.characters[i];
-        let (b, lane) = (&mut blocks[character as usize / LANES], character as usize % LANES);
-        let id = motion_set.graph.segments_of(pending.states[i])[usize::from(pending.actions[i])];
-        let new = &motion_set.graph.segments[id as usize];
-        let from = b.first[lane] + b.length[lane];
-        let left = b.time[lane] - b.length[lane] as f32;
-        b.set_clip_to_world(lane, pending.roots[i].compose(motion_set.planar(new.start).inverse()));
-        b.set_segment(lane, id, new);
-        b.choice_state[lane] = pending.states[i];
-        let root = pending.roots[i];
-        set(&mut b.choice_root, lane, Vec3::new(root.x, root.z, root.heading));
-        b.time[lane] = left;
-        b.num_choices[lane] = b.num_choices[lane].wrapping_add(1);
-        if !passed.is_off() {
-            passed.pass(motion_set, first as u32 + character, id, (0.0, left), b.clip_to_world(lane));
-        }
-        b.bend[lane] = match pending.num_goals {
+        let (character, state) = (pending.characters[i] as usize, pending.states[i]);
+        let (b, lane) = (&mut blocks[character / LANES], character % LANES);
+        let segment = motion_set.graph.segments_of(state)[usize::from(pending.actions[i])];
+        let new = &motion_set.graph.segments[segment as usize];
+        let bend = match pending.num_goals {
             0 => 0.0,
             _ => bend(new.displacement(), new.num_frames, pending.targets[0][i], config.bend_rad_per_m),
         };
-        if new.start != from {
-            let left_s = left / rate;
-            let age_s = b.age_s[lane] - left_s;
-            changes[num_changes] = Change { character, from, to: new.start, age_s, ..Change::default() };
+        let plan = Plan { segment, pace: pace::NORMAL, bend };
+        let left = b.time[lane] - b.length[lane] as f32;
+        let begin_it = Begin { at: first + character, state, root: pending.roots[i], plan, left };
+        if let Some(change) = begin(b, &begin_it, passed, motion_set) {
+            changes[num_changes] = Change { character: character as u32, ..change };
             num_changes += 1;
-            b.age_s[lane] = left_s;
         }
     }
     for group in changes[..num_changes].chunks(LANES) {
         transition::start(group, motion_set, config.half_life_s, blocks);
     }
+}
+
+/// A segment that begins.
+pub(crate) struct Begin {
+    /// Number of the character.
+    pub at: usize,
+    /// State in which it was chosen.
+    pub state: u32,
+    /// Planar root in the world at its first frame.
+    pub root: Planar,
+    pub plan: Plan,
+    /// Time since then (frames).
+    pub left: f32,
+}
+
+/// Lets a character begin a segment where its last one ends; the jump of the pose, where there is one, is to be eased.
+pub(crate) fn begin(b: &mut Block, begin: &Begin, passed: &mut PassedHits, motion_set: &MotionSet) -> Option<Change> {
+    let (lane, id) = (begin.at % LANES, begin.plan.segment);
+    let new = &motion_set.graph.segments[id as usize];
+    let from = b.first[lane] + b.length[lane];
+    b.set_clip_to_world(lane, begin.root.compose(motion_set.planar(new.start).inverse()));
+    b.set_segment(lane, id, new);
+    b.choice_state[lane] = begin.state;
+    b.set_choice_root(lane, begin.root);
+    b.pace[lane] = begin.plan.pace;
+    b.bend[lane] = begin.plan.bend;
+    if begin.plan.pace == pace::IN_PLACE {
+        // What it goes is taken back evenly.
+        let whole = begin.root.compose(new.displacement());
+        let back = Vec3::new(begin.root.x - whole.x, 0.0, begin.root.z - whole.z);
+        set(&mut b.drift, lane, back / new.num_frames as f32);
+    }
+    b.time[lane] = pace::frame(begin.plan.pace, new.num_frames as f32, begin.left);
+    b.num_choices[lane] = b.num_choices[lane].wrapping_add(1);
+    if !passed.is_off() {
+        passed.pass(motion_set, begin.at as u32, id, (0.0, b.time[lane]), b.clip_to_world(lane));
+    }
+    if new.start == from {
+        return None;
+    }
+    let left_s = begin.left / motion_set.rate_hz;
+    let age_s = b.age_s[lane] - left_s;
+    b.age_s[lane] = left_s;
+    Some(Change { from, to: new.start, age_s, ..Change::default() })
+}
+
+/// What a choice draws, in [0, 1).
+pub(crate) fn draw(b: &Block, lane: usize, config: &CharactersConfig) -> f32 {
+    let number = config.first_number.wrapping_add(b.name[lane]);
+    uniform(config.seed, number, u64::from(b.num_choices[lane]))
 }
 
 /// Starts a segment now, from where the character stands (segment exists).
@@ -254,9 +291,9 @@ pub(crate) fn play(
     let (lift, drift) = (b.lift_at(lane, b.time[lane]), to_root(b.root(lane), b.drift(lane)));
     let change = Change { character: character as u32, from, to: new.start, age_s: b.age_s[lane], lift, drift };
     b.set_clip_to_world(lane, b.root(lane).compose(motion_set.planar(new.start).inverse()));
+    b.set_choice_root(lane, b.root(lane));
     b.set_segment(lane, segment, &new);
     b.time[lane] = 0.0;
-    b.bend[lane] = 0.0;
     b.age_s[lane] = 0.0;
     b.choice_state[lane] = NO_STATE;
     transition::start(&[change], motion_set, config.half_life_s, blocks);
@@ -265,7 +302,7 @@ pub(crate) fn play(
 /// How fast an action is bent so that it ends nearer to facing the target, within the limit (rad/frame).
 ///
 /// The linear path editing of Lee, Choi and Lee (2006), section 6: the change of heading grows linearly over the action.
-fn bend(displacement: Planar, num_frames: u32, target: Vec3, limit_rad_per_m: f32) -> f32 {
+pub(crate) fn bend(displacement: Planar, num_frames: u32, target: Vec3, limit_rad_per_m: f32) -> f32 {
     let path = maths::hypot(displacement.x, displacement.z);
     let limit = limit_rad_per_m * path;
     if limit <= 0.0 {

@@ -8,6 +8,7 @@ use crate::hits::HitRecord;
 use crate::planar::Planar;
 use crate::policy::{PolicyRecord, RewardRecord, SegmentRecord, StateGridRecord, TargetGrid};
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
+use crate::stops::{SLOW_DOWN, StopRecord, SweepNode, SweepRecord};
 use bytemuck::Zeroable;
 use glam::Quat;
 use throng_base::maths;
@@ -66,6 +67,17 @@ pub fn bytes(hits: &[HitRecord], adaptive: bool) -> Vec<u8> {
     out.section(tags::ACTION_OFFSETS, &[0u32, 2, 4, 6, 8]);
     out.section(tags::ACTION_SEGMENTS, &[1u32, 3, 0, 2, 3, 1, 2, 0]);
     out.section(tags::ACTION_ERRORS, &[0.0f32; 8]);
+    // A node at every frame; to stop, one plays the first action ever more slowly.
+    let node = |s: &MotionSegment, frame: u32| {
+        let at = planar(s.start).to_local(planar(s.start + frame));
+        SweepNode { frame, x: at.x, z: at.z }
+    };
+    let sweeps = |i: u32| SweepRecord { first_node: 21 * i, num_nodes: 21, radius: 0.3 };
+    out.section(tags::SWEEPS, &[0, 1, 2, 3].map(sweeps));
+    let nodes: Vec<SweepNode> = segments.iter().flat_map(|s| (0..=20).map(|f| node(s, f))).collect();
+    out.section(tags::SWEEP_NODES, &nodes);
+    let stop = |segment| StopRecord { segment, kind: SLOW_DOWN, frames: 40, radius: 0.3 };
+    out.section(tags::STOPS, &[1, 0, 3, 2].map(stop));
     let grid = TargetGrid::polar(4, 8, 6.0, 1.0, 1.0).unwrap();
     let policy = PolicyRecord {
         grid: *grid.record(),

@@ -2,6 +2,7 @@
 
 mod adopt;
 mod anatomy;
+mod avoid;
 mod block;
 mod blow;
 mod config;
@@ -12,6 +13,7 @@ mod lanes;
 pub mod made_up;
 mod motion_set;
 mod order;
+mod pace;
 mod policy_cast;
 mod reaction;
 mod sample_job;
@@ -30,6 +32,8 @@ pub use crate::pose::FootLockConfig;
 use crate::pose::{LocalTransform, Mat3x4};
 use crate::skeleton::{Joint, NUM_JOINTS};
 pub use anatomy::head_centre;
+pub use avoid::AvoidConfig;
+use avoid::Avoiding;
 use block::Block;
 pub use blow::{Blow, MAX_BLOWS};
 use blow::{Blows, PassedHits};
@@ -49,7 +53,7 @@ use throng_base::error::{check, check_index, check_length};
 use throng_base::limits::{CAPACITY, STEP_S};
 use throng_base::simd::LANES;
 use throng_base::{Error, Id, Inline, Result, Run, run_each};
-use times::Clock;
+use times::{Clock, Laps, Phase};
 pub use times::StepTimes;
 
 /// Most behaviours weighed against each other in one step.
@@ -100,6 +104,8 @@ pub struct Characters {
     blows: Blows,
     matrices: Vec<Mat3x4>,
     locals: Vec<LocalTransform>,
+    /// Where characters make way.
+    avoiding: Option<Box<Avoiding>>,
     times: StepTimes,
 }
 
@@ -116,8 +122,8 @@ impl Characters {
     /// Puts a character at every start. Poses are there after the first step.
     ///
     /// # Errors
-    /// [`Error::Index`] for a state that does not exist, [`Error::Value`] for a start that is not
-    /// finite or a setting out of its range.
+    /// [`Error::Index`] for a state that does not exist, [`Error::Value`] for a start that is not finite or a setting out
+    /// of its range, [`Error::Occupied`] for characters that are to make way and start in each other's.
     pub fn new(motion_set: &MotionSet, config: CharactersConfig, starts: &[Start]) -> Result<Self> {
         config.check()?;
         let n = starts.len();
@@ -132,7 +138,11 @@ impl Characters {
             }
             blocks[c / LANES].start(c % LANES, motion_set, r, state.frame, arrivals[start.state as usize]);
         }
-        Ok(Self::with_blocks(motion_set, config, blocks, n, n))
+        let mut out = Self::with_blocks(motion_set, config, blocks, n, n);
+        match out.reserve_all(motion_set) {
+            Some(at) => Err(in_the_way(Id::first(at))),
+            None => Ok(out),
+        }
     }
 
     /// Memory for `n` characters beside their blocks.
@@ -162,6 +172,7 @@ impl Characters {
             passed,
             matrices: vec![Mat3x4::default(); n * NUM_JOINTS],
             locals: vec![LocalTransform::default(); locals],
+            avoiding: config.avoid.map(|_| Box::new(Avoiding::new(motion_set, n))),
             times: StepTimes::default(),
         }
     }
@@ -214,18 +225,39 @@ impl Characters {
 
     /// One step of what was checked.
     pub(super) fn run(&mut self, motion_set: &MotionSet, dt_s: f32, asked: Asked<'_>, run: &dyn Run) {
-        const POSES: usize = RANGE_BLOCKS * LANES * NUM_JOINTS;
         let clock = self.config.timed.then(Clock::default);
-        let tick = Tick { dt_s, motion_set, config: &self.config, asked, clock: clock.as_ref() };
+        let config = self.config;
+        let tick = Tick { dt_s, motion_set, config: &config, asked, clock: clock.as_ref() };
+        let n = self.num_characters;
+        let num_ranges = n.div_ceil(RANGE_BLOCKS * LANES);
+        match (&mut self.avoiding, &config.avoid) {
+            (Some(avoiding), Some(avoid)) => {
+                // All move on; they choose one after the other; all take their poses.
+                let blocks = self.blocks[..n.div_ceil(LANES)].chunks_mut(RANGE_BLOCKS);
+                let parts = blocks.zip(&mut self.passed).enumerate();
+                let parts = parts.map(|(i, part)| range(i, n, part, &mut [], &mut []));
+                run_each(run, parts, |range| step::advance_all(range, &tick));
+                let mut laps = Laps::start(tick.clock);
+                let choices = avoid::Step { motion_set, config: &config, avoid, asked, num_characters: n };
+                avoid::choose(avoiding, &mut self.blocks, &mut self.passed, &choices);
+                laps.end(Phase::Control);
+                run_each(run, self.ranges(), |range| step::pose_all(range, &tick));
+            }
+            _ => run_each(run, self.ranges(), |range| step::step(range, &tick)),
+        }
+        self.blows.gather(&self.passed[..num_ranges], motion_set);
+        self.times = clock.map_or(self.times, |c| c.times());
+    }
+
+    /// The parts of a step that threads may share.
+    fn ranges(&mut self) -> impl Iterator<Item = Range<'_>> {
+        const POSES: usize = RANGE_BLOCKS * LANES * NUM_JOINTS;
         let n = self.num_characters;
         let blocks = self.blocks[..n.div_ceil(LANES)].chunks_mut(RANGE_BLOCKS);
         let matrices = self.matrices[..n * NUM_JOINTS].chunks_mut(POSES);
         let mut locals = self.locals.chunks_mut(POSES);
         let parts = blocks.zip(&mut self.passed).zip(matrices).enumerate();
-        let parts = parts.map(|(i, (part, m))| range(i, n, part, m, locals.next().unwrap_or_default()));
-        run_each(run, parts, |range| step::step(range, &tick));
-        self.blows.gather(&self.passed[..n.div_ceil(RANGE_BLOCKS * LANES)], motion_set);
-        self.times = clock.map_or(self.times, |c| c.times());
+        parts.map(move |(i, (part, m))| range(i, n, part, m, locals.next().unwrap_or_default()))
     }
 
     /// Planar root of a character in the world (character < num_characters).
@@ -263,13 +295,19 @@ impl Characters {
     ///
     /// # Errors
     /// [`Error::Index`] for a character or segment that does not exist, [`Error::OtherBundle`] as
-    /// [`Characters::step`]; nothing has changed then.
+    /// [`Characters::step`], [`Error::Occupied`] where it makes way and the ground is another's; nothing has changed then.
     pub fn play(&mut self, motion_set: &MotionSet, character: usize, segment: u32) -> Result<()> {
         self.check_bundle(motion_set)?;
         check_index("character", None, character, self.num_characters)?;
         check_index("segment", None, segment as usize, self.num_segments)?;
-        let laid = self.blocks[character / LANES].segment[character % LANES] == block::LAID;
+        let before = self.blocks[character / LANES];
+        let laid = before.segment[character % LANES] == block::LAID;
         control::play(&mut self.blocks, character, segment, motion_set, &self.config);
+        if !self.reserve(motion_set, character) {
+            self.blocks[character / LANES] = before;
+            self.reserve(motion_set, character);
+            return Err(in_the_way(Id::first(character)));
+        }
         self.num_choosers += usize::from(laid);
         Ok(())
     }
@@ -343,6 +381,11 @@ impl Characters {
         let (block, lane) = (&mut self.blocks[character / LANES], character % LANES);
         block.clip_to_world[0][lane] += by.x;
         block.clip_to_world[1][lane] += by.y;
+        block.choice_root[0][lane] += by.x;
+        block.choice_root[1][lane] += by.y;
+        if let Some(avoiding) = &mut self.avoiding {
+            avoiding.stale();
+        }
         Ok(())
     }
 
@@ -406,6 +449,11 @@ impl Characters {
         }
         Ok(())
     }
+}
+
+/// A place whose ground, or that of the stop from there, is another's.
+fn in_the_way(who: Id) -> Error {
+    Error::Occupied { who, by: "another character, who is there or on the way there, or a wall".into() }
 }
 
 /// A segment that ends in each state (number of states).

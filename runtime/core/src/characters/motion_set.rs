@@ -8,6 +8,7 @@ use crate::hits::HitRecord;
 use crate::planar::Planar;
 use crate::policy::PolicyTable;
 use crate::skeleton::{Joint, Skeleton};
+use crate::stops::StopTables;
 
 use super::anatomy::Anatomy;
 use glam::Vec3;
@@ -24,6 +25,7 @@ pub struct MotionSet {
     /// First hit of each segment, and the one after its last (number of segments).
     segment_hits: Table<[u32; 2]>,
     pub(crate) graph: MotionGraph,
+    pub(crate) stops: StopTables,
     pub(crate) policies: Arc<[PolicyTable]>,
     pub(crate) skeleton: Skeleton,
     pub(crate) anatomy: Anatomy,
@@ -44,6 +46,7 @@ impl MotionSet {
             hits: tables.hits().clone(),
             segment_hits: segment_hits(tables.graph(), tables.hits()).into(),
             graph: tables.graph().clone(),
+            stops: tables.stops().clone(),
             policies: tables.policies().clone(),
             skeleton: tables.skeleton().clone(),
             anatomy: Anatomy::new(tables.skeleton()),
@@ -102,6 +105,18 @@ impl MotionSet {
         let point = self.rotation_code.rotation(row, at.index()) * point + Vec3::new(0.0, row.height, 0.0);
         let root = self.planar(frame);
         root.rotation() * point + root.translation()
+    }
+
+    /// Planar root within its clip, some frames after one; the last frame is not passed.
+    pub(crate) fn planar_at(&self, first: u32, frames: f32) -> Planar {
+        let whole = frames.max(0.0) as u32;
+        let (a, share) = (self.planar(first + whole), frames - whole as f32);
+        if share <= 0.0 {
+            return a;
+        }
+        let b = self.planar(first + whole + 1);
+        let between = |a: f32, b: f32| a + (b - a) * share;
+        Planar::new(between(a.x, b.x), between(a.z, b.z), between(a.heading, b.heading))
     }
 
     /// Planar root of a frame within its clip.

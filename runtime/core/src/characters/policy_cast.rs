@@ -4,7 +4,8 @@ use super::block::Block;
 use super::motion_set::MotionSet;
 use super::order::Order;
 use super::snapshot::is_sound;
-use super::{Asked, Blow, Characters, CharactersConfig, Start, arrivals};
+use super::lanes::Lanewise;
+use super::{Asked, Blow, Characters, CharactersConfig, Start, arrivals, in_the_way};
 use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};
 use crate::contacts::Contacts;
@@ -168,12 +169,11 @@ impl PolicyCharacters {
     /// Lets a character leave what it plays and start a segment, see [`Characters::play`].
     ///
     /// # Errors
-    /// [`Error::Gone`], or [`Error::Index`] for a segment that does not exist.
+    /// [`Error::Gone`], [`Error::Index`] for a segment that does not exist, or [`Error::Occupied`] as [`Characters::play`].
     pub fn play(&mut self, id: Id, segment: u32) -> Result<()> {
         check_index("segment", Some(id), segment as usize, self.motion_set.graph().segments.len())?;
         let at = self.roster.row(id)?;
-        self.characters.play(&self.motion_set, at, segment).unwrap_or_else(|e| unreachable!("checked: {e}"));
-        Ok(())
+        self.characters.play(&self.motion_set, at, segment)
     }
 
     /// State of the motion graph in which characters stand who enter without one.
@@ -191,7 +191,7 @@ impl PolicyCharacters {
         let mut setup = Hash128::default();
         setup.bytes(&self.bundle.hash().to_le_bytes());
         setup.bytes(format!("{:?}", self.characters.config()).as_bytes());
-        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 2, setup: setup.finish() }
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 3, setup: setup.finish() }
     }
 
     /// Why a state cannot be that of these characters; nothing where it can.
@@ -210,6 +210,9 @@ impl PolicyCharacters {
             if !is_sound(blocks, &self.motion_set, at, name(*id)) {
                 return Some(format!("character {id} plays what the bundle does not have"));
             }
+        }
+        if let Some(at) = self.characters.meeting(&self.motion_set, blocks, n) {
+            return Some(format!("character {} is in another's way, though they make way", roster.ids()[at]));
         }
         None
     }
@@ -237,6 +240,10 @@ impl Cast for PolicyCharacters {
     type Event = Blow;
 
     /// Its pose is there after the next step.
+    ///
+    /// # Errors
+    /// As [`Cast::spawn`]; [`Error::Occupied`] where it is to make way, and its place is on another's way. Where there is
+    /// no room for the stop from its state, it is held in it until there is room for an action.
     fn spawn(&mut self, start: Spawn) -> Result<Id> {
         let next = Some(self.roster.next()?);
         let state = start.state.unwrap_or_else(|| self.standing());
@@ -244,6 +251,12 @@ impl Cast for PolicyCharacters {
         check_root(next, start.root)?;
         let id = self.roster.enter()?;
         self.characters.enter(&self.motion_set, Start { root: start.root, state }, &self.arrivals, name(id));
+        let at = self.characters.num_characters() - 1;
+        if !self.characters.reserve_start(&self.motion_set, at) {
+            self.characters.leave(at);
+            self.roster.leave(id)?;
+            return Err(in_the_way(id));
+        }
         self.orders.push(Order::IDLE);
         self.roots.push(start.root);
         Ok(id)
@@ -261,7 +274,14 @@ impl Cast for PolicyCharacters {
     fn place(&mut self, id: Id, root: Planar) -> Result<()> {
         let at = self.roster.row(id)?;
         check_root(Some(id), root)?;
+        let (before, lane) = self.characters.lane_mut(at);
+        let before = *before;
         self.characters.put(&self.motion_set, at, root);
+        if !self.characters.reserve(&self.motion_set, at) {
+            self.characters.lane_mut(at).0.take(lane, &before, lane);
+            self.characters.reserve(&self.motion_set, at);
+            return Err(in_the_way(id));
+        }
         self.roots[at] = root;
         Ok(())
     }

@@ -3,8 +3,9 @@
 use super::block::{Block, LAID, NO_STATE};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
-use super::step::{self, RANGE_BLOCKS, Tick};
-use super::{Asked, Characters, range};
+use super::pace;
+use super::step::{self, Tick};
+use super::{Asked, Characters};
 use crate::pose::Mat3x4;
 use crate::skeleton::NUM_JOINTS;
 use serde::{Deserialize, Serialize};
@@ -73,9 +74,18 @@ impl Characters {
         if let Some(c) = (0..*n).find(|&c| !is_sound(blocks, motion_set, c, c as u64)) {
             return refuse(format!("character {c} plays what the bundle does not have, or is nowhere"));
         }
+        if let Some(c) = self.meeting(motion_set, blocks, *n) {
+            return refuse(format!("character {c} is in another's way, though they make way"));
+        }
         self.set_blocks(blocks, *n);
         self.pose_again(motion_set);
         Ok(())
+    }
+
+    /// One of those who are to make way whose path meets another's, if there is any
+    /// (blocks: n / 8, rounded up, sound).
+    pub(super) fn meeting(&self, motion_set: &MotionSet, blocks: &[Block], n: usize) -> Option<usize> {
+        self.avoiding.clone().and_then(|mut a| a.rebuild(blocks, n, motion_set))
     }
 
     /// State of all characters, eight to a block; unused lanes are zero.
@@ -91,22 +101,19 @@ impl Characters {
         self.blocks[..blocks.len()].copy_from_slice(blocks);
         clear_beyond(&mut self.blocks[..blocks.len()], n);
         self.num_characters = n;
+        if let Some(avoiding) = &mut self.avoiding {
+            avoiding.stale();
+        }
         self.num_choosers = (0..n).filter(|c| self.blocks[c / LANES].segment[c % LANES] != LAID).count();
     }
 
     /// Poses all characters as they stand and forgets the blows of the last step; time stands still.
     pub(super) fn pose_again(&mut self, motion_set: &MotionSet) {
-        const POSES: usize = RANGE_BLOCKS * LANES * NUM_JOINTS;
-        let n = self.num_characters;
         let kept = self.blocks.clone();
         self.matrices.fill(Mat3x4::default());
-        let tick = Tick { dt_s: 0.0, motion_set, config: &self.config, asked: Asked::All(&[]), clock: None };
-        let blocks = self.blocks[..n.div_ceil(LANES)].chunks_mut(RANGE_BLOCKS);
-        let matrices = self.matrices[..n * NUM_JOINTS].chunks_mut(POSES);
-        let mut locals = self.locals.chunks_mut(POSES);
-        for (i, (part, matrices)) in blocks.zip(&mut self.passed).zip(matrices).enumerate() {
-            step::pose_all(range(i, n, part, matrices, locals.next().unwrap_or_default()), &tick);
-        }
+        let config = self.config;
+        let tick = Tick { dt_s: 0.0, motion_set, config: &config, asked: Asked::All(&[]), clock: None };
+        self.ranges().for_each(|range| step::pose_all(range, &tick));
         self.blocks.copy_from_slice(&kept);
         self.blows.gather(&[], motion_set);
     }
@@ -142,6 +149,7 @@ pub(super) fn is_sound(blocks: &[Block], motion_set: &MotionSet, at: usize, name
     // Endless before the first transition, and below 0 where a scheduled clip is laid but has not begun.
     let aged = b.age_s[lane] > -1e3;
     b.age_s[lane] = 0.0;
+    let paced = b.pace[lane] <= pace::IN_PLACE && b.wait[lane].abs() <= 1e3;
     let in_time = (earliest..=length as f32).contains(&b.time[lane]);
-    exists && chose && aged && in_time && named && b.is_near(lane)
+    exists && chose && aged && paced && in_time && named && b.is_near(lane)
 }

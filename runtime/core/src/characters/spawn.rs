@@ -3,6 +3,7 @@
 use super::block::{Block, LAID};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
+use super::pace;
 use super::{Characters, CharactersConfig, Start};
 use crate::planar::Planar;
 use crate::pose::{FootLock, LocalTransform, Mat3x4, set};
@@ -48,19 +49,62 @@ impl Characters {
             self.locals.copy_within(last * NUM_JOINTS..(last + 1) * NUM_JOINTS, at * NUM_JOINTS);
         }
         self.num_characters -= 1;
+        if let Some(avoiding) = &mut self.avoiding {
+            avoiding.stale();
+        }
+    }
+
+    /// Reserves the path of one that has come; where there is no room for the stop from its state, it is held in it.
+    /// False where not even its place is free (at < num_characters, always true without avoidance).
+    pub(super) fn reserve_start(&mut self, motion_set: &MotionSet, at: usize) -> bool {
+        if self.reserve(motion_set, at) {
+            return true;
+        }
+        self.hold(at, true);
+        self.reserve(motion_set, at)
+    }
+
+    /// Reserves the paths of all who have come at once: each is held, which takes no more than its place, until there is
+    /// room for the stop from its state. One whose place is another's, if there is any (none without avoidance).
+    pub(super) fn reserve_all(&mut self, motion_set: &MotionSet) -> Option<usize> {
+        let n = self.num_characters;
+        self.avoiding.as_ref()?;
+        (0..n).for_each(|at| self.hold(at, true));
+        let meets = self.avoiding.as_mut().and_then(|a| a.rebuild(&self.blocks, n, motion_set));
+        for at in 0..n {
+            self.hold(at, false);
+            self.reserve_start(motion_set, at);
+        }
+        meets
+    }
+
+    /// Reserves the path of one that was put somewhere; false where it meets another's or a wall
+    /// (at < num_characters, always true without avoidance).
+    pub(super) fn reserve(&mut self, motion_set: &MotionSet, at: usize) -> bool {
+        let n = self.num_characters;
+        self.avoiding.as_mut().is_none_or(|a| a.reserve(&self.blocks, n, motion_set, at))
+    }
+
+    /// Holds one where it is, as after a stop in the middle of its motion; it chooses at the next step
+    /// (at < num_characters).
+    pub(super) fn hold(&mut self, at: usize, holds: bool) {
+        let (b, lane) = (&mut self.blocks[at / LANES], at % LANES);
+        b.pace[lane] = if holds { pace::HELD } else { pace::NORMAL };
+        b.wait[lane] = 0.0;
     }
 
     /// Puts one elsewhere, with free feet (at < num_characters).
     pub(super) fn put(&mut self, motion_set: &MotionSet, at: usize, root: Planar) {
         let (b, lane) = (&mut self.blocks[at / LANES], at % LANES);
-        // As a step samples it: between two rows, linearly.
-        let time = b.time[lane].max(0.0);
-        let whole = (time as u32).min(b.length[lane].saturating_sub(1));
-        let rows = [0, 1].map(|k| motion_set.planar(b.first[lane] + whole + k));
-        let between = |from: f32, to: f32| from + (to - from) * (time - whole as f32);
-        let [from, to] = rows;
-        let sampled = Planar::new(between(from.x, to.x), between(from.z, to.z), between(from.heading, to.heading));
+        // What it plays goes on as captured from here.
+        b.bend[lane] = 0.0;
+        if b.pace[lane] == pace::IN_PLACE {
+            b.pace[lane] = pace::NORMAL;
+            set(&mut b.drift, lane, Vec3::ZERO);
+        }
+        let sampled = motion_set.planar_at(b.first[lane], b.time[lane].clamp(0.0, b.length[lane] as f32));
         b.set_clip_to_world(lane, root.compose(sampled.inverse()));
+        b.set_choice_root(lane, root.compose(sampled.inverse()).compose(motion_set.planar(b.first[lane])));
         set(&mut b.root, lane, Vec3::new(root.x, root.z, root.heading));
         b.feet.iter_mut().for_each(|foot| foot.take(lane, &FootLock::ZERO, 0));
     }

@@ -8,11 +8,13 @@ use super::blow::PassedHits;
 use super::control;
 use super::decay::add_offsets;
 use super::motion_set::MotionSet;
+use super::pace;
 use super::reaction;
 use super::times::{Clock, Laps, Phase};
 use super::{Asked, CharactersConfig};
 use crate::contacts::Contacts;
 use crate::format::FrameRow;
+use crate::planar::Planar;
 use crate::pose::{
     Cursor, LocalTransform, Mat3x4, Placement, between, lock_foot, sample, shared, to_model, write_locals,
     write_matrices,
@@ -60,6 +62,14 @@ pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
     pose_all(range, tick);
 }
 
+/// The first entry of the list, where choices are not made range by range.
+pub(crate) fn advance_all(range: Range<'_>, tick: &Tick<'_>) {
+    let mut laps = Laps::start(tick.clock);
+    range.passed.clear();
+    advance(range.blocks, range.passed, range.first, range.count, tick);
+    laps.end(Phase::Advance);
+}
+
 /// The second half of the list: sample -> reaction -> foot lock -> poses, for all blocks of a range.
 pub(crate) fn pose_all(range: Range<'_>, tick: &Tick<'_>) {
     let decay = reaction::Step::new(&tick.config.reaction, tick.dt_s);
@@ -94,16 +104,20 @@ fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: u
     let frames = tick.dt_s * tick.motion_set.rate_hz;
     for character in 0..count {
         let (b, lane) = (&mut blocks[character / LANES], character % LANES);
-        if b.bend[lane] != 0.0 {
-            let played = frames.min(b.length[lane] as f32 - b.time[lane]).max(0.0);
-            let root = b.root(lane);
-            let mut turned = root;
-            turned.heading += b.bend[lane] * played;
-            let placed = root.to_local(b.clip_to_world(lane));
-            b.set_clip_to_world(lane, turned.compose(placed));
-        }
         let from = b.time[lane];
-        b.time[lane] += frames;
+        match b.pace[lane] {
+            pace::HELD => b.wait[lane] -= frames,
+            pace @ (pace::SLOWING | pace::STARTING) => {
+                let length = b.length[lane] as f32;
+                b.time[lane] = pace::frame(pace, length, pace::time(pace, length, from) + frames);
+            }
+            _ => {
+                if b.bend[lane] != 0.0 {
+                    bend(b, lane, frames, tick.motion_set);
+                }
+                b.time[lane] += frames;
+            }
+        }
         if b.segment[lane] == LAID {
             // Where nothing follows, it stays at the end.
             b.time[lane] = b.time[lane].min(b.length[lane] as f32);
@@ -113,6 +127,27 @@ fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: u
         }
         b.age_s[lane] += tick.dt_s;
     }
+}
+
+/// Turns the rest of a bent path about where it has come to, in steps so short that steps of any length give the same
+/// path but for millimetres.
+fn bend(b: &mut Block, lane: usize, frames: f32, motion_set: &MotionSet) {
+    const MOST: f32 = 1.0;
+    let (from, until) = (b.time[lane], (b.time[lane] + frames).min(b.length[lane] as f32));
+    let pieces = ((until - from) / MOST).ceil().max(1.0);
+    let piece = (until - from) / pieces;
+    for k in 0..pieces as usize {
+        let root = b.clip_to_world(lane).compose(motion_set.planar_at(b.first[lane], from + piece * k as f32));
+        // What is played of the piece is turned by what its middle is.
+        let share = if k == 0 { 0.5 } else { 1.0 };
+        let turned = Planar { heading: root.heading + b.bend[lane] * piece * share, ..root };
+        let placed = root.to_local(b.clip_to_world(lane));
+        b.set_clip_to_world(lane, turned.compose(placed));
+    }
+    let root = b.clip_to_world(lane).compose(motion_set.planar_at(b.first[lane], until));
+    let turned = Planar { heading: root.heading + b.bend[lane] * piece * 0.5, ..root };
+    let placed = root.to_local(b.clip_to_world(lane));
+    b.set_clip_to_world(lane, turned.compose(placed));
 }
 
 /// Samples a block, displaces struck characters, locks feet and writes its poses.

@@ -11,6 +11,7 @@
 //! - 3: pose groups and motion patches; contacts of seven bits; a motion graph may be absent where there are patches.
 //! - 4: blend spaces; a motion graph may be absent where there are any.
 //! - 5: frame rows of 96 bytes, whose rotations are packed as a section of its own says.
+//! - 6: stop tables.
 
 #[cfg(not(target_endian = "little"))]
 compile_error!("bundles are little-endian and viewed in place; this target is big-endian");

@@ -1,0 +1,294 @@
+//! Stop tables: the area that each segment sweeps, and the cheapest way to a stand from every state.
+
+use crate::graph::{MotionGraph, SegmentId};
+use glam::{Vec2, Vec3};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use throng_core::stops::{
+    BODY_RADIUS_M, HEAD_RADIUS_M, REST, SLOW_DOWN, SWEEP_TOLERANCE_M, StopRecord, SweepNode, SweepRecord,
+    TRUNK_RADIUS_M, WALK_ON,
+};
+use throng_core::{Contacts, Joint, Planar};
+use throng_motion::clip::{Clip, ClipSet, FrameId};
+
+/// Furthest that one who rests may move from its place and back (m).
+const REST_WAY_M: f32 = 0.1;
+/// What a metre on the way to a stand costs (s).
+const METRE_S: f64 = 0.5;
+/// What a metre costs by which the body reaches out of an upright one's disc, such as in a bow (s).
+const LEAN_S: f64 = 4.0;
+/// Nobody rests who reaches out farther, unless all do (m).
+const REST_RADIUS_M: f32 = 0.4;
+/// What it costs to slow down in the middle of a motion, in which nobody stands (s).
+const SLOWING_S: f64 = 2.0;
+/// The same where not both feet are on the ground (s).
+const LIFTED_S: f64 = 10.0;
+
+/// The rows of the stop tables.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stops {
+    /// Of each segment.
+    pub sweeps: Vec<SweepRecord>,
+    /// Of all sweeps.
+    pub nodes: Vec<SweepNode>,
+    /// Of each state.
+    pub stops: Vec<StopRecord>,
+}
+
+/// How soon characters can stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct StopsReport {
+    /// States in which a character can stand for as long as it likes.
+    pub resting_states: usize,
+    /// States from which one slows down in the middle of a motion, since nobody stands soon after it.
+    pub slowing_states: usize,
+    /// Time to come to a stand, 95th percentile of the other states (s).
+    pub stop_p95_s: f64,
+    /// The longest (s).
+    pub stop_worst_s: f64,
+    /// How far one goes until then, 95th percentile (m).
+    pub stop_way_p95_m: f64,
+}
+
+/// The stop tables of a graph.
+pub fn find(clips: &ClipSet, graph: &MotionGraph) -> (Stops, StopsReport) {
+    let starts = clips.frame_starts();
+    let mut out = Stops::default();
+    let mut ways = Vec::with_capacity(graph.segments.len());
+    for s in &graph.segments {
+        let c = starts.partition_point(|&f| f <= s.start.0) - 1;
+        let first = (s.start.0 - starts[c]) as usize;
+        let way = way_of(&clips.clips[c], first, s.num_frames as usize);
+        let first_node = out.nodes.len() as u32;
+        simplify(&way, &mut out.nodes);
+        let radius = radius(clips, c, first, s.num_frames as usize) + SWEEP_TOLERANCE_M;
+        out.sweeps.push(SweepRecord { first_node, num_nodes: out.nodes.len() as u32 - first_node, radius });
+        ways.push(way);
+    }
+    let rate = clips.clips.first().map_or(30.0, |c| c.rate_hz);
+    let rests = [REST_RADIUS_M, f32::INFINITY].map(|most| rests(graph, &ways, |s| out.sweeps[s.0 as usize].radius <= most));
+    let rests = rests.into_iter().find(|r| r.iter().any(Option::is_some)).unwrap_or(vec![None; graph.states.len()]);
+    let found = Found { graph, rate, rests, sweeps: out.sweeps.clone(), on_both: on_both(clips, &starts, graph) };
+    let choices = found.cheapest();
+    // One who rests is taken back to its place evenly: the disc holds how far it is from there.
+    for choice in choices.iter().filter(|c| c.kind == REST) {
+        let (way, sweep) = (&ways[choice.segment as usize], &mut out.sweeps[choice.segment as usize]);
+        let radius = sweep.radius.max(BODY_RADIUS_M + SWEEP_TOLERANCE_M + wobble(way));
+        sweep.radius = radius;
+    }
+    out.stops = choices;
+    spread_radii(graph, &out.sweeps, &mut out.stops);
+    let report = report(&out.stops, &found, &ways);
+    (out, report)
+}
+
+/// Where the root is in each frame of a segment, as seen from the first (num_frames + 1).
+fn way_of(clip: &Clip, first: usize, num_frames: usize) -> Vec<Vec2> {
+    let planar = |f: usize| Planar::split(clip.root_positions[f], clip.frame_rotations(f)[0]).0;
+    let origin = planar(first);
+    (first..=first + num_frames).map(|f| planar(f)).map(|p| origin.inverse_transform_point(Vec2::new(p.x, p.z))).collect()
+}
+
+/// Nodes of which the way is nowhere farther away than [`SWEEP_TOLERANCE_M`]: each as far from the one before as possible.
+fn simplify(way: &[Vec2], out: &mut Vec<SweepNode>) {
+    let node = |f: usize| SweepNode { frame: f as u32, x: way[f].x, z: way[f].y };
+    let is_near = |from: usize, to: usize| {
+        (from + 1..to).all(|f| {
+            let share = (f - from) as f32 / (to - from) as f32;
+            way[from].lerp(way[to], share).distance(way[f]) <= SWEEP_TOLERANCE_M
+        })
+    };
+    let mut at = 0;
+    out.push(node(0));
+    while at + 1 < way.len() {
+        let mut next = at + 1;
+        while next + 1 < way.len() && is_near(at, next + 1) {
+            next += 1;
+        }
+        out.push(node(next));
+        at = next;
+    }
+}
+
+/// Radius of the disc about the root that holds trunk and head in all frames of a segment (m).
+fn radius(clips: &ClipSet, clip: usize, first: usize, num_frames: usize) -> f32 {
+    let head_centre = clips.skeleton.tips[0] * 0.5;
+    let of_frame = |f: usize| {
+        let joints = clips.clips[clip].joint_transforms(&clips.skeleton, f);
+        let root = joints[0].0;
+        let beside = |p: Vec3| Vec2::new(p.x - root.x, p.z - root.z).length();
+        let head = joints[Joint::Head.index()];
+        let trunk = [Joint::Chest, Joint::UpperChest, Joint::Neck].map(|j| beside(joints[j.index()].0));
+        let trunk = trunk.into_iter().fold(0.0, f32::max) + TRUNK_RADIUS_M;
+        trunk.max(beside(head.0 + head.1 * head_centre) + HEAD_RADIUS_M)
+    };
+    (first..=first + num_frames).map(of_frame).fold(BODY_RADIUS_M, f32::max)
+}
+
+/// Farthest that the way is from the straight one between its ends (m).
+fn wobble(way: &[Vec2]) -> f32 {
+    let (last, end) = (way.len() - 1, way[way.len() - 1]);
+    way.iter().enumerate().map(|(f, p)| p.distance(end * (f as f32 / last as f32))).fold(0.0, f32::max)
+}
+
+/// Of each state in which one may stand for good, the segment to play: it ends in such a state again, and hardly moves.
+///
+/// That is the greatest set of standing states each of which has an action into the set.
+fn rests(
+    graph: &MotionGraph,
+    ways: &[Vec<Vec2>],
+    is_slim: impl Fn(SegmentId) -> bool,
+) -> Vec<Option<SegmentId>> {
+    let stays = |s: SegmentId| {
+        let way = &ways[s.0 as usize];
+        is_slim(s) && way[way.len() - 1].length() <= REST_WAY_M && wobble(way) <= REST_WAY_M
+    };
+    let mut is_rest = graph.standing.clone();
+    let leads = |state: usize, is_rest: &[bool]| {
+        // The clip itself goes on where it can; else the nearest pose.
+        let fits = |a: &&crate::graph::Action| {
+            is_rest[graph.segments[a.segment.0 as usize].end.0 as usize] && stays(a.segment)
+        };
+        actions(graph, state).iter().filter(fits).min_by(|a, b| a.error.total_cmp(&b.error)).map(|a| a.segment)
+    };
+    loop {
+        let gone: Vec<usize> = (0..is_rest.len()).filter(|&s| is_rest[s] && leads(s, &is_rest).is_none()).collect();
+        if gone.is_empty() {
+            return (0..is_rest.len()).map(|s| if is_rest[s] { leads(s, &is_rest) } else { None }).collect();
+        }
+        gone.into_iter().for_each(|s| is_rest[s] = false);
+    }
+}
+
+fn actions(graph: &MotionGraph, state: usize) -> &[crate::graph::Action] {
+    &graph.actions[graph.action_offsets[state] as usize..graph.action_offsets[state + 1] as usize]
+}
+
+/// True of states with both feet on the ground.
+fn on_both(clips: &ClipSet, starts: &[u32], graph: &MotionGraph) -> Vec<bool> {
+    let contacts = |f: &FrameId| {
+        let c = starts.partition_point(|&s| s <= f.0) - 1;
+        clips.clips[c].contacts.get((f.0 - starts[c]) as usize).copied().unwrap_or(Contacts::NONE)
+    };
+    graph.states.iter().map(contacts).map(|c| c.any(Contacts::LEFT) && c.any(Contacts::RIGHT)).collect()
+}
+
+/// What the search for the cheapest way knows.
+struct Found<'a> {
+    graph: &'a MotionGraph,
+    rate: f64,
+    rests: Vec<Option<SegmentId>>,
+    sweeps: Vec<SweepRecord>,
+    on_both: Vec<bool>,
+}
+
+impl Found<'_> {
+    /// What a segment costs on the way to a stand (s).
+    fn cost(&self, segment: SegmentId) -> f64 {
+        let s = &self.graph.segments[segment.0 as usize];
+        let lean = f64::from(self.sweeps[segment.0 as usize].radius - BODY_RADIUS_M);
+        let way = f64::from(s.displacement.x.hypot(s.displacement.z));
+        f64::from(s.num_frames) / self.rate + METRE_S * way + LEAN_S * lean
+    }
+
+    /// The cheapest action of each state on the way to a stand (Dijkstra 1959, from all places to stand at once).
+    fn cheapest(&self) -> Vec<StopRecord> {
+        let graph = self.graph;
+        let n = graph.states.len();
+        let mut into: Vec<Vec<(u32, SegmentId)>> = vec![Vec::new(); n];
+        let mut best: Vec<(f64, StopRecord)> = Vec::with_capacity(n);
+        for state in 0..n {
+            let mut slow = (f64::INFINITY, StopRecord { segment: 0, kind: SLOW_DOWN, frames: 0, radius: 0.0 });
+            for a in actions(graph, state) {
+                let s = &graph.segments[a.segment.0 as usize];
+                let end = s.end.0 as usize;
+                into[end].push((state as u32, a.segment));
+                let penalty = if self.on_both[end] { SLOWING_S } else { LIFTED_S };
+                let cost = f64::from(s.num_frames) / self.rate + self.cost(a.segment) + penalty;
+                if cost < slow.0 {
+                    slow = (cost, StopRecord { segment: a.segment.0, frames: 2 * s.num_frames, ..slow.1 });
+                }
+            }
+            best.push(match self.rests[state] {
+                Some(segment) => (0.0, StopRecord { segment: segment.0, kind: REST, frames: 0, radius: 0.0 }),
+                None => slow,
+            });
+        }
+        // Costs are not negative, so that their bits have their order.
+        let mut open: BinaryHeap<Reverse<(u64, u32)>> =
+            best.iter().enumerate().map(|(s, b)| Reverse((b.0.to_bits(), s as u32))).collect();
+        while let Some(Reverse((bits, state))) = open.pop() {
+            let (cost, stop) = best[state as usize];
+            if cost.to_bits() != bits {
+                continue;
+            }
+            for &(from, segment) in &into[state as usize] {
+                let total = cost + self.cost(segment);
+                if total < best[from as usize].0 {
+                    let frames = stop.frames + graph.segments[segment.0 as usize].num_frames;
+                    best[from as usize] = (total, StopRecord { segment: segment.0, kind: WALK_ON, frames, radius: 0.0 });
+                    open.push(Reverse((total.to_bits(), from)));
+                }
+            }
+        }
+        best.into_iter().map(|b| b.1).collect()
+    }
+}
+
+/// The largest radius from each state on: that of its segment and of all that follow.
+fn spread_radii(graph: &MotionGraph, sweeps: &[SweepRecord], stops: &mut [StopRecord]) {
+    let mut changed = true;
+    while changed {
+        changed = false;
+        for s in 0..stops.len() {
+            let stop = stops[s];
+            let after = match stop.kind {
+                SLOW_DOWN => 0.0,
+                _ => stops[graph.segments[stop.segment as usize].end.0 as usize].radius,
+            };
+            let radius = sweeps[stop.segment as usize].radius.max(after);
+            changed |= radius != stop.radius;
+            stops[s].radius = radius;
+        }
+    }
+}
+
+fn report(stops: &[StopRecord], found: &Found<'_>, ways: &[Vec<Vec2>]) -> StopsReport {
+    let graph = found.graph;
+    let slows = |mut s: usize| loop {
+        match stops[s].kind {
+            REST => return false,
+            SLOW_DOWN => return true,
+            _ => s = graph.segments[stops[s].segment as usize].end.0 as usize,
+        }
+    };
+    let way = |mut s: usize| {
+        let mut sum = 0.0;
+        while stops[s].kind != REST {
+            let segment = stops[s].segment as usize;
+            sum += f64::from(ways[segment].windows(2).map(|w| w[0].distance(w[1])).sum::<f32>());
+            if stops[s].kind == SLOW_DOWN {
+                break;
+            }
+            s = graph.segments[segment].end.0 as usize;
+        }
+        sum
+    };
+    let moving: Vec<usize> = (0..stops.len()).filter(|&s| stops[s].kind != REST).collect();
+    let p95 = |of: &dyn Fn(usize) -> f64| {
+        let mut all: Vec<f64> = moving.iter().map(|&s| of(s)).collect();
+        all.sort_unstable_by(f64::total_cmp);
+        [all.len() * 95 / 100, all.len().saturating_sub(1)].map(|i| all.get(i).copied().unwrap_or(0.0))
+    };
+    let [stop_p95_s, stop_worst_s] = p95(&|s| f64::from(stops[s].frames) / found.rate);
+    StopsReport {
+        resting_states: stops.len() - moving.len(),
+        slowing_states: moving.iter().filter(|&&s| slows(s)).count(),
+        stop_p95_s,
+        stop_worst_s,
+        stop_way_p95_m: p95(&way)[0],
+    }
+}
+
+#[cfg(test)]
+mod tests;

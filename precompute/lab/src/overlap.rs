@@ -1,0 +1,116 @@
+//! Overlaps: who is in whom, and how deep.
+
+use glam::{Vec2, Vec3};
+use std::collections::{HashMap, HashSet};
+use throng_runtime::skeleton::Skeleton;
+use throng_runtime::stops::{BODY_RADIUS_M, HEAD_RADIUS_M, TRUNK_RADIUS_M};
+use throng_runtime::{Body, Joint, Planar};
+
+/// Side of a cell of the grid in which neighbours are found: nobody reaches farther (m).
+const CELL_M: f32 = 2.0;
+
+/// One who is there.
+#[derive(Clone, Copy, Debug)]
+pub struct Present {
+    /// Number of the character.
+    pub number: usize,
+    /// Where it stands (m).
+    pub place: Vec2,
+    /// Hips, neck and middle of the head, for one with a body (m).
+    pub trunk: Option<[Vec3; 3]>,
+}
+
+impl Present {
+    /// One with a body.
+    pub fn with_body(number: usize, body: &Body<'_>, skeleton: &Skeleton) -> Self {
+        let Planar { x, z, .. } = body.root;
+        let head = body.world(Joint::Head).transform_point3(skeleton.tips[0] * 0.5);
+        let trunk = Some([body.position(Joint::Hips), body.position(Joint::Neck), head]);
+        Self { number, place: Vec2::new(x, z), trunk }
+    }
+}
+
+/// Looks for overlaps from step to step.
+///
+/// Two overlap where the discs of [`BODY_RADIUS_M`] about their roots do, or the capsules of trunk and head.
+#[derive(Clone, Debug, Default)]
+pub struct OverlapMeter {
+    pairs: HashSet<(usize, usize)>,
+    deepest_m: f32,
+}
+
+impl OverlapMeter {
+    /// Looks at all who are there at one time.
+    pub fn observe(&mut self, all: &[Present]) {
+        let cell = |p: Vec2| (p / CELL_M).floor().to_array().map(|v| v as i32);
+        let mut cells: HashMap<[i32; 2], Vec<usize>> = HashMap::new();
+        for (i, a) in all.iter().enumerate() {
+            let [x, z] = cell(a.place);
+            for near in (-1..=1).flat_map(|dx| (-1..=1).map(move |dz| [x + dx, z + dz])) {
+                for &j in cells.get(&near).map_or(&[][..], Vec::as_slice) {
+                    let depth = depth(a, &all[j]);
+                    if depth > 0.0 {
+                        self.pairs.insert((all[j].number.min(a.number), all[j].number.max(a.number)));
+                        self.deepest_m = self.deepest_m.max(depth);
+                    }
+                }
+            }
+            cells.entry([x, z]).or_default().push(i);
+        }
+    }
+
+    /// Pairs that overlapped at any time.
+    pub fn pairs(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// How deep the two who overlapped most were in each other; 0 where nobody did (m).
+    pub fn deepest_m(&self) -> f32 {
+        self.deepest_m
+    }
+}
+
+/// How deep two are in each other; negative where they are apart (m).
+pub fn depth(a: &Present, b: &Present) -> f32 {
+    let discs = 2.0 * BODY_RADIUS_M - a.place.distance(b.place);
+    let (Some([hips_a, neck_a, head_a]), Some([hips_b, neck_b, head_b])) = (a.trunk, b.trunk) else { return discs };
+    let (trunk_a, trunk_b) = ([hips_a, neck_a], [hips_b, neck_b]);
+    let trunks = 2.0 * TRUNK_RADIUS_M - between(trunk_a, trunk_b);
+    let heads = 2.0 * HEAD_RADIUS_M - head_a.distance(head_b);
+    let head_trunk = between([head_a; 2], trunk_b).min(between([head_b; 2], trunk_a));
+    discs.max(trunks).max(heads).max(TRUNK_RADIUS_M + HEAD_RADIUS_M - head_trunk)
+}
+
+/// Least distance of two lines (Ericson 2005, Real-Time Collision Detection, section 5.1.9).
+fn between(a: [Vec3; 2], b: [Vec3; 2]) -> f32 {
+    let (u, v, w) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
+    let (uu, uv, vv, uw, vw) = (u.dot(u), u.dot(v), v.dot(v), u.dot(w), v.dot(w));
+    let (uu, vv) = (uu.max(1e-12), vv.max(1e-12));
+    let across = uu * vv - uv * uv;
+    let s = if across > 1e-9 { ((uv * vw - vv * uw) / across).clamp(0.0, 1.0) } else { 0.0 };
+    let t = ((uv * s + vw) / vv).clamp(0.0, 1.0);
+    let s = ((uv * t - uw) / uu).clamp(0.0, 1.0);
+    (w + u * s - v * t).length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn discs_trunks_and_heads_overlap_as_drawn_by_hand() {
+        let at = |number, x: f32| Present { number, place: Vec2::new(x, 0.0), trunk: None };
+        let mut meter = OverlapMeter::default();
+        meter.observe(&[at(0, 0.0), at(1, 0.4), at(2, 5.0)]);
+        meter.observe(&[at(0, 0.0), at(1, 0.6), at(2, 0.45)]);
+        assert_eq!(meter.pairs(), 3);
+        assert!((meter.deepest_m() - 0.35).abs() < 1e-6);
+        // Discs apart, but one bows: its head meets the other's trunk.
+        let body = |x: f32, lean: f32| Present {
+            trunk: Some([Vec3::new(x, 1.0, 0.0), Vec3::new(x + lean, 1.3, 0.0), Vec3::new(x + 1.6 * lean, 1.3, 0.0)]),
+            ..at(0, x)
+        };
+        assert!(depth(&body(0.0, 0.0), &body(0.6, 0.0)) < 0.0);
+        assert!((depth(&body(0.0, 0.3), &body(0.6, 0.0)) - (0.25 - 0.12)).abs() < 1e-6);
+    }
+}

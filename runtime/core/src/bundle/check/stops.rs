@@ -1,0 +1,72 @@
+//! Stop tables lead to a stand.
+
+use crate::bundle::{Bundle, tags};
+use crate::format::FormatError;
+use crate::stops::{REST, SLOW_DOWN, WALK_ON};
+
+/// Most nodes of a segment and of all segments on the way to a stand: room is taken for as many of each character.
+const MOST_NODES: u64 = 10_000;
+
+/// Every segment has a sweep from its first frame to its last, every state a stop that is over after a bounded time.
+pub fn stops(t: &Bundle) -> Result<(), FormatError> {
+    let (g, s) = (t.graph(), t.stops());
+    for (tag, got, expected, what) in [
+        (tags::SWEEPS, s.sweeps.len(), g.segments.len(), "segments"),
+        (tags::STOPS, s.stops.len(), g.states.len(), "states"),
+    ] {
+        if got != expected {
+            return Err(FormatError::layout(format!("section {tag} has {got} elements for {expected} {what}")));
+        }
+    }
+    let mut next = 0u64;
+    for (i, sweep) in s.sweeps.iter().enumerate() {
+        let wrong = |what: &str| Err(FormatError::value(tags::SWEEPS, i, format!("{what}: {sweep:?}")));
+        let end = next + u64::from(sweep.num_nodes);
+        if u64::from(sweep.first_node) != next || sweep.num_nodes < 2 || end > s.nodes.len() as u64 {
+            return wrong("its nodes do not follow those before");
+        }
+        if !(0.01..100.0).contains(&sweep.radius) {
+            return wrong("its radius cannot be");
+        }
+        let nodes = s.nodes_of(i as u32);
+        if nodes[0].frame != 0 || nodes[nodes.len() - 1].frame != g.segments[i].num_frames {
+            return wrong("its nodes do not reach from its first frame to its last");
+        }
+        if !nodes.is_sorted_by(|a, b| a.frame < b.frame) || nodes.len() as u64 > MOST_NODES {
+            return wrong("its nodes do not ascend");
+        }
+        next = end;
+    }
+    if next != s.nodes.len() as u64 {
+        let got = s.nodes.len();
+        return Err(FormatError::layout(format!("section {} has {got} elements, expected {next}", tags::SWEEP_NODES)));
+    }
+    if let Some(i) = s.nodes.iter().position(|n| !(n.x.abs() < 1e6 && n.z.abs() < 1e6)) {
+        return Err(FormatError::value(tags::SWEEP_NODES, i, "it holds a number that cannot be"));
+    }
+    for (i, stop) in s.stops.iter().enumerate() {
+        let wrong = |what: &str| Err(FormatError::value(tags::STOPS, i, format!("{what}: {stop:?}")));
+        if !g.segments_of(i as u32).contains(&stop.segment) {
+            return wrong("its segment is no action of the state");
+        }
+        if !(0.01..100.0).contains(&stop.radius) {
+            return wrong("its radius cannot be");
+        }
+        let segment = &g.segments[stop.segment as usize];
+        let after = &s.stops[segment.end as usize];
+        let is_good = match stop.kind {
+            REST => stop.frames == 0 && after.kind == REST,
+            // The time grows with every segment, so that the way has an end.
+            WALK_ON => after.frames.checked_add(segment.num_frames) == Some(stop.frames),
+            SLOW_DOWN => segment.num_frames.checked_mul(2) == Some(stop.frames),
+            _ => return wrong("no such kind"),
+        };
+        if !is_good {
+            return wrong("it does not lead to a stand in its time");
+        }
+    }
+    match s.most_nodes(&g.segments) {
+        n if n <= MOST_NODES as usize => Ok(()),
+        n => Err(FormatError::layout(format!("a way to a stand has {n} nodes, expected up to {MOST_NODES}"))),
+    }
+}

@@ -1,0 +1,282 @@
+//! Choices that are safe: the best action whose ground is clear, or the stop.
+
+use super::super::block::{Block, LAID};
+use super::super::blow::PassedHits;
+use super::super::control::{self, Asked, MAX_GOALS, OwnGoal};
+use super::super::motion_set::MotionSet;
+use super::super::step::RANGE_BLOCKS;
+use super::super::transition::{self, Change};
+use super::super::{CharactersConfig, Choice, pace};
+use super::path::{self, Plan};
+use super::steer::{self, Chooser, NUM_DIRECTIONS};
+use super::{AvoidConfig, Avoiding, elapsed_s};
+use crate::planar::Planar;
+use crate::policy::{self, LookAheadJob, MAX_RANKED, NO_ACTION, RankedActions};
+use glam::{Vec2, Vec3};
+use std::cmp::Reverse;
+use throng_base::maths;
+use throng_base::simd::LANES;
+
+/// One who is held looks again after this (frames).
+const LOOK_AGAIN: f32 = 8.0;
+
+/// Choices at which nobody turns aside widely, but waits; and after which anything that leads out is taken.
+const WAITS: u32 = 3;
+const DESPAIRS: u32 = 8;
+/// See [`WAITS`] (rad).
+const WIDE: f32 = 1.0;
+
+/// Shorter actions end where they begin (m).
+const AWAY_M: f32 = 0.15;
+/// Actions that turn by less do not turn (rad).
+const TURN: f32 = 0.3;
+
+/// What a step gives to choose by.
+pub(crate) struct Step<'a> {
+    pub motion_set: &'a MotionSet,
+    pub config: &'a CharactersConfig,
+    pub avoid: &'a AvoidConfig,
+    pub asked: Asked<'a>,
+    pub num_characters: usize,
+}
+
+/// Lets every character choose that has come to the end of its segment, one after the other in the order of time.
+pub(crate) fn choose(avoiding: &mut Avoiding, blocks: &mut [Block], passed: &mut [PassedHits], step: &Step<'_>) {
+    let motion_set = step.motion_set;
+    if avoiding.is_stale {
+        // Whoever was moved may be where another is: that comes to an end as they go on.
+        avoiding.rebuild(blocks, step.num_characters, motion_set);
+    }
+    for at in 0..step.num_characters {
+        let (b, lane) = (&blocks[at / LANES], at % LANES);
+        avoiding.book.set_elapsed(at, elapsed_s(b, lane, motion_set));
+        push_due(avoiding, b, at);
+    }
+    while let Some((ago, Reverse(at))) = avoiding.due.pop() {
+        one(avoiding, blocks, passed, step, at as usize, f32::from_bits(ago));
+        push_due(avoiding, &blocks[at as usize / LANES], at as usize);
+    }
+}
+
+/// Notes one who has come to the end of a segment.
+fn push_due(avoiding: &mut Avoiding, b: &Block, at: usize) {
+    let lane = at % LANES;
+    let ago = match b.pace[lane] {
+        _ if b.segment[lane] == LAID => return,
+        pace::HELD => -b.wait[lane],
+        _ => b.time[lane] - b.length[lane] as f32,
+    };
+    if ago >= 0.0 {
+        // Bits of floats that are not negative have their order; -0 has not.
+        avoiding.due.push(((ago + 0.0).to_bits(), Reverse(at as u32)));
+    }
+}
+
+/// One choice.
+fn one(
+    avoiding: &mut Avoiding,
+    blocks: &mut [Block],
+    passed: &mut [PassedHits],
+    step: &Step<'_>,
+    at: usize,
+    ago: f32,
+) {
+    let motion_set = step.motion_set;
+    let (b, lane) = (&blocks[at / LANES], at % LANES);
+    let state = motion_set.graph.segments[b.segment[lane] as usize].end;
+    let root = b.end(lane, motion_set);
+    let is_held = b.pace[lane] == pace::HELD;
+    let ago_s = ago / motion_set.rate_hz;
+    let (num_goals, goals) = step.asked.of(at, motion_set);
+    let own = Own { at, state, root, is_held: is_held || b.pace[lane] == pace::SLOWING, ago_s, goals: &goals[..num_goals] };
+    let found = own.clear_plan(avoiding, b, step);
+    let b = &mut blocks[at / LANES];
+    b.blocked[lane] = match found {
+        Some((_, true)) => 0,
+        Some((plan, false)) if leads_away(plan, motion_set) => b.blocked[lane],
+        _ => b.blocked[lane].saturating_add(1),
+    };
+    let plan = match found {
+        Some((plan, _)) => plan,
+        None if own.is_held => {
+            // Nothing to play: it is held where it is.
+            let plan = Plan { segment: b.segment[lane], pace: pace::HELD, bend: 0.0 };
+            if !is_held {
+                path::of_plan(plan, root, motion_set, &mut avoiding.path);
+                avoiding.book.set(at, &avoiding.path, 0.0);
+                b.pace[lane] = pace::HELD;
+                b.time[lane] = b.length[lane] as f32;
+            }
+            b.wait[lane] = LOOK_AGAIN - ago;
+            return;
+        }
+        None => {
+            let plan = path::stop_of(state, motion_set);
+            path::of_plan(plan, root, motion_set, &mut avoiding.path);
+            plan
+        }
+    };
+    let range = &mut passed[at / (RANGE_BLOCKS * LANES)];
+    let begin = control::Begin { at, state, root, plan, left: ago };
+    let change = control::begin(b, &begin, range, motion_set);
+    avoiding.book.set(at, &avoiding.path, elapsed_s(b, lane, motion_set));
+    if let Some(change) = change {
+        transition::start(&[Change { character: lane as u32, ..change }], motion_set, step.config.half_life_s, std::slice::from_mut(b));
+    }
+}
+
+/// True of an action that does not end where it begins.
+fn leads_away(plan: Plan, motion_set: &MotionSet) -> bool {
+    let d = motion_set.graph.segments[plan.segment as usize].displacement();
+    maths::hypot(d.x, d.z) > AWAY_M
+}
+
+/// True of an action that leads away or turns.
+fn moves(plan: Plan, motion_set: &MotionSet) -> bool {
+    leads_away(plan, motion_set) || motion_set.graph.segments[plan.segment as usize].displacement[2].abs() > TURN
+}
+
+/// Who chooses.
+struct Own<'a> {
+    at: usize,
+    state: u32,
+    root: Planar,
+    /// It stands in the middle of its motion.
+    is_held: bool,
+    /// How long ago (s).
+    ago_s: f32,
+    goals: &'a [OwnGoal],
+}
+
+impl Own<'_> {
+    /// The best action whose ground is clear, and whether it is what would be done if nobody else were there; its path is
+    /// left in `avoiding.path`.
+    fn clear_plan(&self, avoiding: &mut Avoiding, b: &Block, step: &Step<'_>) -> Option<(Plan, bool)> {
+        let motion_set = step.motion_set;
+        let segments = motion_set.graph.segments_of(self.state);
+        let turns = match self.goals.first() {
+            Some(goal) if self.can_turn(goal, motion_set) => {
+                let chooser = Chooser {
+                    number: self.at,
+                    place: Vec2::new(self.root.x, self.root.z),
+                    target: Vec2::new(goal.target.x, goal.target.z),
+                    speed_mps: avoiding.speed_mps,
+                    ago_s: self.ago_s,
+                };
+                steer::directions(&chooser, &avoiding.book, step.avoid)
+            }
+            _ => [0.0; NUM_DIRECTIONS],
+        };
+        let patience = b.blocked[self.at % LANES];
+        let mut tried = [0u64; 4];
+        let mut ranked = [None; NUM_DIRECTIONS];
+        for k in 0..MAX_RANKED {
+            for (i, turn) in turns.into_iter().enumerate() {
+                if turns[..i].contains(&turn) || patience < WAITS && turn.abs() > WIDE {
+                    continue;
+                }
+                let action = ranked[i].get_or_insert_with(|| self.ranked(b, turn, step))[k];
+                if action != NO_ACTION && self.is_first(action, &mut tried) {
+                    let plan = self.plan(segments[usize::from(action)], turn, step);
+                    if self.is_clear(plan, avoiding, motion_set) {
+                        return Some((plan, (i, k) == (0, 0) && turn == 0.0));
+                    }
+                }
+            }
+        }
+        if patience < DESPAIRS {
+            return None;
+        }
+        // Anything that leads out, whatever it is worth.
+        let begin = patience as usize % segments.len();
+        let others = (begin..segments.len()).chain(0..begin).map(|action| action as u8);
+        let plans = others.filter(|&a| self.is_first(a, &mut tried)).map(|a| self.plan(segments[usize::from(a)], 0.0, step));
+        let mut plans = plans.filter(|&plan| moves(plan, motion_set));
+        plans.find(|&plan| self.is_clear(plan, avoiding, motion_set)).map(|plan| (plan, false))
+    }
+
+    /// Notes that an action is tried; false where it has been.
+    fn is_first(&self, action: u8, tried: &mut [u64; 4]) -> bool {
+        let (word, bit) = (usize::from(action) / 64, 1u64 << (action % 64));
+        let is_first = tried[word] & bit == 0;
+        tried[word] |= bit;
+        is_first
+    }
+
+    /// How an action would be played.
+    fn plan(&self, segment: u32, turn: f32, step: &Step<'_>) -> Plan {
+        let new = &step.motion_set.graph.segments[segment as usize];
+        match self.goals.first() {
+            _ if self.is_held => Plan { segment, pace: pace::STARTING, bend: 0.0 },
+            None => Plan { segment, pace: pace::NORMAL, bend: 0.0 },
+            Some(goal) => {
+                let (target, limit) = (self.seen(goal, turn, step.motion_set), step.config.bend_rad_per_m);
+                let bend = control::bend(new.displacement(), new.num_frames, target, limit);
+                Plan { segment, pace: pace::NORMAL, bend }
+            }
+        }
+    }
+
+    /// True where the ground of a plan is clear; its path is left in `avoiding.path`.
+    fn is_clear(&self, plan: Plan, avoiding: &mut Avoiding, motion_set: &MotionSet) -> bool {
+        path::of_plan(plan, self.root, motion_set, &mut avoiding.path);
+        avoiding.book.is_clear(self.at, &avoiding.path, self.ago_s)
+    }
+
+    /// A target on the ground around which there is no matter of blows may be turned aside.
+    fn can_turn(&self, goal: &OwnGoal, motion_set: &MotionSet) -> bool {
+        motion_set.policies[goal.policy].grid().is_polar() && goal.weight > 0.0
+    }
+
+    /// A target in the character's frame, turned aside about the character.
+    fn seen(&self, goal: &OwnGoal, turn: f32, motion_set: &MotionSet) -> Vec3 {
+        let turn = if self.can_turn(goal, motion_set) { turn } else { 0.0 };
+        let local = self.root.inverse_transform_point(Vec2::new(goal.target.x, goal.target.z));
+        let (sin, cos) = (maths::sin(turn), maths::cos(turn));
+        Vec3::new(local.x * cos + local.y * sin, goal.target.y, local.y * cos - local.x * sin)
+    }
+
+    /// The best actions towards a target that is turned aside.
+    fn ranked(&self, b: &Block, turn: f32, step: &Step<'_>) -> [u8; MAX_RANKED] {
+        let (motion_set, config) = (step.motion_set, step.config);
+        let mut actions = [NO_ACTION; MAX_RANKED];
+        if self.goals.is_empty() {
+            actions[0] = 0;
+            return actions;
+        }
+        let mut targets = [[Vec3::ZERO]; MAX_GOALS];
+        let mut weights = [[0.0]; MAX_GOALS];
+        for (g, goal) in self.goals.iter().enumerate() {
+            targets[g] = [self.seen(goal, turn, motion_set)];
+            let active = motion_set.policies[goal.policy].region().contains(targets[g][0]);
+            weights[g] = [if active { goal.weight } else { 0.0 }];
+        }
+        if config.choice == Choice::BestAction && self.goals.len() == 1 {
+            let policy = &motion_set.policies[self.goals[0].policy];
+            let best = policy.best_of(self.state, policy.nearest_cell(self.state, targets[0][0]));
+            actions.iter_mut().zip(best).for_each(|(to, from)| *to = *from);
+            return actions;
+        }
+        let jobs: [policy::Goal<'_>; MAX_GOALS] = std::array::from_fn(|g| {
+            let g = g.min(self.goals.len() - 1);
+            policy::Goal {
+                policy: &motion_set.policies[self.goals[g].policy],
+                weights: &weights[g],
+                targets: &targets[g],
+            }
+        });
+        let mut ranked = [RankedActions::NONE];
+        let job = LookAheadJob { goals: &jobs[..self.goals.len()], states: &[self.state], ranked: &mut ranked };
+        job.run().unwrap_or_else(|e| unreachable!("states come from the tables, targets were checked: {e}"));
+        actions = ranked[0].actions;
+        if let Choice::LookAhead { temperature } = config.choice {
+            let lane = self.at % LANES;
+            let chosen = ranked[0].choose(temperature, control::draw(b, lane, config));
+            // The drawn one first, then the others by rank.
+            if let Some(k) = actions.iter().position(|&a| a == chosen) {
+                actions[..=k].rotate_right(1);
+            }
+        }
+        actions
+    }
+}

@@ -1,0 +1,194 @@
+//! Paths of segments and of the stops after them, laid in the world.
+
+use super::super::block::{Block, LAID, NO_STATE};
+use super::super::motion_set::MotionSet;
+use super::super::pace;
+use crate::planar::Planar;
+use crate::reserve::{Path, PathNode};
+use crate::stops::{BODY_RADIUS_M, REST, SLOW_DOWN, SweepNode};
+use glam::Vec2;
+
+/// Nodes that are added to a segment which is not played at its own rate, evenly in time.
+const PACE_NODES: usize = 16;
+/// Nodes of a bent segment are no farther apart (frames).
+const BENT_FRAMES: u32 = 4;
+/// Furthest that the root is beside the path, for rounding and for what nodes leave out of slowing and bending (m).
+const MARGIN_M: f32 = 0.005;
+
+/// Most nodes of the path of an action and the stop after it.
+pub fn most_nodes(motion_set: &MotionSet) -> usize {
+    let (graph, stops) = (&motion_set.graph, &motion_set.stops);
+    let bent = |s: &crate::graph::MotionSegment| (s.num_frames / BENT_FRAMES) as usize;
+    let longest = stops.sweeps.iter().map(|s| s.num_nodes as usize).max().unwrap_or(0);
+    let longest = longest + graph.segments.iter().map(bent).max().unwrap_or(0);
+    longest + stops.most_nodes(&graph.segments) + 2 * (PACE_NODES + 2)
+}
+
+/// How a segment is to be played.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// Its number.
+    pub segment: u32,
+    /// See [`pace`].
+    pub pace: u32,
+    /// How fast it is bent (rad/frame).
+    pub bend: f32,
+}
+
+/// The path of a segment from a place on, and of the stop after it.
+///
+/// - `root`: at its first frame.
+pub fn of_plan(plan: Plan, root: Planar, motion_set: &MotionSet, out: &mut Path) {
+    let end = motion_set.graph.segments[plan.segment as usize].end;
+    let mut laying = Laying::begin(motion_set, root, out);
+    match plan.pace {
+        pace::HELD => laying.stay(motion_set.stops.stops[end as usize].radius),
+        pace::IN_PLACE => {
+            let sweep = motion_set.stops.sweeps[plan.segment as usize].radius;
+            laying.stay(sweep.max(motion_set.stops.stops[end as usize].radius));
+        }
+        _ => {
+            laying.segment(plan);
+            let way = Vec2::new(laying.root.x - root.x, laying.root.z - root.z);
+            laying.out.velocity = way / laying.time_s;
+            match plan.pace {
+                pace::SLOWING => laying.stay(motion_set.stops.stops[end as usize].radius),
+                _ => laying.stop(end),
+            }
+        }
+    }
+}
+
+/// The path that a character has, which is that of its last choice.
+pub fn of_state(b: &Block, lane: usize, motion_set: &MotionSet, out: &mut Path) {
+    if b.segment[lane] == LAID {
+        // It is moved by others, who know where it goes.
+        let root = Planar::new(b.root[0][lane], b.root[1][lane], 0.0);
+        return Laying::begin(motion_set, root, out).stay(BODY_RADIUS_M);
+    }
+    let plan = Plan { segment: b.segment[lane], pace: b.pace[lane], bend: b.bend[lane] };
+    match plan.pace {
+        pace::HELD => of_plan(plan, b.end(lane, motion_set), motion_set, out),
+        // One who has not begun is where its segment ends.
+        pace::NORMAL if b.choice_state[lane] == NO_STATE && b.time[lane] >= b.length[lane] as f32 => {
+            let mut laying = Laying::begin(motion_set, b.end(lane, motion_set), out);
+            laying.time_s = b.time[lane] / motion_set.rate_hz;
+            laying.stop(motion_set.graph.segments[plan.segment as usize].end);
+        }
+        _ => of_plan(plan, b.choice_root(lane), motion_set, out),
+    }
+}
+
+/// A path that grows.
+struct Laying<'a> {
+    motion_set: &'a MotionSet,
+    out: &'a mut Path,
+    /// Since the path began (s).
+    time_s: f32,
+    /// Where it has come to.
+    root: Planar,
+    /// Of the disc from here on (m).
+    radius_m: f32,
+}
+
+impl<'a> Laying<'a> {
+    fn begin(motion_set: &'a MotionSet, root: Planar, out: &'a mut Path) -> Self {
+        out.nodes.clear();
+        out.velocity = Vec2::ZERO;
+        Self { motion_set, out, time_s: 0.0, root, radius_m: 0.0 }
+    }
+
+    /// Stands from here on.
+    fn stay(&mut self, radius_m: f32) {
+        self.radius_m = radius_m + MARGIN_M;
+        self.node(0.0, Vec2::ZERO);
+    }
+
+    /// Adds a node at a time after `time_s`, where a point as seen from the root is.
+    fn node(&mut self, after_frames: f32, local: Vec2) {
+        let time_s = self.time_s + after_frames / self.motion_set.rate_hz;
+        let node = PathNode::new(time_s, self.root.transform_point(local), self.radius_m);
+        match self.out.nodes.last_mut() {
+            // The end of one segment is the beginning of the next.
+            Some(last) if time_s <= last.time_s => *last = node,
+            _ => self.out.nodes.push(node),
+        }
+    }
+
+    /// Adds a segment, and goes on to its end.
+    fn segment(&mut self, plan: Plan) {
+        let motion_set = self.motion_set;
+        let segment = &motion_set.graph.segments[plan.segment as usize];
+        let (nodes, length) = (motion_set.stops.nodes_of(plan.segment), segment.num_frames as f32);
+        let place = |n: &SweepNode| Vec2::new(n.x, n.z);
+        let mut end = segment.displacement();
+        let mut frames = length;
+        self.radius_m = motion_set.stops.sweeps[plan.segment as usize].radius + MARGIN_M;
+        match plan.pace {
+            pace::SLOWING | pace::STARTING => {
+                frames = 2.0 * length;
+                // Evenly in time, and at the nodes of the sweep.
+                let time = |f: u32| pace::time(plan.pace, length, f as f32);
+                let every = frames / PACE_NODES as f32;
+                let mut even = 0.0;
+                for w in nodes.windows(2) {
+                    let (from, to) = (w[0].frame as f32, w[1].frame as f32);
+                    while even + 1e-3 < time(w[1].frame) {
+                        let share = (pace::frame(plan.pace, length, even) - from) / (to - from);
+                        self.node(even, place(&w[0]).lerp(place(&w[1]), share.clamp(0.0, 1.0)));
+                        even += every;
+                    }
+                    self.node(time(w[1].frame), place(&w[1]));
+                }
+            }
+            _ if plan.bend != 0.0 => {
+                let (mut at, mut frame) = (Vec2::ZERO, 0.0);
+                self.node(0.0, at);
+                for w in nodes.windows(2) {
+                    let frames = w[1].frame - w[0].frame;
+                    let pieces = frames.div_ceil(BENT_FRAMES);
+                    let (way, step) = ((place(&w[1]) - place(&w[0])) / pieces as f32, frames as f32 / pieces as f32);
+                    for _ in 0..pieces {
+                        // Each piece is turned by what its middle is.
+                        let turn = Planar::new(0.0, 0.0, plan.bend * (frame + 0.5 * step));
+                        at += turn.transform_point(way);
+                        frame += step;
+                        self.node(frame, at);
+                    }
+                }
+                end = Planar::new(at.x, at.y, end.heading + plan.bend * length);
+            }
+            _ => nodes.iter().for_each(|n| self.node(n.frame as f32, place(n))),
+        }
+        self.time_s += frames / motion_set.rate_hz;
+        self.root = self.root.compose(end);
+    }
+
+    /// Adds the way from a state to a stand.
+    fn stop(&mut self, mut state: u32) {
+        let (graph, stops) = (&self.motion_set.graph, &self.motion_set.stops.stops);
+        loop {
+            let (stop, plan) = (&stops[state as usize], stop_of(state, self.motion_set));
+            state = graph.segments[stop.segment as usize].end;
+            if stop.kind != REST {
+                self.segment(plan);
+            }
+            match stop.kind {
+                REST => return self.stay(stop.radius),
+                SLOW_DOWN => return self.stay(stops[state as usize].radius),
+                _ => {}
+            }
+        }
+    }
+}
+
+/// The stop of a state, as it is played.
+pub fn stop_of(state: u32, motion_set: &MotionSet) -> Plan {
+    let stop = &motion_set.stops.stops[state as usize];
+    let pace = match stop.kind {
+        REST => pace::IN_PLACE,
+        SLOW_DOWN => pace::SLOWING,
+        _ => pace::NORMAL,
+    };
+    Plan { segment: stop.segment, pace, bend: 0.0 }
+}

@@ -1,0 +1,140 @@
+//! Where to head so as to pass others: the direction that turns least from the target and does not run into anybody soon.
+
+use super::AvoidConfig;
+use crate::reserve::{Bounds, Reservations};
+use crate::stops::BODY_RADIUS_M;
+use glam::Vec2;
+use throng_base::maths;
+
+/// Directions that are weighed, to the left of the target (rad): both sides, less and less towards it.
+const TURNS: [f32; 13] = [0.0, -0.2, 0.2, -0.4, 0.4, -0.65, 0.65, -0.95, 0.95, -1.3, 1.3, -1.8, 1.8];
+/// Directions that are tried, best first.
+pub const NUM_DIRECTIONS: usize = 4;
+/// What running into somebody at once counts, as a turn (rad).
+const COLLISION: f32 = 3.0;
+/// To the right is turned for a little less, so that two who meet pass on the same side (rad).
+const RIGHT: f32 = 0.05;
+/// Nearer to its target than this nobody turns aside (m).
+const NEAR_M: f32 = 0.3;
+/// Others who are weighed at most; paths are tested against all.
+const OTHERS: usize = 32;
+
+/// Who chooses, and where it wants to go.
+pub struct Chooser {
+    pub number: usize,
+    /// Where it is (m).
+    pub place: Vec2,
+    /// Its target (m).
+    pub target: Vec2,
+    /// Of those who walk (m/s).
+    pub speed_mps: f32,
+    /// How long ago it chooses (s).
+    pub ago_s: f32,
+}
+
+/// Another, as seen from the chooser.
+#[derive(Clone, Copy, Default)]
+struct Other {
+    number: u32,
+    place: Vec2,
+    velocity: Vec2,
+    reach_m: f32,
+}
+
+/// Turns from the target to try, best first (rad); the first is 0 where nobody is in the way.
+pub fn directions(chooser: &Chooser, book: &Reservations, config: &AvoidConfig) -> [f32; NUM_DIRECTIONS] {
+    let way = chooser.target - chooser.place;
+    let distance = way.length();
+    let mut costs = TURNS.map(|turn| (turn.abs() + if turn > 0.0 { RIGHT } else { 0.0 }, turn));
+    if distance > NEAR_M && config.horizon_s > 0.0 {
+        let others = &mut [Other::default(); OTHERS];
+        let num = gather(chooser, book, config, others);
+        let horizon = config.horizon_s.min(distance / chooser.speed_mps);
+        for (cost, turn) in &mut costs {
+            let (sin, cos) = (maths::sin(*turn), maths::cos(*turn));
+            // To the left is towards +X where +Z is ahead.
+            let ahead = Vec2::new(way.x * cos + way.y * sin, way.y * cos - way.x * sin) / distance;
+            let velocity = ahead * chooser.speed_mps;
+            let soonest = others[..num].iter().map(|o| time_to(o, velocity)).fold(f32::INFINITY, f32::min);
+            let soonest = soonest.min(walls_ahead(chooser, velocity, book, config));
+            if soonest < horizon {
+                *cost += COLLISION * (1.0 - soonest / config.horizon_s);
+            }
+        }
+    }
+    // Stable, so that equal costs keep their order.
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    std::array::from_fn(|i| costs[i].1)
+}
+
+/// Others within reach of the horizon, by number; the nearest where there are many.
+fn gather(chooser: &Chooser, book: &Reservations, config: &AvoidConfig, out: &mut [Other; OTHERS]) -> usize {
+    let reach = 2.0 * BODY_RADIUS_M + config.room_m + chooser.speed_mps * config.horizon_s;
+    let mut num = 0;
+    book.near(chooser.number, &Bounds::about(chooser.place, reach), |other| {
+        let mut moving = book.path(other);
+        moving.elapsed_s -= chooser.ago_s;
+        let (now, velocity) = (moving.now(), book.velocity(other));
+        // Whoever stands by the target does not keep one from it.
+        let most = if velocity == Vec2::ZERO { 0.95 * now.distance(chooser.target) } else { f32::INFINITY };
+        let reach_m = (2.0 * BODY_RADIUS_M + config.room_m).min(most);
+        let o = Other { number: other as u32, place: now - chooser.place, velocity, reach_m };
+        let key = |o: &Other| (o.place.length_squared(), o.number);
+        if num < OTHERS {
+            out[num] = o;
+            num += 1;
+        } else if let Some(farthest) = out.iter_mut().max_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal))
+            && key(&o) < key(farthest)
+        {
+            *farthest = o;
+        }
+        true
+    });
+    num
+}
+
+/// When two collide who both keep their velocities; never where they do not (s).
+fn time_to(other: &Other, velocity: Vec2) -> f32 {
+    let (place, velocity) = (other.place, other.velocity - velocity);
+    let gap = place.length_squared() - other.reach_m * other.reach_m;
+    let approach = -place.dot(velocity);
+    if approach <= 0.0 {
+        return f32::INFINITY;
+    }
+    if gap <= 0.0 {
+        // Nearer than one would like already, and getting nearer.
+        return 0.0;
+    }
+    let speed = velocity.length_squared();
+    let root = approach * approach - speed * gap;
+    if root < 0.0 { f32::INFINITY } else { (approach - root.sqrt()) / speed }
+}
+
+/// When a wall is met (s): looked for at a few places ahead.
+fn walls_ahead(chooser: &Chooser, velocity: Vec2, book: &Reservations, config: &AvoidConfig) -> f32 {
+    const PLACES: usize = 4;
+    let nearest = |place: Vec2| {
+        let gap = |w: &crate::reserve::Wall| {
+            let way = w.to - w.from;
+            let share = ((place - w.from).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+            place.distance(w.from + way * share) - w.radius_m
+        };
+        book.walls().map(gap).fold(f32::INFINITY, f32::min)
+    };
+    let times = (1..=PLACES).map(|k| config.horizon_s * k as f32 / (2 * PLACES) as f32);
+    let meets = |t: &f32| nearest(chooser.place + velocity * *t) < BODY_RADIUS_M;
+    times.into_iter().find(meets).unwrap_or(f32::INFINITY)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_to_collisions_are_those_of_hand_solved_cases() {
+        let other = Other { number: 0, place: Vec2::new(0.0, 4.0), velocity: Vec2::new(0.0, -1.0), reach_m: 1.0 };
+        assert!((time_to(&other, Vec2::new(0.0, 2.0)) - 1.0).abs() < 1e-6);
+        assert_eq!(time_to(&other, Vec2::new(0.0, -2.0)), f32::INFINITY);
+        assert_eq!(time_to(&other, Vec2::new(3.0, 0.0)), f32::INFINITY);
+    }
+}

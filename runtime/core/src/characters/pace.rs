@@ -1,0 +1,54 @@
+//! How fast a segment is played: at its own rate, ever more slowly to a stand, from a stand on, or in place.
+
+/// At its own rate.
+pub const NORMAL: u32 = 0;
+/// Ever more slowly, in twice its time; one is held at its end.
+pub const SLOWING: u32 = 1;
+/// From a hold on, ever faster, in twice its time.
+pub const STARTING: u32 = 2;
+/// The last frame is held.
+pub const HELD: u32 = 3;
+/// At its own rate, but the root is back where it was at the end.
+pub const IN_PLACE: u32 = 4;
+
+/// Frame at a time since the segment began (both in frames; 0 to 2 `length` where its pace changes).
+pub fn frame(pace: u32, length: f32, time: f32) -> f32 {
+    let by_square = |t: f32| t * t / (4.0 * length);
+    match pace {
+        _ if !(pace == SLOWING || pace == STARTING) => time,
+        // From there on at its own rate, as what is left over of a step.
+        _ if time >= 2.0 * length => time - length,
+        SLOWING => length - by_square(2.0 * length - time),
+        _ => by_square(time),
+    }
+}
+
+/// Time since the segment began at a frame: the inverse of [`frame`] (both in frames).
+pub fn time(pace: u32, length: f32, frame: f32) -> f32 {
+    let by_root = |f: f32| 2.0 * (length * f.max(0.0)).sqrt();
+    match pace {
+        _ if !(pace == SLOWING || pace == STARTING) => frame,
+        _ if frame >= length => frame + length,
+        SLOWING => 2.0 * length - by_root(length - frame),
+        _ => by_root(frame),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn segments_take_twice_their_time_and_meet_rest_at_one_end() {
+        for pace in [SLOWING, STARTING] {
+            for i in 0..=60 {
+                let t = i as f32;
+                assert!((time(pace, 20.0, frame(pace, 20.0, t)) - t).abs() < 1e-3, "{pace} {t}");
+            }
+            assert_eq!([frame(pace, 20.0, 0.0), frame(pace, 20.0, 40.0)], [0.0, 20.0]);
+        }
+        let rate = |pace, t: f32| frame(pace, 20.0, t + 0.5) - frame(pace, 20.0, t - 0.5);
+        assert!(rate(SLOWING, 39.0) < 0.06 && rate(SLOWING, 1.0) > 0.94);
+        assert!(rate(STARTING, 1.0) < 0.06 && rate(STARTING, 39.0) > 0.94);
+    }
+}

@@ -1,0 +1,222 @@
+//! Where somebody will be: a disc whose centre moves from node to node, evenly in time, and stays at the last one for good.
+
+use glam::Vec2;
+
+/// A place at a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PathNode {
+    /// Since the path began (s).
+    pub time_s: f32,
+    /// Where the centre is (m).
+    pub place: Vec2,
+    /// Radius of the disc from here on (m).
+    pub radius_m: f32,
+}
+
+impl PathNode {
+    /// A place at a time, and the radius from there on (s, m, m).
+    pub fn new(time_s: f32, place: Vec2, radius_m: f32) -> Self {
+        Self { time_s, place, radius_m }
+    }
+}
+
+/// A box along the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lowest x and z (m).
+    pub min: Vec2,
+    /// Highest x and z (m).
+    pub max: Vec2,
+}
+
+impl Bounds {
+    /// Of no place.
+    pub const EMPTY: Self = Self { min: Vec2::INFINITY, max: Vec2::NEG_INFINITY };
+
+    /// Of the discs of a path.
+    pub fn of(nodes: &[PathNode]) -> Self {
+        let mut before_m = 0.0f32;
+        nodes.iter().fold(Self::EMPTY, |b, n| {
+            let disc = Self::about(n.place, n.radius_m.max(before_m));
+            before_m = n.radius_m;
+            Self { min: b.min.min(disc.min), max: b.max.max(disc.max) }
+        })
+    }
+
+    /// Of one disc.
+    pub fn about(centre: Vec2, radius_m: f32) -> Self {
+        Self { min: centre, max: centre }.grown(radius_m)
+    }
+
+    /// Larger by so much on every side.
+    pub fn grown(self, by_m: f32) -> Self {
+        Self { min: self.min - by_m, max: self.max + by_m }
+    }
+
+    /// True where the two have a place in common.
+    pub fn meets(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+}
+
+/// A path that is under way (at least one node).
+#[derive(Clone, Copy, Debug)]
+pub struct Moving<'a> {
+    /// Its nodes, ascending in time.
+    pub nodes: &'a [PathNode],
+    /// Time since it began (s).
+    pub elapsed_s: f32,
+}
+
+impl Moving<'_> {
+    /// Number of the node after which the path is at a time since it began.
+    fn after(&self, time_s: f32) -> usize {
+        self.nodes.partition_point(|n| n.time_s <= time_s).saturating_sub(1)
+    }
+
+    /// Where it is at a time since it began, which is after a node and not after the next one (s, m).
+    fn at(&self, node: usize, time_s: f32) -> Vec2 {
+        let from = self.nodes[node];
+        match self.nodes.get(node + 1) {
+            Some(to) if time_s > from.time_s => {
+                from.place.lerp(to.place, ((time_s - from.time_s) / (to.time_s - from.time_s)).min(1.0))
+            }
+            _ => from.place,
+        }
+    }
+
+    /// Where it is now (m).
+    pub fn now(&self) -> Vec2 {
+        self.at(self.after(self.elapsed_s), self.elapsed_s)
+    }
+
+    /// True where the discs of the two come nearer to each other than `room_m` at any time from now on (m).
+    pub fn meets(&self, other: &Moving<'_>, room_m: f32) -> bool {
+        let (mut i, mut j) = (self.after(self.elapsed_s), other.after(other.elapsed_s));
+        let (mut p, mut q) = (self.at(i, self.elapsed_s), other.at(j, other.elapsed_s));
+        loop {
+            // Time from now until either comes to its next node.
+            let left = |m: &Moving<'_>, k: usize| m.nodes.get(k + 1).map_or(f32::INFINITY, |n| n.time_s - m.elapsed_s);
+            let (to_p, to_q) = (left(self, i), left(other, j));
+            let until_s = to_p.min(to_q);
+            let reach = self.nodes[i].radius_m + other.nodes[j].radius_m + room_m;
+            if until_s == f32::INFINITY {
+                return p.distance_squared(q) < reach * reach;
+            }
+            let (next_p, next_q) =
+                (self.at(i, self.elapsed_s + until_s), other.at(j, other.elapsed_s + until_s));
+            if nearest_squared(p - q, next_p - next_q) < reach * reach {
+                return true;
+            }
+            i += usize::from(to_p <= until_s);
+            j += usize::from(to_q <= until_s);
+            (p, q) = (next_p, next_q);
+        }
+    }
+}
+
+/// Square of the least distance of a line from the origin.
+fn nearest_squared(from: Vec2, to: Vec2) -> f32 {
+    let way = to - from;
+    let share = (-from.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+    (from + way * share).length_squared()
+}
+
+/// Something that stands for good: a line with a thickness, or a disc where both ends are one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wall {
+    /// One end (m).
+    pub from: Vec2,
+    /// The other (m).
+    pub to: Vec2,
+    /// Half its thickness (m, >= 0).
+    pub radius_m: f32,
+}
+
+impl Wall {
+    /// A box around it.
+    pub fn bounds(&self) -> Bounds {
+        Bounds { min: self.from.min(self.to), max: self.from.max(self.to) }.grown(self.radius_m)
+    }
+
+    /// True where a path meets it at any time from now on.
+    pub fn meets(&self, path: &Moving<'_>) -> bool {
+        let first = path.after(path.elapsed_s);
+        let mut from = path.now();
+        (first..path.nodes.len()).any(|k| {
+            let to = path.nodes.get(k + 1).map_or(from, |n| n.place);
+            let reach = self.radius_m + path.nodes[k].radius_m;
+            lines_squared([std::mem::replace(&mut from, to), to], [self.from, self.to]) < reach * reach
+        })
+    }
+}
+
+/// Square of the least distance between two lines.
+fn lines_squared(a: [Vec2; 2], b: [Vec2; 2]) -> f32 {
+    let side = |l: [Vec2; 2], p: Vec2| (l[1] - l[0]).perp_dot(p - l[0]);
+    if side(a, b[0]) * side(a, b[1]) < 0.0 && side(b, a[0]) * side(b, a[1]) < 0.0 {
+        return 0.0;
+    }
+    let to_line = |p: Vec2, l: [Vec2; 2]| nearest_squared(l[0] - p, l[1] - p);
+    to_line(a[0], b).min(to_line(a[1], b)).min(to_line(b[0], a)).min(to_line(b[1], a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn path() -> impl Strategy<Value = (Vec<PathNode>, f32)> {
+        let node = (0.05f32..1.0, -3.0f32..3.0, -3.0f32..3.0, 0.1f32..0.6);
+        (proptest::collection::vec(node, 1..8), 0.0f32..4.0).prop_map(|(steps, elapsed)| {
+            let mut time_s = 0.0;
+            let node = |(i, (dt, x, z, radius)): (usize, (f32, f32, f32, f32))| {
+                time_s += if i == 0 { 0.0 } else { dt };
+                PathNode::new(time_s, Vec2::new(x, z), radius)
+            };
+            (steps.into_iter().enumerate().map(node).collect(), elapsed)
+        })
+    }
+
+    /// Where a disc is, and its radius.
+    fn disc(nodes: &[PathNode], time_s: f32) -> (Vec2, f32) {
+        for w in nodes.windows(2) {
+            if time_s < w[1].time_s {
+                let share = ((time_s - w[0].time_s) / (w[1].time_s - w[0].time_s)).max(0.0);
+                return (w[0].place.lerp(w[1].place, share), w[0].radius_m);
+            }
+        }
+        let last = nodes[nodes.len() - 1];
+        (last.place, last.radius_m)
+    }
+
+    proptest! {
+        #[test]
+        fn paths_meet_where_dense_sampling_says_so((a, ea) in path(), (b, eb) in path()) {
+            let (p, q) = (Moving { nodes: &a, elapsed_s: ea }, Moving { nodes: &b, elapsed_s: eb });
+            let gap = |k: i32| {
+                let ((at, ra), (bt, rb)) = (disc(&a, ea + k as f32 * 1e-3), disc(&b, eb + k as f32 * 1e-3));
+                at.distance(bt) - ra - rb
+            };
+            let (meets, gap) = (p.meets(&q, 0.0), (0..9000).map(gap).fold(f32::INFINITY, f32::min));
+            prop_assert_eq!(meets, q.meets(&p, 0.0));
+            prop_assert!(gap >= 0.0 || meets, "{gap} m apart, and not seen");
+            // Between two samples nobody comes nearer by more than both can move.
+            prop_assert!(gap <= 0.3 || !meets, "{gap} m apart, but seen");
+            prop_assert!(!(gap < 0.0) || Bounds::of(&a).meets(&Bounds::of(&b)));
+        }
+
+        #[test]
+        fn walls_are_met_where_dense_sampling_says_so((a, ea) in path(), ends in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0]) {
+            let wall = Wall { from: Vec2::new(ends[0], ends[1]), to: Vec2::new(ends[2], ends[3]), radius_m: 0.1 };
+            let to_wall = |p: Vec2| (0..=300).map(|i| wall.from.lerp(wall.to, i as f32 / 300.0).distance(p)).fold(f32::INFINITY, f32::min);
+            let gap = |k: i32| {
+                let (at, radius) = disc(&a, ea + k as f32 * 1e-2);
+                to_wall(at) - radius - 0.1
+            };
+            let (meets, gap) = (wall.meets(&Moving { nodes: &a, elapsed_s: ea }), (0..900).map(gap).fold(f32::INFINITY, f32::min));
+            prop_assert!(gap >= 0.0 || meets, "{gap} m apart, and not seen");
+            prop_assert!(gap <= 1.7 || !meets, "{gap} m apart, but seen");
+        }
+    }
+}
