@@ -304,8 +304,16 @@ fn json_lists_states_and_actions() {
     let clips = wandering(16);
     let (graph, ..) = connect(&clips, &GraphConfig::default()).unwrap();
     let meta = Meta { rate_hz: RATE_HZ, ..Meta::default() };
-    let baked =
-        Baked { clips: &clips, graph: &graph, stops: &stops::find(&clips, &graph).0, policies: &[], groups: None, patches: None, blends: &[], meta: &meta };
+    let baked = Baked {
+        clips: &clips,
+        graph: &graph,
+        stops: &stops::find(&clips, &graph).0,
+        policies: &[],
+        groups: None,
+        patches: None,
+        blends: &[],
+        meta: &meta,
+    };
     let mut bytes = Vec::new();
     write::lay_out(&baked).unwrap().write(&mut bytes).unwrap();
     let tables = Bundle::from_bytes(AlignedBytes::from_slice(&bytes)).unwrap();

@@ -103,8 +103,16 @@ fn make(
         return Err(nothing(&attempts));
     }
     let meta = from.meta(cfg, graph_report)?;
-    let baked =
-        Baked { clips, graph, stops: &stops, policies: &policies, groups, patches, blends: &blends.spaces, meta: &meta };
+    let baked = Baked {
+        clips,
+        graph,
+        stops: &stops,
+        policies: &policies,
+        groups,
+        patches,
+        blends: &blends.spaces,
+        meta: &meta,
+    };
     let written = s.run("write", |_| write::bundle(&baked, out))?;
     let built = Built { motion: &motion, baked, blends: &blends, graph: graph_report, stops: stops_report, written };
     let (timing, warnings) = s.finish();

@@ -66,7 +66,8 @@ pub fn find(clips: &ClipSet, graph: &MotionGraph) -> (Stops, StopsReport) {
         ways.push(way);
     }
     let rate = clips.clips.first().map_or(30.0, |c| c.rate_hz);
-    let rests = [REST_RADIUS_M, f32::INFINITY].map(|most| rests(graph, &ways, |s| out.sweeps[s.0 as usize].radius <= most));
+    let rests =
+        [REST_RADIUS_M, f32::INFINITY].map(|most| rests(graph, &ways, |s| out.sweeps[s.0 as usize].radius <= most));
     let rests = rests.into_iter().find(|r| r.iter().any(Option::is_some)).unwrap_or(vec![None; graph.states.len()]);
     let found = Found { graph, rate, rests, sweeps: out.sweeps.clone(), on_both: on_both(clips, &starts, graph) };
     let choices = found.cheapest();
@@ -86,7 +87,10 @@ pub fn find(clips: &ClipSet, graph: &MotionGraph) -> (Stops, StopsReport) {
 fn way_of(clip: &Clip, first: usize, num_frames: usize) -> Vec<Vec2> {
     let planar = |f: usize| Planar::split(clip.root_positions[f], clip.frame_rotations(f)[0]).0;
     let origin = planar(first);
-    (first..=first + num_frames).map(|f| planar(f)).map(|p| origin.inverse_transform_point(Vec2::new(p.x, p.z))).collect()
+    (first..=first + num_frames)
+        .map(|f| planar(f))
+        .map(|p| origin.inverse_transform_point(Vec2::new(p.x, p.z)))
+        .collect()
 }
 
 /// Nodes of which the way is nowhere farther away than [`SWEEP_TOLERANCE_M`]: each as far from the one before as possible.
@@ -134,11 +138,7 @@ fn wobble(way: &[Vec2]) -> f32 {
 /// Of each state in which one may stand for good, the segment to play: it ends in such a state again, and hardly moves.
 ///
 /// That is the greatest set of standing states each of which has an action into the set.
-fn rests(
-    graph: &MotionGraph,
-    ways: &[Vec<Vec2>],
-    is_slim: impl Fn(SegmentId) -> bool,
-) -> Vec<Option<SegmentId>> {
+fn rests(graph: &MotionGraph, ways: &[Vec<Vec2>], is_slim: impl Fn(SegmentId) -> bool) -> Vec<Option<SegmentId>> {
     let stays = |s: SegmentId| {
         let way = &ways[s.0 as usize];
         is_slim(s) && way[way.len() - 1].length() <= REST_WAY_M && wobble(way) <= REST_WAY_M
@@ -226,7 +226,8 @@ impl Found<'_> {
                 let total = cost + self.cost(segment);
                 if total < best[from as usize].0 {
                     let frames = stop.frames + graph.segments[segment.0 as usize].num_frames;
-                    best[from as usize] = (total, StopRecord { segment: segment.0, kind: WALK_ON, frames, radius: 0.0 });
+                    best[from as usize] =
+                        (total, StopRecord { segment: segment.0, kind: WALK_ON, frames, radius: 0.0 });
                     open.push(Reverse((total.to_bits(), from)));
                 }
             }

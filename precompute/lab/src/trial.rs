@@ -334,7 +334,8 @@ impl Watch {
     fn observe(&mut self, cast: &PolicyCharacters, config: &TrialConfig, step: usize, dt: f32) {
         let (characters, bodies) = (cast.characters(), cast.bodies());
         self.present.clear();
-        let one = |c: usize| Present::with_body(c, &Body { root: bodies.roots[c], model: &bodies.model[c] }, &self.skeleton);
+        let one =
+            |c: usize| Present::with_body(c, &Body { root: bodies.roots[c], model: &bodies.model[c] }, &self.skeleton);
         self.present.extend((0..config.characters).map(one));
         self.overlaps.observe(&self.present);
         let time_s = step as f32 * dt;
@@ -347,8 +348,10 @@ impl Watch {
         for c in 0..config.characters {
             let (count, since_s) = self.choices[c];
             self.longest_wait_s = self.longest_wait_s.max(time_s - since_s);
-            if characters.num_choices(c) > count {
-                self.choices[c] = (characters.num_choices(c), time_s);
+            // Who is held looks for a way again and again.
+            let chosen = characters.num_choices(c).wrapping_add(characters.blocked(c));
+            if chosen != count {
+                self.choices[c] = (chosen, time_s);
             }
             let root = characters.root(c);
             if self.record.arrivals_s[c].is_infinite() {

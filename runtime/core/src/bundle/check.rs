@@ -13,6 +13,10 @@ use crate::format::FormatError;
 use crate::policy::ActionTable;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
+/// Roots are nearer to the origin of their clip: so far apart that characters of damaged motion, too, take long to get where
+/// numbers are too coarse to be saved (m, rad).
+const FARTHEST: f32 = 1e4;
+
 /// Offsets are finite and legs have a length.
 pub(super) fn skeleton(s: &Skeleton) -> Result<(), FormatError> {
     for (i, o) in s.offsets.iter().chain(&s.tips).enumerate() {
@@ -53,7 +57,7 @@ pub(super) fn motion(t: &Bundle) -> Result<(), FormatError> {
         return Err(FormatError::value(tags::ROTATION_CODE, j, "its field cannot be"));
     }
     for (i, row) in frames.iter().enumerate() {
-        let moderate = row.planar.iter().chain([&row.height]).all(|v| v.abs() < 1e6);
+        let moderate = row.planar.iter().chain([&row.height]).all(|v| v.abs() < FARTHEST);
         // Interpolation between neighbours must not meet a zero quaternion; half of unit length is far from that.
         if !moderate || !code.joints.iter().all(|c| (0.5..1.5).contains(&c.coded(row).length())) {
             return Err(FormatError::value(tags::FRAMES, i, "it holds a number that cannot be"));
@@ -122,7 +126,7 @@ pub(super) fn graph(t: &Bundle) -> Result<(), FormatError> {
         if s.num_frames == 0 || s.start < clip.first_frame || last >= clip_end || last != u64::from(end.frame) {
             return wrong("it leaves its clip or does not end at its state");
         }
-        if !s.displacement.iter().all(|v| v.abs() < 1e6) || s.reserved != 0 {
+        if !s.displacement.iter().all(|v| v.abs() < FARTHEST) || s.reserved != 0 {
             return wrong("its displacement cannot be");
         }
     }

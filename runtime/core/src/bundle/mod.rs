@@ -135,11 +135,7 @@ impl Bundle {
                 action_segments: s.action_segments.clone(),
                 action_errors: s.action_errors.clone(),
             },
-            stops: StopTables {
-                sweeps: s.sweeps.clone(),
-                nodes: s.sweep_nodes.clone(),
-                stops: s.stops.clone(),
-            },
+            stops: StopTables { sweeps: s.sweeps.clone(), nodes: s.sweep_nodes.clone(), stops: s.stops.clone() },
             patches: Patches {
                 patches: s.patches.clone(),
                 edges: s.patch_edges.clone(),

@@ -1,11 +1,11 @@
 //! Control: a character that has come to the end of its segment chooses the next action.
 
+use super::avoid::Plan;
 use super::block::{Block, LAID, NO_STATE};
 use super::blow::PassedHits;
 use super::motion_set::MotionSet;
 use super::order::Order;
 use super::scheduled_clip::to_root;
-use super::avoid::Plan;
 use super::transition::{self, Change};
 use super::{CharactersConfig, Choice, Goal, pace};
 use crate::planar::{Planar, wrap_angle};

@@ -53,8 +53,8 @@ use throng_base::error::{check, check_index, check_length};
 use throng_base::limits::{CAPACITY, STEP_S};
 use throng_base::simd::LANES;
 use throng_base::{Error, Id, Inline, Result, Run, run_each};
-use times::{Clock, Laps, Phase};
 pub use times::StepTimes;
+use times::{Clock, Laps, Phase};
 
 /// Most behaviours weighed against each other in one step.
 pub const MAX_GOALS: usize = control::MAX_GOALS;

@@ -1,10 +1,10 @@
 //! Characters as a cast: they come and go, each with an id and an order of its own.
 
 use super::block::Block;
+use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::order::Order;
 use super::snapshot::is_sound;
-use super::lanes::Lanewise;
 use super::{Asked, Blow, Characters, CharactersConfig, Start, arrivals, in_the_way};
 use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};

@@ -217,8 +217,9 @@ impl Reservations {
     }
 }
 
+/// The cell of a place; those of whole negative numbers are one lower than one might think, which is as good.
 fn cell(place: Vec2) -> [i32; 2] {
-    (place * (1.0 / CELL_M)).floor().to_array().map(|v| v as i32)
+    (place * (1.0 / CELL_M)).to_array().map(|v| v as i32 - i32::from(v < 0.0))
 }
 
 #[cfg(test)]

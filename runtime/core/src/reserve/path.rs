@@ -103,8 +103,7 @@ impl Moving<'_> {
             if until_s == f32::INFINITY {
                 return p.distance_squared(q) < reach * reach;
             }
-            let (next_p, next_q) =
-                (self.at(i, self.elapsed_s + until_s), other.at(j, other.elapsed_s + until_s));
+            let (next_p, next_q) = (self.at(i, self.elapsed_s + until_s), other.at(j, other.elapsed_s + until_s));
             if nearest_squared(p - q, next_p - next_q) < reach * reach {
                 return true;
             }

@@ -73,14 +73,7 @@ fn push_due(avoiding: &mut Avoiding, b: &Block, at: usize) {
 }
 
 /// One choice.
-fn one(
-    avoiding: &mut Avoiding,
-    blocks: &mut [Block],
-    passed: &mut [PassedHits],
-    step: &Step<'_>,
-    at: usize,
-    ago: f32,
-) {
+fn one(avoiding: &mut Avoiding, blocks: &mut [Block], passed: &mut [PassedHits], step: &Step<'_>, at: usize, ago: f32) {
     let motion_set = step.motion_set;
     let (b, lane) = (&blocks[at / LANES], at % LANES);
     let state = motion_set.graph.segments[b.segment[lane] as usize].end;
@@ -88,7 +81,8 @@ fn one(
     let is_held = b.pace[lane] == pace::HELD;
     let ago_s = ago / motion_set.rate_hz;
     let (num_goals, goals) = step.asked.of(at, motion_set);
-    let own = Own { at, state, root, is_held: is_held || b.pace[lane] == pace::SLOWING, ago_s, goals: &goals[..num_goals] };
+    let own =
+        Own { at, state, root, is_held: is_held || b.pace[lane] == pace::SLOWING, ago_s, goals: &goals[..num_goals] };
     let found = own.clear_plan(avoiding, b, step);
     let b = &mut blocks[at / LANES];
     b.blocked[lane] = match found {
@@ -121,7 +115,12 @@ fn one(
     let change = control::begin(b, &begin, range, motion_set);
     avoiding.book.set(at, &avoiding.path, elapsed_s(b, lane, motion_set));
     if let Some(change) = change {
-        transition::start(&[Change { character: lane as u32, ..change }], motion_set, step.config.half_life_s, std::slice::from_mut(b));
+        transition::start(
+            &[Change { character: lane as u32, ..change }],
+            motion_set,
+            step.config.half_life_s,
+            std::slice::from_mut(b),
+        );
     }
 }
 
@@ -190,7 +189,8 @@ impl Own<'_> {
         // Anything that leads out, whatever it is worth.
         let begin = patience as usize % segments.len();
         let others = (begin..segments.len()).chain(0..begin).map(|action| action as u8);
-        let plans = others.filter(|&a| self.is_first(a, &mut tried)).map(|a| self.plan(segments[usize::from(a)], 0.0, step));
+        let plans =
+            others.filter(|&a| self.is_first(a, &mut tried)).map(|a| self.plan(segments[usize::from(a)], 0.0, step));
         let mut plans = plans.filter(|&plan| moves(plan, motion_set));
         plans.find(|&plan| self.is_clear(plan, avoiding, motion_set)).map(|plan| (plan, false))
     }

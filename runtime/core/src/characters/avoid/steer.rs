@@ -83,7 +83,8 @@ fn gather(chooser: &Chooser, book: &Reservations, config: &AvoidConfig, out: &mu
         if num < OTHERS {
             out[num] = o;
             num += 1;
-        } else if let Some(farthest) = out.iter_mut().max_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal))
+        } else if let Some(farthest) =
+            out.iter_mut().max_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal))
             && key(&o) < key(farthest)
         {
             *farthest = o;
