@@ -69,14 +69,13 @@ pub fn find(clips: &ClipSet, graph: &MotionGraph) -> (Stops, StopsReport) {
     let rests =
         [REST_RADIUS_M, f32::INFINITY].map(|most| rests(graph, &ways, |s| out.sweeps[s.0 as usize].radius <= most));
     let rests = rests.into_iter().find(|r| r.iter().any(Option::is_some)).unwrap_or(vec![None; graph.states.len()]);
+    // One who rests is taken back to its place evenly: the disc holds how far it is from there.
+    for &segment in rests.iter().flatten() {
+        let (way, sweep) = (&ways[segment.0 as usize], &mut out.sweeps[segment.0 as usize]);
+        sweep.radius = sweep.radius.max(BODY_RADIUS_M + SWEEP_TOLERANCE_M + wobble(way));
+    }
     let found = Found { graph, rate, rests, sweeps: out.sweeps.clone(), on_both: on_both(clips, &starts, graph) };
     let choices = found.cheapest();
-    // One who rests is taken back to its place evenly: the disc holds how far it is from there.
-    for choice in choices.iter().filter(|c| c.kind == REST) {
-        let (way, sweep) = (&ways[choice.segment as usize], &mut out.sweeps[choice.segment as usize]);
-        let radius = sweep.radius.max(BODY_RADIUS_M + SWEEP_TOLERANCE_M + wobble(way));
-        sweep.radius = radius;
-    }
     out.stops = choices;
     spread_radii(graph, &out.sweeps, &mut out.stops);
     let report = report(&out.stops, &found, &ways);

@@ -1,6 +1,7 @@
 //! Control: a character that has come to the end of its segment chooses the next action.
 
 use super::avoid::Plan;
+use super::bent;
 use super::block::{Block, LAID, NO_STATE};
 use super::blow::PassedHits;
 use super::motion_set::MotionSet;
@@ -257,6 +258,9 @@ pub(crate) fn begin(b: &mut Block, begin: &Begin, passed: &mut PassedHits, motio
         set(&mut b.drift, lane, back / new.num_frames as f32);
     }
     b.time[lane] = pace::frame(begin.plan.pace, new.num_frames as f32, begin.left);
+    if b.bend[lane] != 0.0 {
+        bent::place(b, lane, motion_set);
+    }
     b.num_choices[lane] = b.num_choices[lane].wrapping_add(1);
     if !passed.is_off() {
         passed.pass(motion_set, begin.at as u32, id, (0.0, b.time[lane]), b.clip_to_world(lane));

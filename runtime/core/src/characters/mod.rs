@@ -3,6 +3,7 @@
 mod adopt;
 mod anatomy;
 mod avoid;
+mod bent;
 mod block;
 mod blow;
 mod config;

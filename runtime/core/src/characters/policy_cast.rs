@@ -10,6 +10,7 @@ use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
+use crate::reserve::Wall;
 use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Vec2, Vec3};
@@ -164,6 +165,11 @@ impl PolicyCharacters {
         let at = self.roster.row(id)?;
         self.characters.push(at, joint, displacement).unwrap_or_else(|e| unreachable!("checked: {e}"));
         Ok(())
+    }
+
+    /// What stands for good, see [`Characters::set_walls`].
+    pub fn set_walls(&mut self, walls: &[Wall]) {
+        self.characters.set_walls(walls);
     }
 
     /// Lets a character leave what it plays and start a segment, see [`Characters::play`].

@@ -3,6 +3,7 @@
 //! Characters are handled in ranges of whole blocks; nothing in a range depends on another, so results do not
 //! depend on how characters are split.
 
+use super::bent;
 use super::block::{Block, LAID};
 use super::blow::PassedHits;
 use super::control;
@@ -14,7 +15,6 @@ use super::times::{Clock, Laps, Phase};
 use super::{Asked, CharactersConfig};
 use crate::contacts::Contacts;
 use crate::format::FrameRow;
-use crate::planar::Planar;
 use crate::pose::{
     Cursor, LocalTransform, Mat3x4, Placement, between, lock_foot, sample, shared, to_model, write_locals,
     write_matrices,
@@ -111,12 +111,10 @@ fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: u
                 let length = b.length[lane] as f32;
                 b.time[lane] = pace::frame(pace, length, pace::time(pace, length, from) + frames);
             }
-            _ => {
-                if b.bend[lane] != 0.0 {
-                    bend(b, lane, frames, tick.motion_set);
-                }
-                b.time[lane] += frames;
-            }
+            _ => b.time[lane] += frames,
+        }
+        if b.bend[lane] != 0.0 {
+            bent::place(b, lane, tick.motion_set);
         }
         if b.segment[lane] == LAID {
             // Where nothing follows, it stays at the end.
@@ -127,27 +125,6 @@ fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: u
         }
         b.age_s[lane] += tick.dt_s;
     }
-}
-
-/// Turns the rest of a bent path about where it has come to, in steps so short that steps of any length give the same
-/// path but for millimetres.
-fn bend(b: &mut Block, lane: usize, frames: f32, motion_set: &MotionSet) {
-    const MOST: f32 = 1.0;
-    let (from, until) = (b.time[lane], (b.time[lane] + frames).min(b.length[lane] as f32));
-    let pieces = ((until - from) / MOST).ceil().max(1.0);
-    let piece = (until - from) / pieces;
-    for k in 0..pieces as usize {
-        let root = b.clip_to_world(lane).compose(motion_set.planar_at(b.first[lane], from + piece * k as f32));
-        // What is played of the piece is turned by what its middle is.
-        let share = if k == 0 { 0.5 } else { 1.0 };
-        let turned = Planar { heading: root.heading + b.bend[lane] * piece * share, ..root };
-        let placed = root.to_local(b.clip_to_world(lane));
-        b.set_clip_to_world(lane, turned.compose(placed));
-    }
-    let root = b.clip_to_world(lane).compose(motion_set.planar_at(b.first[lane], until));
-    let turned = Planar { heading: root.heading + b.bend[lane] * piece * 0.5, ..root };
-    let placed = root.to_local(b.clip_to_world(lane));
-    b.set_clip_to_world(lane, turned.compose(placed));
 }
 
 /// Samples a block, displaces struck characters, locks feet and writes its poses.

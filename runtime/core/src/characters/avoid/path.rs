@@ -1,5 +1,6 @@
 //! Paths of segments and of the stops after them, laid in the world.
 
+use super::super::bent;
 use super::super::block::{Block, LAID, NO_STATE};
 use super::super::motion_set::MotionSet;
 use super::super::pace;
@@ -10,15 +11,13 @@ use glam::Vec2;
 
 /// Nodes that are added to a segment which is not played at its own rate, evenly in time.
 const PACE_NODES: usize = 16;
-/// Nodes of a bent segment are no farther apart (frames).
-const BENT_FRAMES: u32 = 4;
-/// Furthest that the root is beside the path, for rounding and for what nodes leave out of slowing and bending (m).
+/// Furthest that the root is beside the path, for rounding and for what nodes leave out of slowing (m).
 const MARGIN_M: f32 = 0.005;
 
 /// Most nodes of the path of an action and the stop after it.
 pub fn most_nodes(motion_set: &MotionSet) -> usize {
     let (graph, stops) = (&motion_set.graph, &motion_set.stops);
-    let bent = |s: &crate::graph::MotionSegment| (s.num_frames / BENT_FRAMES) as usize;
+    let bent = |s: &crate::graph::MotionSegment| (s.num_frames / bent::PIECE_FRAMES) as usize;
     let longest = stops.sweeps.iter().map(|s| s.num_nodes as usize).max().unwrap_or(0);
     let longest = longest + graph.segments.iter().map(bent).max().unwrap_or(0);
     longest + stops.most_nodes(&graph.segments) + 2 * (PACE_NODES + 2)
@@ -142,19 +141,11 @@ impl<'a> Laying<'a> {
                 }
             }
             _ if plan.bend != 0.0 => {
-                let (mut at, mut frame) = (Vec2::ZERO, 0.0);
-                self.node(0.0, at);
-                for w in nodes.windows(2) {
-                    let frames = w[1].frame - w[0].frame;
-                    let pieces = frames.div_ceil(BENT_FRAMES);
-                    let (way, step) = ((place(&w[1]) - place(&w[0])) / pieces as f32, frames as f32 / pieces as f32);
-                    for _ in 0..pieces {
-                        // Each piece is turned by what its middle is.
-                        let turn = Planar::new(0.0, 0.0, plan.bend * (frame + 0.5 * step));
-                        at += turn.transform_point(way);
-                        frame += step;
-                        self.node(frame, at);
-                    }
+                self.node(0.0, Vec2::ZERO);
+                let mut at = Vec2::ZERO;
+                for piece in bent::pieces(motion_set, plan.segment, plan.bend) {
+                    at = piece.end;
+                    self.node(piece.frames[1], at);
                 }
                 end = Planar::new(at.x, at.y, end.heading + plan.bend * length);
             }

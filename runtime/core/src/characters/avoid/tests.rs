@@ -1,1 +1,185 @@
-//! To come.
+use crate::cast::Cast;
+use crate::characters::made_up::tables;
+use crate::characters::{AvoidConfig, CharactersConfig, Choice, Order, PolicyCharacters, Spawn};
+use crate::planar::Planar;
+use crate::reserve::Wall;
+use glam::{Vec2, Vec3};
+use proptest::prelude::*;
+use throng_base::{Error, Id, Inline, Run};
+
+/// Radius of everybody's disc in the made-up bundle (m).
+const RADIUS_M: f32 = 0.3;
+
+fn config(bend_rad_per_m: f32, choice: Choice) -> CharactersConfig {
+    CharactersConfig { avoid: Some(AvoidConfig::default()), bend_rad_per_m, choice, ..CharactersConfig::default() }
+}
+
+/// As many as there is room for of those who are asked for.
+fn cast(starts: &[(f32, f32, f32, u32)], config: CharactersConfig) -> PolicyCharacters {
+    let mut cast = PolicyCharacters::with_capacity(&tables(), starts.len(), config).unwrap();
+    for &(x, z, heading, state) in starts {
+        match cast.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
+            Ok(_) | Err(Error::Occupied { .. }) => {}
+            Err(e) => panic!("{e}"),
+        }
+    }
+    cast
+}
+
+fn places(cast: &PolicyCharacters) -> Vec<Vec2> {
+    cast.bodies().roots.iter().map(|r| Vec2::new(r.x, r.z)).collect()
+}
+
+/// How far the two nearest are apart, beyond their discs (m).
+fn least_room(places: &[Vec2]) -> f32 {
+    let pairs = places.iter().enumerate().flat_map(|(i, a)| places[..i].iter().map(|b| a.distance(*b)));
+    pairs.fold(f32::INFINITY, f32::min) - 2.0 * RADIUS_M
+}
+
+/// Everybody is on the path that is reserved.
+fn assert_on_paths(cast: &PolicyCharacters) {
+    let book = cast.characters().reservations().expect("they make way");
+    for (at, place) in places(cast).iter().enumerate() {
+        let reserved = book.path(at).now();
+        assert!(place.distance(reserved) < 0.012, "character {at} is at {place}, its path at {reserved}");
+    }
+}
+
+fn starts() -> impl Strategy<Value = Vec<(f32, f32, f32, u32)>> {
+    proptest::collection::vec((-2.5f32..2.5, -2.5f32..2.5, -3.0f32..3.0, 0u32..4), 2..14)
+}
+
+fn choices() -> impl Strategy<Value = Choice> {
+    prop_oneof![Just(Choice::BestAction), (0.0f32..2.0).prop_map(|temperature| Choice::LookAhead { temperature })]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+
+    /// Whatever they are told, at whatever steps: no two discs ever overlap, and all are where they said.
+    #[test]
+    fn nobody_ever_walks_through_anybody(
+        starts in starts(), choice in choices(), bend in prop_oneof![Just(0.0f32), 0.0f32..0.6],
+        steps in proptest::collection::vec((0.001f32..0.25, -4.0f32..4.0, -4.0f32..4.0, any::<u8>()), 40..160),
+    ) {
+        let mut cast = cast(&starts, config(bend, choice));
+        let ids: Vec<Id> = cast.ids().to_vec();
+        for (k, (dt_s, x, z, what)) in steps.into_iter().enumerate() {
+            let id = ids[usize::from(what) % ids.len()];
+            // Goals in others, segments at once, places anywhere.
+            match what / 32 {
+                0 | 1 => cast.order(id, Order::aim(0, Vec3::new(x, 0.0, z))).unwrap(),
+                2 => {
+                    let other = cast.bodies().roots[usize::from(what) / 3 % ids.len()];
+                    cast.order(id, Order::aim(0, Vec3::new(other.x, 0.0, other.z))).unwrap();
+                }
+                3 => drop(cast.play(id, u32::from(what) % 4)),
+                4 => drop(cast.place(id, Planar::new(x, z, x))),
+                _ => {}
+            }
+            // Many short steps look between.
+            let parts = 1 + k % 3;
+            for _ in 0..parts {
+                cast.step(dt_s / parts as f32, &Inline).unwrap();
+                assert_on_paths(&cast);
+                let room = least_room(&places(&cast));
+                prop_assert!(room > -1e-3, "{} m in each other", -room);
+            }
+        }
+    }
+
+    #[test]
+    fn walls_are_not_walked_through(
+        starts in starts(), ends in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0], target in [-5.0f32..5.0, -5.0f32..5.0],
+    ) {
+        let wall = Wall { from: Vec2::new(ends[0], ends[1]), to: Vec2::new(ends[2], ends[3]), radius_m: 0.05 };
+        let gap = |p: Vec2| {
+            let way = wall.to - wall.from;
+            let share = ((p - wall.from).dot(way) / way.length_squared().max(1e-9)).clamp(0.0, 1.0);
+            p.distance(wall.from + way * share) - wall.radius_m - RADIUS_M
+        };
+        let mut cast = PolicyCharacters::with_capacity(&tables(), starts.len(), config(0.0, Choice::BestAction)).unwrap();
+        cast.set_walls(&[wall]);
+        for (x, z, heading, state) in starts {
+            if let Ok(id) = cast.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
+                cast.order(id, Order::aim(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
+            }
+        }
+        for _ in 0..200 {
+            cast.step(1.0 / 30.0, &Inline).unwrap();
+            let room = places(&cast).into_iter().map(gap).fold(f32::INFINITY, f32::min);
+            prop_assert!(room > -1e-3, "{} m in the wall", -room);
+        }
+    }
+
+    #[test]
+    fn a_snapshot_goes_on_as_what_was_saved(starts in starts(), before in 1usize..60, target in [-5.0f32..5.0, -5.0f32..5.0]) {
+        let mut first = cast(&starts, config(0.2, Choice::LookAhead { temperature: 0.5 }));
+        for &id in &first.ids().to_vec() {
+            first.order(id, Order::aim(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
+        }
+        (0..before).for_each(|_| first.step(0.04, &Inline).unwrap());
+        let mut saved = Vec::new();
+        first.save(&mut saved);
+        let mut second = PolicyCharacters::with_capacity(&tables(), starts.len(), *first.characters().config()).unwrap();
+        second.load(&saved).unwrap();
+        for _ in 0..60 {
+            first.step(0.03, &Inline).unwrap();
+            second.step(0.03, &Inline).unwrap();
+            prop_assert_eq!(first.hash(), second.hash());
+        }
+    }
+}
+
+/// Calls parts from the last to the first, as threads might.
+struct Backwards;
+
+impl Run for Backwards {
+    fn run(&self, parts: usize, part: &(dyn Fn(usize) + Sync)) {
+        (0..parts).rev().for_each(part);
+    }
+}
+
+#[test]
+fn threads_change_nothing() {
+    let crowd: Vec<_> = (0..400).map(|i| ((i % 20) as f32 * 1.1, (i / 20) as f32 * 1.1, i as f32, i as u32 % 4)).collect();
+    let run = |run: &dyn Run| {
+        let mut cast = cast(&crowd, config(0.1, Choice::LookAhead { temperature: 0.3 }));
+        for (k, &id) in cast.ids().to_vec().iter().enumerate() {
+            cast.order(id, Order::aim(0, Vec3::new((k * 7 % 22) as f32, 0.0, (k * 13 % 22) as f32))).unwrap();
+        }
+        (0..90).for_each(|_| cast.step(0.05, run).unwrap());
+        assert!(least_room(&places(&cast)) > -1e-3);
+        cast.hash()
+    };
+    assert_eq!(run(&Inline), run(&Backwards));
+}
+
+#[test]
+fn who_would_start_in_anothers_way_is_refused_and_forged_snapshots_too() {
+    let mut cast = PolicyCharacters::with_capacity(&tables(), 3, config(0.0, Choice::BestAction)).unwrap();
+    let first = cast.spawn(Spawn { root: Planar::IDENTITY, state: Some(0) }).unwrap();
+    let near = Spawn { root: Planar::new(0.5, 0.0, 0.0), state: Some(0) };
+    assert!(matches!(cast.spawn(near), Err(Error::Occupied { .. })));
+    let far = cast.spawn(Spawn { root: Planar::new(9.0, 0.0, 0.0), state: Some(0) }).unwrap();
+    let before = cast.hash();
+    assert!(matches!(cast.place(far, Planar::new(0.3, 0.3, 0.0)), Err(Error::Occupied { .. })));
+    assert_eq!(cast.hash(), before);
+    // The same places without avoidance: two in each other, whom those who make way do not take over.
+    let blind = CharactersConfig { avoid: None, ..config(0.0, Choice::BestAction) };
+    let mut others = PolicyCharacters::with_capacity(&tables(), 3, blind).unwrap();
+    others.spawn(Spawn { root: Planar::IDENTITY, state: Some(0) }).unwrap();
+    others.spawn(near).unwrap();
+    assert_eq!(cast.characters.meeting(&cast.motion_set, &others.characters.saved_blocks(), 2), Some(1));
+    cast.despawn(first).unwrap();
+    assert_eq!(cast.characters.meeting(&cast.motion_set, &cast.characters.saved_blocks(), 1), None);
+}
+
+#[test]
+fn two_who_meet_pass_each_other() {
+    // The made-up motion only walks ahead: one is held until the other is gone.
+    let mut cast = cast(&[(0.0, 0.0, 0.0, 0), (0.35, 6.0, std::f32::consts::PI, 0)], config(0.3, Choice::BestAction));
+    assert_eq!(cast.ids().len(), 2);
+    (0..400).for_each(|_| cast.step(0.02, &Inline).unwrap());
+    assert!(cast.ids().iter().enumerate().all(|(at, _)| cast.characters().num_choices(at) > 3));
+}

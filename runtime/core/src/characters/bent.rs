@@ -1,0 +1,66 @@
+//! Bent paths: the heading of an action changes evenly over it, the linear path editing of Lee, Choi and Lee (2006),
+//! section 6.
+//!
+//! The path consists of short pieces, each turned by what the heading has changed by in its middle, so that it is the same
+//! whatever the steps of time are.
+
+use super::block::Block;
+use super::motion_set::MotionSet;
+use crate::planar::Planar;
+use glam::Vec2;
+
+/// Pieces are no longer (frames).
+pub(super) const PIECE_FRAMES: u32 = 4;
+
+/// Where a piece begins, and how it is turned.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    /// Its first frame, and the one after it (frames).
+    pub frames: [f32; 2],
+    /// Where it begins as captured, and bent, as seen from the segment's first frame (m).
+    captured: Vec2,
+    pub begin: Vec2,
+    /// Where it ends, bent (m).
+    pub end: Vec2,
+    /// (rad)
+    turn: f32,
+}
+
+/// The pieces of a segment's path.
+///
+/// - `bend`: (rad/frame)
+pub(super) fn pieces(motion_set: &MotionSet, segment: u32, bend: f32) -> impl Iterator<Item = Piece> {
+    let mut end = Vec2::ZERO;
+    let parts = motion_set.stops.nodes_of(segment).windows(2).flat_map(|w| {
+        let frames = w[1].frame - w[0].frame;
+        let (from, to) = (Vec2::new(w[0].x, w[0].z), Vec2::new(w[1].x, w[1].z));
+        let num = frames.div_ceil(PIECE_FRAMES);
+        let (way, step, first) = ((to - from) / num as f32, frames as f32 / num as f32, w[0].frame as f32);
+        (0..num).map(move |k| (first + step * k as f32, step, from + way * k as f32, way))
+    });
+    parts.map(move |(first, step, captured, way)| {
+        let (begin, turn) = (end, bend * (first + 0.5 * step));
+        end += Planar::new(0.0, 0.0, turn).transform_point(way);
+        Piece { frames: [first, first + step], captured, begin, end, turn }
+    })
+}
+
+/// Lays the clip of a lane so that the root is on its bent path.
+pub(super) fn place(b: &mut Block, lane: usize, motion_set: &MotionSet) {
+    let frame = b.time[lane].clamp(0.0, b.length[lane] as f32);
+    let last = |p: &Piece| p.frames[1] >= frame;
+    let all = pieces(motion_set, b.segment[lane], b.bend[lane]);
+    let mut piece = None;
+    for p in all {
+        piece = Some(p);
+        if last(&p) {
+            break;
+        }
+    }
+    let Some(piece) = piece else { return };
+    let now = motion_set.planar_at(b.first[lane], frame);
+    let local = motion_set.planar(b.first[lane]).to_local(now);
+    let beside = Planar::new(0.0, 0.0, piece.turn).transform_point(Vec2::new(local.x, local.z) - piece.captured);
+    let bent = Planar::new(piece.begin.x + beside.x, piece.begin.y + beside.y, local.heading + b.bend[lane] * frame);
+    b.set_clip_to_world(lane, b.choice_root(lane).compose(bent).compose(now.inverse()));
+}
