@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 use std::path::Path;
-use throng_runtime::characters::{CharactersConfig, PolicyCharacters, Spawn};
+use throng_runtime::characters::{AvoidConfig, CharactersConfig, PolicyCharacters, Spawn};
 use throng_runtime::{Bundle, Cast, Id, Inline, Joint, Planar};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -18,7 +18,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 pub fn run(bundle: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let bundle = Bundle::open(bundle)?;
     let approach = bundle.policy("approach")?;
-    let mut people = PolicyCharacters::with_capacity(&bundle, 200, CharactersConfig::default())?;
+    // They make way: nobody ever walks through anybody.
+    let config = CharactersConfig { avoid: Some(AvoidConfig::default()), ..CharactersConfig::default() };
+    let mut people = PolicyCharacters::with_capacity(&bundle, 200, config)?;
     let places = (0..200).map(|i| Planar::new(2.0 * (i % 20) as f32, 2.0 * (i / 20) as f32, 0.0));
     let ids = places.map(|root| people.spawn(Spawn::standing(root))).collect::<Result<Vec<Id>, _>>()?;
 

@@ -11,7 +11,9 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
 use throng_runtime::blend::{HeightField, MAX_AXES, Posture};
-use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet, Order, SampleJob, Spawn};
+use throng_runtime::characters::{
+    AvoidConfig, Characters, CharactersConfig, Choice, Goal, MotionSet, Order, PolicyCharacters, SampleJob, Spawn,
+};
 use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, Go, Obstacle, Route, Scheme, Setup, Streets};
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use throng_runtime::simulation::{Pedestrians, Scene, Simulation};
@@ -108,6 +110,22 @@ fn steps_allocate_nothing() {
             assert_eq!(n, 0, "{choice:?}, local transforms {local_transforms}");
         }
     }
+}
+
+#[test]
+fn characters_that_make_way_allocate_nothing() {
+    let config = CharactersConfig { avoid: Some(AvoidConfig::default()), ..CharactersConfig::default() };
+    let tables = common::tables();
+    let mut cast = PolicyCharacters::with_capacity(&tables, 144, config).expect("room");
+    for i in 0..144 {
+        let root = Planar::new(0.8 * (i % 12) as f32, 0.8 * (i / 12) as f32, i as f32);
+        let id = cast.spawn(Spawn::standing(root)).expect("there is room");
+        cast.order(id, Order::aim(0, Vec3::new(5.0 - root.x, 0.0, 5.0 - root.z))).expect("an order");
+    }
+    let n = allocations(|| (0..600).for_each(|_| cast.step(1.0 / 60.0, &Inline).expect("a step")));
+    let blocked = (0..144).filter(|&c| cast.characters().blocked(c) > 0).count();
+    assert!(blocked > 3, "{blocked} in each other's way prove little");
+    assert_eq!(n, 0);
 }
 
 #[test]

@@ -182,9 +182,9 @@ fn stage_error(message: String) -> BuildError {
 
 /// Characters on a loose grid, each with a target in some direction; targets are apart where there is room. Those who make
 /// way start where somebody stands, if anybody does.
-fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
+pub(crate) fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
     let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
-    let states = starts(tables, config);
+    let states = starts(tables, &config.motion);
     let side = (config.characters as f32).sqrt().ceil() as usize;
     let middle = (side as f32 - 1.0) * 0.5;
     let [near, far] = config.distances;
@@ -213,12 +213,12 @@ fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCharacters, V
 }
 
 /// States to start in: of those who make way, the ones in which somebody stands upright, where there are any.
-fn starts(tables: &Bundle, config: &TrialConfig) -> Vec<u32> {
+pub fn starts(tables: &Bundle, motion: &CharactersConfig) -> Vec<u32> {
     let all = 0..tables.graph().states.len() as u32;
     let radius = |s: u32| tables.stops().stops[s as usize].radius;
     let rests: Vec<u32> = all.clone().filter(|&s| tables.stops().stops[s as usize].kind == REST).collect();
     let least = rests.iter().map(|&s| radius(s)).fold(f32::INFINITY, f32::min);
-    match config.motion.avoid.is_some() && !rests.is_empty() {
+    match motion.avoid.is_some() && !rests.is_empty() {
         true => rests.into_iter().filter(|&s| radius(s) < least + 0.03).collect(),
         false => all.collect(),
     }

@@ -12,7 +12,7 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 use throng_base::error::check_index;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
-use throng_core::characters::{CharactersConfig, Choice, Order, Spawn};
+use throng_core::characters::{AvoidConfig, CharactersConfig, Choice, Order, Spawn};
 use throng_core::policy::{KIND_CYLINDER, KIND_SPACE_TIME, RegionRecord};
 use throng_core::{Bundle, Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
@@ -70,7 +70,9 @@ fn behaviours(compiled: &CompiledScene, group: usize) -> Result<(Order, Vec<usiz
 fn characters(compiled: &CompiledScene, group: usize) -> CharactersConfig {
     let choice = Choice::LookAhead { temperature: compiled.scene().groups[group].temperature as f32 };
     let (seed, first_number) = (compiled.scene().seed, compiled.first_number(group) as u64);
-    CharactersConfig { seed, first_number, choice, ..CharactersConfig::default() }
+    // Pairs who spar are meant to come near each other.
+    let avoid = (compiled.scene().groups[group].motion == Motion::Policy).then(AvoidConfig::default);
+    CharactersConfig { seed, first_number, choice, avoid, ..CharactersConfig::default() }
 }
 
 impl Bouts {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use throng_runtime::base::limits;
-use throng_runtime::characters::{CharactersConfig, Choice, FootLockConfig};
+use throng_runtime::characters::{AvoidConfig, CharactersConfig, Choice, FootLockConfig};
 
 /// Steps a second of simulated time (Hz).
 pub const STEP_HZ: f32 = 60.0;
@@ -54,6 +54,8 @@ pub struct RunConfig {
     pub bend_rad_per_m: f32,
     /// Hold planted feet.
     pub foot_lock: bool,
+    /// Make way for each other.
+    pub avoid: bool,
 }
 
 impl Default for RunConfig {
@@ -69,6 +71,7 @@ impl Default for RunConfig {
             temperature: 0.0,
             bend_rad_per_m: 0.0,
             foot_lock: true,
+            avoid: true,
         }
     }
 }
@@ -82,7 +85,7 @@ impl RunConfig {
         Self {
             characters: self.characters.clamp(1, MAX_CHARACTERS),
             distances: [near, finite(self.distances[1], near, 100.0, d.distances[1].max(near))],
-            spacing_m: finite(self.spacing_m, 0.5, 20.0, d.spacing_m),
+            spacing_m: finite(self.spacing_m, 1.0, 20.0, d.spacing_m),
             reach_m: finite(self.reach_m, 0.05, 10.0, d.reach_m),
             temperature: finite(self.temperature, 0.0, 10.0, d.temperature),
             bend_rad_per_m: finite(self.bend_rad_per_m, 0.0, 2.0, d.bend_rad_per_m),
@@ -99,6 +102,7 @@ impl RunConfig {
             choice,
             bend_rad_per_m: self.bend_rad_per_m,
             foot_lock: FootLockConfig { enabled: self.foot_lock, ..FootLockConfig::default() },
+            avoid: self.avoid.then(AvoidConfig::default),
             timed: true,
             ..CharactersConfig::default()
         }
@@ -122,7 +126,7 @@ mod tests {
         };
         let l = wild.limited();
         assert_eq!(l.characters, MAX_CHARACTERS);
-        assert!(l.distances[0] <= l.distances[1] && l.spacing_m >= 0.5 && l.reach_m > 0.0);
+        assert!(l.distances[0] <= l.distances[1] && l.spacing_m >= 1.0 && l.reach_m > 0.0);
         assert!(l.temperature == 0.0 && l.bend_rad_per_m == 2.0);
         assert_eq!(RunConfig::default().limited(), RunConfig::default());
     }

@@ -11,6 +11,7 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 use std::time::Instant;
 use throng_precompute::slip::SlipMeter;
+use throng_precompute::trial;
 use throng_runtime::characters::{Characters, CharactersSnapshot, Goal, Start};
 use throng_runtime::world::inhabitants::Wish;
 use throng_runtime::{Planar, Result};
@@ -127,8 +128,7 @@ impl Simulation {
     ///
     /// - `weights`: of the first behaviours, which are weighed.
     pub fn new(bundle: &OpenBundle, config: RunConfig, weights: Vec<f32>) -> Result<Self> {
-        let num_states = bundle.tables().graph().states.len() as u32;
-        let (starts, targets) = scatter(&config, num_states);
+        let (starts, targets) = scatter(&config, &trial::starts(bundle.tables(), &config.characters()));
         let characters = Characters::new(bundle.motion_set(), config.characters(), &starts)?;
         let goals = (0..weights.len()).map(|policy| RunGoal { policy, about: About::Target }).collect();
         let n = config.characters;
@@ -222,6 +222,9 @@ impl Simulation {
     }
 }
 
+/// Half of what two who start keep apart along an axis (m).
+const APART_M: f32 = 0.4;
+
 /// A place in some direction, within the distances.
 fn somewhere(rng: &mut Pcg64Mcg, [near, far]: [f32; 2]) -> Vec3 {
     let (angle, ratio) = (rng.random_range(0.0..TAU), rng.random_range(0.0..1.0f32));
@@ -229,19 +232,21 @@ fn somewhere(rng: &mut Pcg64Mcg, [near, far]: [f32; 2]) -> Vec3 {
     Vec3::new(distance * angle.sin(), 0.0, distance * angle.cos())
 }
 
-fn scatter(config: &RunConfig, num_states: u32) -> (Vec<Start>, Vec<Vec3>) {
+/// Nobody starts nearer to another than two bodies need.
+fn scatter(config: &RunConfig, states: &[u32]) -> (Vec<Start>, Vec<Vec3>) {
     let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
     let side = (config.characters as f32).sqrt().ceil() as usize;
     let middle = (side as f32 - 1.0) * 0.5;
     (0..config.characters)
         .map(|i| {
             let place = |k: usize| (k as f32 - middle) * config.spacing_m;
-            let mut jitter = || rng.random_range(-0.3..0.3f32) * config.spacing_m;
+            let most = (0.5 * config.spacing_m - APART_M).clamp(1e-3, 0.3 * config.spacing_m);
+            let mut jitter = || rng.random_range(-most..most);
             let (x, z) = (place(i % side) + jitter(), place(i / side) + jitter());
             let root = Planar::new(x, z, rng.random_range(0.0..TAU));
             let own = Vec3::new(x, 0.0, z) + somewhere(&mut rng, config.distances);
             let target = if config.targets == TargetMode::Shared { Vec3::ZERO } else { own };
-            (Start { root, state: rng.random_range(0..num_states.max(1)) }, target)
+            (Start { root, state: states[rng.random_range(0..states.len())] }, target)
         })
         .unzip()
 }

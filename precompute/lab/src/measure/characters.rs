@@ -2,6 +2,7 @@
 
 use super::timing::{Batch, fail, in_pool, median_ns, random_queries};
 use super::{EPSILON, MeasureConfig};
+use crate::trial::{self, TrialConfig};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -12,9 +13,9 @@ use std::hint::black_box;
 use throng_bake::policy::made_up::MadeUp;
 use throng_motion::error::BuildError;
 use throng_runtime::base::limits::{CHARACTERS, MEASURING_S, THREADS};
-use throng_runtime::characters::{Characters, CharactersConfig, Goal, MotionSet, SampleJob, Start};
+use throng_runtime::characters::{AvoidConfig, Characters, CharactersConfig, Goal, MotionSet, Order, SampleJob, Start};
 use throng_runtime::policy::PolicyTable;
-use throng_runtime::{Bundle, Error, Mat3x4, NUM_JOINTS, Planar};
+use throng_runtime::{Bundle, Cast, Error, Inline, Mat3x4, NUM_JOINTS, Planar, Rayon, Run};
 
 /// Medians over many rounds; nanoseconds of wall time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -37,6 +38,10 @@ pub struct CharactersFigures {
     pub step_ns_per_character: f64,
     /// The same with single-load control.
     pub step_single_load_ns_per_character: f64,
+    /// A full step of people who walk among each other and make way.
+    pub step_avoiding_ns_per_character: f64,
+    /// That beside the same people who take no notice of each other.
+    pub avoiding_ratio: f64,
     /// Copying as many bytes as the model matrices take.
     pub memcpy_ns_per_character: f64,
     /// Steps a second of all characters.
@@ -64,7 +69,7 @@ pub fn characters(tables: &Bundle, config: &MeasureConfig) -> Result<Vec<Charact
     let mut results = Vec::new();
     for &threads in &config.threads {
         for &characters in &config.characters {
-            let bench = Bench { motion_set: &motion_set, large: &large, characters, seconds: config.seconds };
+            let bench = Bench { tables, motion_set: &motion_set, large: &large, characters, seconds: config.seconds };
             results.push(in_pool(threads, || bench.run(threads))??);
         }
     }
@@ -73,6 +78,7 @@ pub fn characters(tables: &Bundle, config: &MeasureConfig) -> Result<Vec<Charact
 
 /// One number of characters, inside a thread pool.
 struct Bench<'a> {
+    tables: &'a Bundle,
     motion_set: &'a MotionSet,
     large: &'a PolicyTable,
     characters: usize,
@@ -88,7 +94,10 @@ impl Bench<'_> {
         let single =
             CharactersConfig { choice: throng_runtime::characters::Choice::BestAction, ..CharactersConfig::default() };
         let step = self.step(CharactersConfig::default())?;
+        let avoiding = self.walking(Some(AvoidConfig::default()))?;
         Ok(CharactersFigures {
+            step_avoiding_ns_per_character: avoiding / n,
+            avoiding_ratio: avoiding / self.walking(None)?,
             characters: self.characters,
             threads,
             control_ns_per_query: control / n,
@@ -182,6 +191,30 @@ impl Bench<'_> {
             Some(e) => Err(fail(e.to_string())),
             None => Ok(ns / STEPS as f64),
         }
+    }
+
+    /// Time of a full step of people two metres apart who walk to places up to six metres away, and on when they are
+    /// there.
+    fn walking(&self, avoid: Option<AvoidConfig>) -> Result<f64, BuildError> {
+        const STEPS: usize = 60;
+        let wrong = |e: Error| fail(e.to_string());
+        let motion = CharactersConfig { avoid, ..CharactersConfig::default() };
+        let config = TrialConfig { characters: self.characters, motion, ..TrialConfig::default() };
+        let (mut cast, targets) = trial::scatter(self.tables, &config).map_err(wrong)?;
+        let mut rng = Pcg64Mcg::seed_from_u64(5);
+        let mut failed = None;
+        let run: &dyn Run = if rayon::current_num_threads() == 1 { &Inline } else { &Rayon };
+        let ids = cast.ids().to_vec();
+        let ns = median_ns(self.seconds.max(0.5), || {
+            for (&id, home) in ids.iter().zip(&targets) {
+                let by = Vec3::new(rng.random_range(-6.0..6.0), 0.0, rng.random_range(-6.0..6.0));
+                failed = failed.take().or(cast.order(id, Order::aim(0, *home + by)).err());
+            }
+            for _ in 0..STEPS {
+                failed = failed.take().or(cast.step(1.0 / STEPS as f32, run).err());
+            }
+        });
+        failed.map_or(Ok(ns / STEPS as f64), |e| Err(wrong(e)))
     }
 
     /// Time to copy all model matrices.

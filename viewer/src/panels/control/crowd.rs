@@ -58,6 +58,7 @@ pub fn show(ui: &mut Ui, config: &RunConfig, dragged: &mut Option<RunConfig>, co
         row(ui, "single load", "Take the stored best action instead of looking ahead", &mut |ui| {
             ui.checkbox(&mut c.single_load, "")
         });
+        row(ui, "make way", "Nobody walks through anybody", &mut |ui| ui.checkbox(&mut c.avoid, ""));
         row(ui, "foot lock", "Hold planted feet where they are", &mut |ui| ui.checkbox(&mut c.foot_lock, ""));
     });
     *dragged = is_dragged.then_some(c);

@@ -142,7 +142,8 @@ impl Run for Backwards {
 
 #[test]
 fn threads_change_nothing() {
-    let crowd: Vec<_> = (0..400).map(|i| ((i % 20) as f32 * 1.1, (i / 20) as f32 * 1.1, i as f32, i as u32 % 4)).collect();
+    let crowd: Vec<_> =
+        (0..400).map(|i| ((i % 20) as f32 * 1.1, (i / 20) as f32 * 1.1, i as f32, i as u32 % 4)).collect();
     let run = |run: &dyn Run| {
         let mut cast = cast(&crowd, config(0.1, Choice::LookAhead { temperature: 0.3 }));
         for (k, &id) in cast.ids().to_vec().iter().enumerate() {
