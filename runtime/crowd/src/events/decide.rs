@@ -1,7 +1,8 @@
 //! What an agent does at its event.
 
 use crate::events::schemes::{Meeting, SchemeRef};
-use crate::routes::spline::Cursor;
+use crate::routes::guide::Guide;
+use crate::routes::path::Cursor;
 use crate::safety::bound::Bound;
 use crate::safety::others::Others;
 use crate::safety::reach::Reach;
@@ -41,7 +42,7 @@ pub(crate) struct AgentState<V> {
     /// Cell that it is registered in; [`NONE`] for a free place.
     pub cell: u32,
     pub speed: f32,
-    pub cursor: Cursor,
+    pub cursor: Cursor<V>,
     pub filter: Filter<V>,
     pub cause: Cause,
     /// Shortest distance left along the route since it stepped back last (m).
@@ -216,17 +217,31 @@ impl<V: Space> Decider<'_, V> {
         Forces { taken: plan.acceleration, ..f }
     }
 
+    /// What agents find their ways by.
+    pub fn guide(&self) -> Guide<'_, V> {
+        Guide { streets: self.scenery.streets.as_ref(), grid: self.grid, steering: &self.scenery.steering }
+    }
+
     /// Follows the route, filters the velocity, and notes whether the agent makes progress.
     fn update(&self, state: &mut AgentState<V>, plan: &Plan<V>, position: V, velocity: V) {
         state.filter.observe(velocity, (self.time - plan.start) as f32, &self.scenery.steering);
-        let spline = &self.scenery.splines[state.route as usize];
-        spline.follow(&mut state.cursor, position, self.scenery.fields[state.field as usize].look_ahead_m);
-        state.is_there = spline.is_there(state.cursor, position);
-        if state.is_there && spline.at_end() == AtEnd::Again {
-            state.cursor = Cursor::default();
+        let path = &self.scenery.paths[state.route as usize];
+        let leg = state.cursor.leg;
+        let again = path.pass(&mut state.cursor, position);
+        let steering = &self.scenery.steering;
+        let is_at_corner = state.cursor.rest > 0.0 && {
+            let near = steering.corner_m;
+            (state.cursor.aim - position).length_squared() < near * near
+        };
+        if self.time >= state.cursor.look_at || is_at_corner || leg != state.cursor.leg {
+            self.guide().look(path, &mut state.cursor, position, plan.radius);
+            state.cursor.look_at = self.time + steering.look_s;
+        }
+        state.is_there = again || path.is_there(&state.cursor, position);
+        if again {
             state.least_left = f32::INFINITY;
         }
-        let left = spline.left(state.cursor, position);
+        let left = path.left(&state.cursor, position);
         if state.is_there || state.speed == 0.0 || left < state.least_left - self.scenery.steering.progress_m {
             state.least_left = left;
             state.progressed_at = self.time;
@@ -238,16 +253,15 @@ impl<V: Space> Decider<'_, V> {
 
     /// Where an agent wants to go.
     pub fn walker(&self, state: &AgentState<V>, plan: &Plan<V>, position: V, velocity: V) -> Walker<V> {
-        let spline = &self.scenery.splines[state.route as usize];
+        let path = &self.scenery.paths[state.route as usize];
         let field = &self.scenery.fields[state.field as usize];
-        let (desired, distance) = (spline.ahead(state.cursor, field.look_ahead_m) - position).unit_and_length();
+        let (desired, distance) = (state.cursor.aim - position).unit_and_length();
         let mut speed = state.speed;
-        if spline.at_end() == AtEnd::Stay {
+        if path.at_end() == AtEnd::Stay && state.cursor.rest == 0.0 {
             // Comes to rest at the goal.
-            let to_goal = if distance < field.look_ahead_m { (spline.goal() - position).length() } else { distance };
-            speed = speed.min(to_goal / (2.0 * field.relaxation_s));
+            speed = speed.min(distance / (2.0 * field.relaxation_s));
             // At its goal it gives way to agents that pass.
-            speed *= (to_goal / spline.arrival_radius()).min(1.0);
+            speed *= (distance / path.arrival_radius()).min(1.0);
         }
         let centre = plan.position + plan.velocity * (self.time - plan.start) as f32;
         Walker {
@@ -257,7 +271,7 @@ impl<V: Space> Decider<'_, V> {
             limit: plan.limit,
             desired,
             speed,
-            left: spline.left(state.cursor, position),
+            left: path.left(&state.cursor, position),
             retreats: false,
             off_centre: position - centre,
         }
@@ -418,7 +432,7 @@ impl<V: Space> Decider<'_, V> {
 
     /// True if an agent is to leave the crowd, as it is at the end of its route.
     pub fn leaves(&self, state: &AgentState<V>) -> bool {
-        state.is_there && self.scenery.splines[state.route as usize].at_end() == AtEnd::Leave
+        state.is_there && self.scenery.paths[state.route as usize].at_end() == AtEnd::Leave
     }
 
     /// Moving obstacle that overlaps an agent at the start of a plan; [`NONE`] if there is none.

@@ -5,7 +5,7 @@ use crate::error::CrowdError;
 use crate::events::baselines::Baseline;
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
-use crate::routes::spline::Spline;
+use crate::routes::path::Path;
 use crate::safety::kept;
 use crate::scenery::Scenery;
 use crate::space::cells::Cells;
@@ -17,7 +17,7 @@ use std::collections::HashMap;
 use throng_base::{Error, Hash128, SnapshotKind, StateHash};
 
 /// Grows by one with every change of what is kept.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// All that time changes.
 #[derive(Serialize, Deserialize)]
@@ -71,7 +71,7 @@ impl<V: Space> Engine<V> {
             counts: self.counts,
             free: self.free.clone(),
             states: self.states.clone(),
-            routes: self.scenery.splines.iter().map(|s| s.route.clone()).collect(),
+            routes: self.scenery.paths.iter().map(|s| s.route.clone()).collect(),
             own_routes: self.own_routes.clone(),
             plans: self.cells.plans(),
             grid: self.grid.clone(),
@@ -92,13 +92,20 @@ impl<V: Space> Engine<V> {
         if let Err(why) = self.check_saved(&saved) {
             return refused(why);
         }
-        let splines = saved.routes.iter().enumerate().map(|(i, r)| Spline::new(i, r)).collect::<Result<_, _>>();
-        match splines {
-            Ok(splines) => self.scenery.splines = splines,
+        let paths: Result<Vec<_>, _> = saved.routes.iter().enumerate().map(|(i, r)| self.scenery.path(i, r)).collect();
+        match paths {
+            Ok(paths) if Self::fit(&saved, &paths) => self.scenery.paths = paths,
+            Ok(_) => return refused("an agent is on a leg that its route has not".to_owned()),
             Err(e) => return refused(e.to_string()),
         }
         self.take_over(saved);
         Ok(())
+    }
+
+    /// True if agents are on legs of their routes.
+    fn fit(saved: &Saved<V>, paths: &[Path<V>]) -> bool {
+        let of_plans = saved.plans.iter().map(|p| &saved.states[p.index as usize]);
+        of_plans.into_iter().all(|s| (s.cursor.leg as usize) < paths[s.route as usize].num_legs())
     }
 
     /// Puts a state that was checked in place of this one.
@@ -252,6 +259,9 @@ impl<V: Space> Engine<V> {
             && state.filter.velocity.is_finite()
             && state.filter.variance.is_finite()
             && state.intent.is_finite()
+            && state.cursor.aim.is_finite()
+            && state.cursor.rest.is_finite()
+            && state.cursor.look_at.is_finite()
             && state.intent.length() <= UNIT
             && (state.route as usize) < num_routes
             && (state.field as usize) < self.scenery.fields.len()

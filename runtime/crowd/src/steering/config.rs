@@ -94,6 +94,22 @@ SteeringConfig {
     /// Time without progress after which an agent is stuck (s, 0.1 to 1000).
     stuck_after_s: f64 = 10.0, 0.1, 1000.0;
 
+    // Ways.
+    /// Time after which an agent looks for its way again (s, 0.1 to 100).
+    look_s: f64 = 1.0, 0.1, 100.0;
+    /// How near to where it aims at a corner it looks again (m, 0.01 to 10).
+    corner_m: f32 = 0.6, 0.01, 10.0;
+    /// Between the places at a corner that an agent compares (m, 0.1 to 10).
+    place_m: f32 = 1.2, 0.1, 10.0;
+    /// How much longer a way may be to be compared with the shortest (m, 0 to 1000).
+    detour_m: f32 = 6.0, 0.0, 1000.0;
+    /// Way that is as long as each agent that comes the other way at a corner is worth (m, 0 to 100).
+    oncoming_cost_m: f32 = 1.0, 0.0, 100.0;
+    /// The same for each that goes the same way (m, 0 to 100).
+    crowd_cost_m: f32 = 0.3, 0.0, 100.0;
+    /// By how much another place has to be better than the one that an agent aims at (m, 0 to 100).
+    keep_aim_m: f32 = 0.5, 0.0, 100.0;
+
     // Speed.
     /// Time for which the way has to be free for the desired speed: 1000 agents in the `corridor` of the bench progress
     /// with 0.95 m/s with 0.55 s, with 0.98 m/s with 0.45 s and with 1.0 m/s with 0.4 s; with less, some block each other

@@ -11,8 +11,6 @@ use throng_base::Result;
 pub struct Field {
     /// Time in which the desired velocity is approached, tau in eq. 17 (s, 0.05 to 10).
     pub relaxation_s: f32,
-    /// How far ahead on the spline of its route it looks (m, > 0).
-    pub look_ahead_m: f32,
     /// How far it reacts to others; agents beyond the neighbouring cells are not seen at all (m, > 0).
     pub perception_m: f32,
     /// Repulsion from near neighbours in eq. 17 (m/s2, >= 0).
@@ -68,7 +66,6 @@ impl Field {
     /// A pedestrian of about 0.3 m radius and 1.3 m/s on its way.
     pub const COMMUTER: Self = Self {
         relaxation_s: 0.2,
-        look_ahead_m: 2.0,
         perception_m: 4.0,
         repulsion: 3.3,
         repulsion_m: 0.25,
@@ -95,7 +92,6 @@ impl Field {
     /// and below.
     pub const BIRD: Self = Self {
         relaxation_s: 0.3,
-        look_ahead_m: 3.4,
         perception_m: 6.8,
         repulsion_m: 0.42,
         decelerating_m: 0.34,
@@ -112,7 +108,6 @@ impl Field {
     pub(crate) fn check(&self, n: usize) -> Result<()> {
         let check = |what, got: f32, good, expected| check(what, n, got, good, expected);
         for (what, got) in [
-            ("field.look_ahead_m", self.look_ahead_m),
             ("field.perception_m", self.perception_m),
             ("field.repulsion_m", self.repulsion_m),
             ("field.decelerating_m", self.decelerating_m),
