@@ -271,27 +271,32 @@ impl Streets {
         out: &mut [Option<Corner>; MOST_CORNERS],
     ) -> usize {
         let mut num = 0;
-        let mut tried = [u32::MAX; 32];
-        let mut num_tried = 0;
         let mut most = f32::INFINITY;
-        while num < MOST_CORNERS && num_tried < tried.len() {
+        // Points in the order of their ways, equal ones in that of their numbers.
+        let mut last = (f32::NEG_INFINITY, 0);
+        while num < MOST_CORNERS {
             let mut best = (most, NONE);
-            for (n, (p, &(cost, _))) in (0u32..).zip(self.points.iter().zip(&costs.of)) {
+            for (n, ((p, &(cost, _)), (away, ..))) in (0u32..).zip(self.points.iter().zip(&costs.of).zip(&self.around)) {
                 // The straight line is no longer than any way.
-                if cost < best.0 && !tried[..num_tried].contains(&n) {
-                    let way = cost + from.distance(*p);
-                    let corner = self.around[n as usize].2;
-                    if way < best.0 && !out[..num].iter().flatten().any(|c| c.number == corner) {
-                        best = (way, n);
-                    }
+                if cost >= best.0 {
+                    continue;
+                }
+                let off = *p - from;
+                let far = off.length();
+                let way = cost + far;
+                let is_taut = off.dot(*away).abs() <= TAUT * far || far < 2.0 * self.clearance;
+                if way < best.0 && is_taut && (way, n) > last {
+                    best = (way, n);
                 }
             }
             let (way, n) = best;
             if n == NONE {
                 break;
             }
-            tried[num_tried] = n;
-            num_tried += 1;
+            last = best;
+            if out[..num].iter().flatten().any(|c| c.number == self.around[n as usize].2) {
+                continue;
+            }
             let n = n as usize;
             if !self.sees_place(from, self.points[n], radius) {
                 continue;
