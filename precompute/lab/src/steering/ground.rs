@@ -220,7 +220,7 @@ pub fn crossing(seed: u64, people: People, arms: usize, count: usize) -> Ground 
     if arms == 3 {
         g.wall(&[[-far, -a], [far, -a]]);
     }
-    let near = |n: f32, f: f32| [[-f, -4.9, -n, 4.9], [n, -4.9, f, 4.9], [-4.9, n, 4.9, f], [-4.9, -f, 4.9, -n]];
+    let near = |n: f32, f: f32| [[-f, -4.7, -n, 4.7], [n, -4.7, f, 4.7], [-4.7, n, 4.7, f], [-4.7, -f, 4.7, -n]];
     let length = count as f32 / 10.0;
     let (starts, goals) = (near(6.0, 6.0 + length), near(length, length + 20.0));
     let pairs: &[(usize, usize)] = if arms == 3 { &[(0, 1), (1, 2), (2, 0)] } else { &[(0, 1), (1, 0), (2, 3), (3, 2)] };

@@ -32,7 +32,7 @@ impl<V: Space> Guide<'_, V> {
         (cursor.aim, cursor.rest) = (target, rest);
         let Some((streets, costs)) = self.streets.zip(path.costs(cursor.leg)) else { return };
         let (from, to) = (x.to_world(), target.to_world());
-        if streets.sees_place(from.xz(), to.xz(), radius) {
+        if streets.sees_place(from.xz(), to.xz(), radius.min(costs.near)) {
             return;
         }
         let (goal, rest) = path.subgoal(cursor.leg);

@@ -37,6 +37,8 @@ pub struct Streets {
 pub(crate) struct Costs {
     /// (way (m), point to go on by; [`NONE`] where the goal is seen) (points)
     of: Vec<(f32, u32)>,
+    /// How far the goal is from what stands, if that is less than the clearance (m).
+    pub near: f32,
 }
 
 /// A corner on the way to a goal, as seen from somewhere.
@@ -254,7 +256,7 @@ impl Streets {
                 }
             }
         }
-        Costs { of }
+        Costs { of, near }
     }
 
     /// True if an agent sees a place: nothing is nearer to the straight line than its radius.
