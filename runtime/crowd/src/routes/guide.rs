@@ -12,6 +12,7 @@ use crate::routes::path::{Cursor, Path};
 use crate::routes::streets::{MOST_CORNERS, Streets};
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
+use crate::steering::far_field::coming;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 
 /// What an agent that looks for its way knows.
@@ -40,6 +41,9 @@ impl<V: Space> Guide<'_, V> {
         let mut corners = [None; MOST_CORNERS];
         let longer = self.steering.detour_m;
         let num = streets.corners_ahead((from.xz(), radius, longer), (goal.xz(), costs), &mut corners);
+        let ahead = Space::unit_and_length(corners[0].map_or(Vec2::ZERO, |c| c.next - from.xz())).0;
+        let direction = V::from_world(Vec3::new(ahead.x, 0.0, ahead.y));
+        let coming = coming(self.grid, x, direction, f32::INFINITY, self.steering)[0].min(1.0);
         let mut best = (f32::INFINITY, Vec2::ZERO, 0.0);
         for corner in corners[..num].iter().flatten() {
             let straight = from.xz().distance(corner.at) + corner.at.distance(corner.next);
@@ -48,10 +52,17 @@ impl<V: Space> Guide<'_, V> {
             let along = if (corner.next - from.xz()).dot(across) >= 0.0 { across } else { -across };
             let step = self.steering.place_m;
             let num = ((corner.free / step) as usize + 1).min(PLACES);
+            // Where many come, each keeps to the right: of what it passes, and in what it passes.
+            let leads_left = (corner.at - from.xz()).dot(Space::right(ahead)) < 0.0;
+            let is_right = corner.out.dot(Space::right(along)) > 0.0;
+            let half = 0.5 * corner.free;
             for k in 0..num {
                 let at = corner.at + corner.out * (step * k as f32);
                 let longer = from.xz().distance(at) + at.distance(corner.next) - straight;
-                let mut cost = corner.way + longer + self.delay(from.xz(), at, along);
+                let in_left_half = if is_right { half - step * k as f32 } else { step * k as f32 - half };
+                let left = if leads_left { self.steering.pass_left_m } else { 0.0 };
+                let left = left + self.steering.left_half_cost * in_left_half.max(0.0);
+                let mut cost = corner.way + longer + coming * left + self.delay(from.xz(), at, along);
                 if at.distance(before.to_world().xz()) < step {
                     cost -= self.steering.keep_aim_m;
                 }
