@@ -298,10 +298,10 @@ pub fn rooms(seed: u64, people: People, count: usize) -> Ground {
     g
 }
 
-/// A closed ring 4 m wide, everybody around it, or every second one the other way.
-pub fn ring(seed: u64, people: People, density: f32, ways: usize) -> Ground {
+/// A closed ring of a density (1/m2) and width (m), everybody around it, or every second one the other way.
+pub fn ring(seed: u64, people: People, (density, width): (f32, f32), ways: usize) -> Ground {
     let mut g = Ground::new(seed, people);
-    let (inner, outer, sides) = (12.0f32, 16.0f32, 48);
+    let (inner, outer, sides) = (12.0f32, 12.0 + width, 48);
     let middle = 0.5 * (inner + outer);
     let at = |i: usize, r: f32| Vec2::from_angle(TAU * (i % sides) as f32 / sides as f32) * r;
     for radius in [inner - 0.1, outer + 0.1] {

@@ -1,8 +1,10 @@
 //! How crowds get on: grounds that steering was tuned on, and others that it was judged on.
 
 pub mod ground;
+mod people;
 mod trial;
 
+pub use people::{GapFigures, HEADINGS, PeopleFigures, RingFigures, people, row};
 pub use trial::{SteeringFigures, run};
 
 use ground::{Ground, People, Points};
@@ -51,7 +53,7 @@ pub const CASES: &[Case] = &[
     case("rooms_1", false, 120.0, |s| ground::rooms(s + 1000, ALIKE, 12)),
     case("rooms_2", false, 120.0, |s| ground::rooms(s + 2000, ALIKE, 12)),
     case("circle", false, 120.0, |s| ground::circle(s, ALIKE, 1000)),
-    case("ring_2_ways_1.0", false, 60.0, |s| ground::ring(s, ALIKE, 1.0, 2)),
+    case("ring_2_ways_1.0", false, 60.0, |s| ground::ring(s, ALIKE, (1.0, 4.0), 2)),
     case("corridor_many_points", true, 120.0, |s| ground::corridor(s, ALIKE, (10.0, 1.0, 500), Points::Many)),
     case("corridor_mixed", true, 120.0, |s| ground::corridor(s, MIXED, (10.0, 1.0, 500), Points::One)),
     case("corridor_4m", true, 120.0, |s| ground::corridor(s, MIXED, (4.0, 1.0, 150), Points::One)),
@@ -63,8 +65,8 @@ pub const CASES: &[Case] = &[
     case("doors_6x1.5", true, 120.0, |s| ground::doors(s, MIXED, (6, 1.5), 150)),
     case("streams_90", true, 120.0, |s| ground::streams(s, MIXED, 150)),
     case("gap_1.2", true, 180.0, |s| ground::gap(s, ALIKE, 1.2, 150)),
-    case("ring_1_way_1.5", true, 60.0, |s| ground::ring(s, ALIKE, 1.5, 1)),
-    case("ring_2_ways_0.5", true, 60.0, |s| ground::ring(s, ALIKE, 0.5, 2)),
+    case("ring_1_way_1.5", true, 60.0, |s| ground::ring(s, ALIKE, (1.5, 4.0), 1)),
+    case("ring_2_ways_0.5", true, 60.0, |s| ground::ring(s, ALIKE, (0.5, 4.0), 2)),
     case("rooms_3", true, 120.0, |s| ground::rooms(s + 3000, MIXED, 12)),
     case("rooms_4", true, 120.0, |s| ground::rooms(s + 4000, MIXED, 16)),
     case("rooms_5", true, 120.0, |s| ground::rooms(s + 5000, ALIKE, 8)),
