@@ -4,7 +4,7 @@ use super::ground::{self, People};
 use super::trial::{SteeringFigures, run};
 use glam::Vec2;
 use serde::Serialize;
-use throng_runtime::crowd::{CrowdError, Setup};
+use throng_runtime::crowd::{CrowdError, Field, Setup};
 
 /// Speed of people at a density (m/s), Weidmann 1993, Transporttechnik der Fussgaenger, eq. 6: free 1.34 m/s, none at 5.4 1/m2.
 pub fn weidmann_mps(density: f64) -> f64 {
@@ -62,13 +62,17 @@ pub const DENSITIES: [f32; 8] = [0.2, 0.5, 1.0, 1.5, 2.0, 2.3, 2.5, 3.0];
 /// Widths of the gaps (m).
 pub const GAPS_M: [f32; 6] = [0.9, 1.2, 1.5, 2.0, 2.5, 3.0];
 /// As wide as people where it is dense: shoulders are 0.46 m (Weidmann 1993).
-const PEOPLE: People = People { radius_m: [0.26, 0.28], speed_mps: [1.34, 0.26] };
+const PEOPLE: People = People { radius_m: [0.21, 0.25], speed_mps: [1.34, 0.26] };
 
 /// Compares crowds with people.
 ///
 /// # Errors
 /// As [`run`].
 pub fn people(seed: u64, change: &dyn Fn(&mut Setup)) -> Result<PeopleFigures, CrowdError> {
+    let change = &|setup: &mut Setup| {
+        setup.fields = vec![Field::STROLLER];
+        change(setup);
+    };
     let mut out = PeopleFigures::default();
     for ways in [1, 2] {
         for density in DENSITIES {

@@ -21,6 +21,9 @@ use crate::{AtEnd, Forces, NONE, Space};
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
 
+/// Speed with which everybody may give way, whatever they want (m/s).
+const SLOWEST_MPS: f32 = 0.5;
+
 /// Why an agent acts next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Cause {
@@ -157,11 +160,12 @@ impl<V: Space> Decider<'_, V> {
         // A plan longer than the relaxation time reaches the desired velocity and does not pass it.
         let desired = acceleration * (self.scenery.fields[state.field as usize].relaxation_s / length).min(1.0);
         self.look_at_plans(&fresh, length, scratch);
-        let mut taken = self.safe(&fresh, desired, length, region, near, scratch);
+        let fastest = self.fastest(&state);
+        let mut taken = self.safe(&fresh, (desired, fastest), length, region, near, scratch);
         if taken.is_none() && !self.scenery.movers.is_empty() {
             // It may be too late to avoid a moving obstacle: get out of its way as far as other agents allow.
             scratch.others.leave_out_movers();
-            taken = self.safe(&fresh, desired, self.scenery.interval, region, near, scratch);
+            taken = self.safe(&fresh, (desired, fastest), self.scenery.interval, region, near, scratch);
         }
         let plan = match taken {
             Some(plan) => plan,
@@ -375,7 +379,7 @@ impl<V: Space> Decider<'_, V> {
     fn safe(
         &self,
         fresh: &Plan<V>,
-        desired: V,
+        (desired, fastest): (V, f32),
         length: f32,
         region: (V, V),
         near: &[u32],
@@ -384,7 +388,7 @@ impl<V: Space> Decider<'_, V> {
         let (shortest, steering) = (self.scenery.interval, &self.scenery.steering);
         let (mut a, mut length) = (desired, length);
         for attempt in 0..steering.plan_tries {
-            let candidate = self.candidate(fresh, a, length);
+            let candidate = self.candidate(fresh, (a, fastest), length);
             if !candidate.stays_within(region.0, region.1) {
                 if length <= shortest {
                     break;
@@ -406,7 +410,7 @@ impl<V: Space> Decider<'_, V> {
         }
         let stop = fresh.velocity * -shortest.recip();
         for share in [0.5, 1.0] {
-            let candidate = self.candidate(fresh, stop * share, shortest);
+            let candidate = self.candidate(fresh, (stop * share, fastest), shortest);
             let is_safe = candidate.stays_within(region.0, region.1) && self.worst(&candidate, near, scratch).is_none();
             if is_safe {
                 return Some(candidate.plan);
@@ -415,11 +419,16 @@ impl<V: Space> Decider<'_, V> {
         None
     }
 
+    /// Fastest that an agent goes: no agent is above the largest speed, on which the safety rule counts.
+    fn fastest(&self, state: &AgentState<V>) -> f32 {
+        let own = state.speed.max(SLOWEST_MPS) * self.scenery.steering.largest_speed_ratio;
+        own.min(self.scenery.fastest)
+    }
+
     /// A plan within the limits of acceleration and speed.
     #[inline]
-    fn candidate(&self, fresh: &Plan<V>, a: V, length: f32) -> Candidate<V> {
+    fn candidate(&self, fresh: &Plan<V>, (a, fastest): (V, f32), length: f32) -> Candidate<V> {
         let a = a.at_most(fresh.limit);
-        let fastest = self.scenery.fastest;
         let a = ((fresh.velocity + a * length).at_most(fastest) - fresh.velocity) * length.recip();
         Candidate::new(Plan { end: self.time + f64::from(length), acceleration: a.at_most(fresh.limit), ..*fresh })
     }

@@ -83,7 +83,7 @@ SteeringConfig {
     push_factor: f32 = 1.1, 1.0, 2.0;
     /// Wait of a blocked agent, in smallest intervals (1 to 10).
     blocked_intervals: f32 = 2.0, 1.0, 10.0;
-    /// How much faster than the largest desired speed an agent may be when it gives way, as a factor (1 to 2).
+    /// How much faster than it wants to be an agent may be when it gives way, as a factor (1 to 2).
     largest_speed_ratio: f32 = 1.25, 1.0, 2.0;
 
     // Progress.
@@ -119,6 +119,8 @@ SteeringConfig {
     /// with 0.95 m/s with 0.55 s, with 0.98 m/s with 0.45 s and with 1.0 m/s with 0.4 s; with less, some block each other
     /// for longer (s, 0.01 to 10).
     clear_s: f32 = 0.4, 0.01, 10.0;
+    /// Places straight ahead whose density tells how fast people would walk there (squares, 0 to 100).
+    density_places: [f32; 3] = [1.0, 2.0, 3.0], 0.0, 100.0;
     /// Share of the sum of two radii within which one agent is in front of the other and not beside it (0 to 1).
     front_width: f32 = 0.88, 0.0, 1.0;
     /// Distance to the goal from which on an agent keeps less and less distance to standing agents (m, 0.01 to 100).

@@ -47,6 +47,9 @@ pub struct Field {
     pub lanes: f32,
     /// Weight for the right where many come straight toward it from afar and no wall is beside it (>= 0).
     pub evading: f32,
+    /// How fast it walks at a density at most, in speeds of people there (Weidmann 1993); 0 for somebody in a hurry, who walks
+    /// as fast as there is room (0 to 10).
+    pub crowd_speed: f32,
     /// Time that it keeps to stop behind an agent in front (s, > 0).
     pub headway_s: f32,
     /// Gap that it leaves to an agent that stands in front (m, >= 0).
@@ -83,10 +86,14 @@ impl Field {
         crowding: 0.05,
         lanes: 0.08,
         evading: 0.6,
+        crowd_speed: 0.0,
         headway_s: 0.3,
         headway_m: 0.12,
         safety: 0.28,
     };
+
+    /// A pedestrian who is in no hurry: in a crowd as slow as people are there.
+    pub const STROLLER: Self = Self { crowd_speed: 1.12, ..Self::COMMUTER };
 
     /// A bird of about 0.5 m radius and 5 m/s: lengths grow with its radius, and it needs no lanes, as it has room above
     /// and below.
@@ -123,6 +130,7 @@ impl Field {
             ("field.crowding", self.crowding),
             ("field.lanes", self.lanes),
             ("field.evading", self.evading),
+            ("field.crowd_speed", self.crowd_speed),
             ("field.headway_m", self.headway_m),
             ("field.repulsion", self.repulsion),
             ("field.braking", self.braking),
