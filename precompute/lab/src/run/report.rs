@@ -131,11 +131,17 @@ pub fn run_agents(scene: &CompiledScene, seconds: Option<f64>, threads: usize) -
     THREADS.check_count("threads", threads).map_err(fault)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| wrong(e.to_string()))?;
+    let begin = Instant::now();
     let mut sim = Simulation::new(scene).map_err(fault)?;
-    pool.install(|| match sim.cast_mut(0) {
+    let setup_s = begin.elapsed().as_secs_f64();
+    let figures = pool.install(|| match sim.cast_mut(0) {
         GroupCast::Ground(agents) => measure(agents, &scene.scene().measure, scene, seconds, threads),
         GroupCast::Air(agents) => measure(agents, &scene.scene().measure, scene, seconds, threads),
         _ => Err(wrong("expected a scene of agents, with `motion = \"none\"`".into())),
+    });
+    figures.map(|mut figures| {
+        figures.crowd.iter_mut().for_each(|c| c.setup_s = Some(setup_s));
+        figures
     })
 }
 
