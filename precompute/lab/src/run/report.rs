@@ -29,11 +29,13 @@ pub struct RunConfig {
     pub step_hz: f64,
     /// Keeps what a picture shows.
     pub recorded: bool,
+    /// Keeps where all agents are, ten times a simulated second.
+    pub trajectories: bool,
 }
 
 impl Default for RunConfig {
     fn default() -> Self {
-        Self { seconds: None, step_hz: 60.0, recorded: false }
+        Self { seconds: None, step_hz: 60.0, recorded: false, trajectories: false }
     }
 }
 
@@ -90,7 +92,7 @@ pub fn run(scene: &CompiledScene, config: &RunConfig) -> Result<(SceneReport, Re
             groups.push(Watch::new(&sim, &[g])?);
         }
     }
-    let mut recorder = Recorder::new(config.recorded, &sim, seconds);
+    let mut recorder = Recorder::new(config, &sim, seconds);
     let steps = (seconds * hz).round().max(1.0) as usize;
     let mut busy_s = 0.0;
     for step in 0..=steps {

@@ -55,6 +55,7 @@ pub const CASES: &[Case] = &[
     case("circle", false, 120.0, |s| ground::circle(s, ALIKE, 1000)),
     case("ring_2_ways_1.0", false, 60.0, |s| ground::ring(s, ALIKE, (1.0, 4.0), 2)),
     case("corridor_many_points", true, 120.0, |s| ground::corridor(s, ALIKE, (10.0, 1.0, 500), Points::Many)),
+    case("corridor_10000", true, 240.0, |s| ground::corridor(s, ALIKE, (33.0, 1.0, 5000), Points::One)),
     case("corridor_mixed", true, 120.0, |s| ground::corridor(s, MIXED, (10.0, 1.0, 500), Points::One)),
     case("corridor_4m", true, 120.0, |s| ground::corridor(s, MIXED, (4.0, 1.0, 150), Points::One)),
     case("t", true, 120.0, |s| ground::crossing(s, ALIKE, 3, 130)),
