@@ -71,7 +71,7 @@ impl Field {
         relaxation_s: 0.2,
         perception_m: 4.0,
         repulsion: 3.3,
-        repulsion_m: 0.25,
+        repulsion_m: 0.2,
         braking: 0.28,
         decelerating_m: 0.2,
         damping: 0.16,
