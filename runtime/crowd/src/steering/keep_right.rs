@@ -19,7 +19,10 @@ pub(crate) struct Between {
 pub(crate) fn is_wall_within<V: Space>(solid: &Solid<V>, steering: &SteeringConfig) -> Option<f32> {
     let (min, max) = solid.extents();
     let length = (max - min).length();
-    (V::DIMENSIONS == 2).then(|| if length < steering.wall_length_m { 0.0 } else { length.min(steering.wall_seen_m) })
+    (V::DIMENSIONS == 2).then(|| {
+        let [near, far] = steering.wall_seen_m;
+        if length < steering.wall_length_m { 0.0 } else { length.min(near).max((steering.wall_seen_share * length).min(far)) }
+    })
 }
 
 /// Where an agent is between walls; None where there is none beside it, see [`is_wall_within`].
