@@ -137,15 +137,17 @@ fn swept(args: &Args) -> Result<Vec<Swept>, Box<dyn std::error::Error>> {
     };
     let (default_speed_mps, default_stuck) = total(&[])?;
     if !args.json {
-        println!("constant                      value    m/s  stuck\ndefaults                            {default_speed_mps:6.3} {default_stuck:6}");
+        println!(
+            "constant                      value    m/s  stuck\ndefaults                            {default_speed_mps:6.3} {default_stuck:6}"
+        );
     }
     let mut out = Vec::new();
     for (constant, default) in chosen {
         for value in [0.5 * default, 2.0 * default] {
             // Some cannot be halved or doubled.
             let mut probe = Setup::default();
-            let is_within = change(&mut probe, &constant, value).is_ok()
-                && throng_runtime::crowd::Crowd::on_ground(probe).is_ok();
+            let is_within =
+                change(&mut probe, &constant, value).is_ok() && throng_runtime::crowd::Crowd::on_ground(probe).is_ok();
             if default == 0.0 || !is_within {
                 continue;
             }
@@ -190,7 +192,8 @@ fn change(setup: &mut Setup, name: &str, value: f64) -> Outcome {
 
 /// The grounds of some names.
 fn chosen(names: &[String]) -> Result<Vec<&'static Case>, Box<dyn std::error::Error>> {
-    let is_known = |n: &&String| ["all", "tuned", "held_out"].contains(&n.as_str()) || CASES.iter().any(|c| c.name == **n);
+    let is_known =
+        |n: &&String| ["all", "tuned", "held_out"].contains(&n.as_str()) || CASES.iter().any(|c| c.name == **n);
     if let Some(odd) = names.iter().find(|n| !is_known(n)) {
         let known: Vec<_> = CASES.iter().map(|c| c.name).collect();
         return fail(format!("--scene {odd}: expected all, tuned, held_out or one of {}", known.join(", ")));

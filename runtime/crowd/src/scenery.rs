@@ -3,7 +3,7 @@
 #[cfg(feature = "baselines")]
 use crate::Scheme;
 use crate::error::{CrowdError, check};
-use crate::routes::path::Path;
+use crate::routes::path::{KnownCosts, Path};
 use crate::routes::streets::Streets;
 #[cfg(feature = "baselines")]
 use crate::safety::bound::narrowest_cell;
@@ -130,8 +130,9 @@ impl<V: Space> Scenery<V> {
         let square = config.steering.square_radii * radius.max(1e-3);
         let grid = DensityGrid::new(square, high - low, capacity);
         scenery.add_obstacles()?;
+        let mut known = KnownCosts::new();
         for (index, route) in setup.routes.iter().enumerate() {
-            let path = scenery.path(index, route)?;
+            let path = scenery.path_with(index, route, &mut known)?;
             scenery.paths.push(path);
         }
         for (agent, m) in setup.agents.iter().enumerate() {
@@ -190,7 +191,12 @@ impl<V: Space> Scenery<V> {
     /// # Errors
     /// [`CrowdError`] for a route that cannot be.
     pub fn path(&self, number: usize, route: &Route<V>) -> Result<Path<V>, CrowdError> {
-        let path = Path::new(number, route, &self.solids, self.streets.as_ref())?;
+        self.path_with(number, route, &mut KnownCosts::new())
+    }
+
+    /// The same, one of many.
+    pub fn path_with(&self, number: usize, route: &Route<V>, known: &mut KnownCosts) -> Result<Path<V>, CrowdError> {
+        let path = Path::new(number, route, &self.solids, (self.streets.as_ref(), known))?;
         self.check_route(number, &path)?;
         Ok(path)
     }

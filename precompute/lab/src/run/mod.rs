@@ -19,8 +19,8 @@ pub use meter::{Flow, HUMAN_FLOW_PER_M_S, OverlapMeter, ProgressMeter, Sight, TR
 pub use news::News;
 pub use own::{OWN_SCENES, own_scene};
 pub use record::{
-    AgentsRecord, CrowdMoment, FightFrame, FightRecord, PathsRecord, Pose, Record, SeenAgent, SeenObstacle, TRAIL_S, TrajectoryPoint,
-    WorldRecord, seen_obstacle,
+    AgentsRecord, CrowdMoment, FightFrame, FightRecord, PathsRecord, Pose, Record, SeenAgent, SeenObstacle, TRAIL_S,
+    TrajectoryPoint, WorldRecord, seen_obstacle,
 };
 pub use report::{GroupReport, RunConfig, SceneReport, geometry, run, run_agents};
 pub use styles::{StyleWalk, curve, walk_styles};

@@ -1,7 +1,7 @@
 //! What a run leaves to be drawn.
 
-use super::watch::{LOOK_S, Watch};
 use super::report::RunConfig;
+use super::watch::{LOOK_S, Watch};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_runtime::crowd::{Obstacle, Space};
 use throng_runtime::simulation::agents::{Agents, in_world};

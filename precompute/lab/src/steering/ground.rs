@@ -82,7 +82,8 @@ impl Ground {
         while out.len() < count && tries < 400 * count {
             tries += 1;
             let r = least + (most - least) * self.share();
-            let at = Vec2::new(x0 + r + (x1 - x0 - 2.0 * r) * self.share(), z0 + r + (z1 - z0 - 2.0 * r) * self.share());
+            let at =
+                Vec2::new(x0 + r + (x1 - x0 - 2.0 * r) * self.share(), z0 + r + (z1 - z0 - 2.0 * r) * self.share());
             let is_free = |(p, s): &(Vec2, f32)| p.distance(at) > r + s + 0.02;
             if out.iter().all(is_free) && self.taken.iter().all(is_free) {
                 out.push((at, r));
@@ -223,7 +224,8 @@ pub fn crossing(seed: u64, people: People, arms: usize, count: usize) -> Ground 
     let near = |n: f32, f: f32| [[-f, -4.7, -n, 4.7], [n, -4.7, f, 4.7], [-4.7, n, 4.7, f], [-4.7, -f, 4.7, -n]];
     let length = count as f32 / 10.0;
     let (starts, goals) = (near(6.0, 6.0 + length), near(length, length + 20.0));
-    let pairs: &[(usize, usize)] = if arms == 3 { &[(0, 1), (1, 2), (2, 0)] } else { &[(0, 1), (1, 0), (2, 3), (3, 2)] };
+    let pairs: &[(usize, usize)] =
+        if arms == 3 { &[(0, 1), (1, 2), (2, 0)] } else { &[(0, 1), (1, 0), (2, 3), (3, 2)] };
     for &(from, to) in pairs {
         g.group(count, starts[from], goals[to]);
     }
@@ -321,7 +323,8 @@ pub fn ring(seed: u64, people: People, (density, width): (f32, f32), ways: usize
         for i in 0..in_row {
             let angle = TAU * (i as f32 + shift) / in_row as f32 + slack * (g.share() - 0.5);
             let first = (angle / TAU * sides as f32).ceil() as usize;
-            let way = |i: usize| if num % ways == 0 { at(first + i, middle) } else { at(first + 2 * sides - 1 - i, middle) };
+            let way =
+                |i: usize| if num % ways == 0 { at(first + i, middle) } else { at(first + 2 * sides - 1 - i, middle) };
             let radius = people.radius_m[0] + (people.radius_m[1] - people.radius_m[0]) * g.share();
             g.agent((Vec2::from_angle(angle) * row(k), radius), (0..sides).map(way).collect(), AtEnd::Again);
             num += 1;

@@ -86,7 +86,18 @@ pub fn run(
             let (goal, is_round) = (*route.subgoals.last()?, route.at_end == AtEnd::Again);
             let at = agent.position.xz();
             let left = way(streets.as_ref(), at, goal);
-            let one = Seen { id, goal, radius: agent.radius, is_round, at, left, since: 0.0, stays: (at, 0.0), is_there: false, was_stuck: false };
+            let one = Seen {
+                id,
+                goal,
+                radius: agent.radius,
+                is_round,
+                at,
+                left,
+                since: 0.0,
+                stays: (at, 0.0),
+                is_there: false,
+                was_stuck: false,
+            };
             Some(one)
         })
         .collect();
@@ -97,7 +108,8 @@ pub fn run(
         let now = step as f64 * LOOK_S;
         let begin = Instant::now();
         crowd.advance(now, &mut |e| {
-            hash = (hash ^ e.time.to_bits() ^ e.agent.index() as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
+            hash =
+                (hash ^ e.time.to_bits() ^ e.agent.index() as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
         })?;
         busy_s += begin.elapsed().as_secs_f64();
         let is_window = step % (WINDOW_S / LOOK_S) as usize == 0 || step == steps;

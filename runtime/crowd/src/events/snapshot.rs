@@ -5,7 +5,7 @@ use crate::error::CrowdError;
 use crate::events::baselines::Baseline;
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
-use crate::routes::path::Path;
+use crate::routes::path::{KnownCosts, Path};
 use crate::safety::kept;
 use crate::scenery::Scenery;
 use crate::space::cells::Cells;
@@ -92,7 +92,10 @@ impl<V: Space> Engine<V> {
         if let Err(why) = self.check_saved(&saved) {
             return refused(why);
         }
-        let paths: Result<Vec<_>, _> = saved.routes.iter().enumerate().map(|(i, r)| self.scenery.path(i, r)).collect();
+        let paths: Result<Vec<_>, _> = {
+            let mut known = KnownCosts::new();
+            saved.routes.iter().enumerate().map(|(i, r)| self.scenery.path_with(i, r, &mut known)).collect()
+        };
         match paths {
             Ok(paths) if Self::fit(&saved, &paths) => self.scenery.paths = paths,
             Ok(_) => return refused("an agent is on a leg that its route has not".to_owned()),

@@ -5,6 +5,8 @@ use crate::routes::streets::{Costs, Streets};
 use crate::space::solid::{Solid, is_inside};
 use crate::{AtEnd, Obstacle, Route, Space};
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::sync::Arc;
 use throng_base::{Result, prefetch};
 
 /// Farthest that a line across the way reaches to either side (m).
@@ -34,8 +36,11 @@ pub(crate) struct Path<V> {
     pub route: Route<V>,
     legs: Vec<Leg<V>>,
     /// Of each subgoal: how far it is from every corner of the streets; none where there are no streets.
-    costs: Vec<Costs>,
+    costs: Vec<Arc<Costs>>,
 }
+
+/// Costs of subgoals that are known already, while many routes are made ready: those with the same goal share them.
+pub(crate) type KnownCosts = HashMap<[u32; 3], Arc<Costs>>;
 
 /// A subgoal and what leads to it.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +59,11 @@ struct Leg<V> {
 impl<V: Space> Leg<V> {
     /// How far a place is to the right of the subgoal, in the direction of the line across the way.
     fn side(&self, off: V) -> f32 {
-        if V::DIMENSIONS == 2 { off.dot(self.normal.right()) } else { (off - self.normal * off.dot(self.normal)).length() }
+        if V::DIMENSIONS == 2 {
+            off.dot(self.normal.right())
+        } else {
+            (off - self.normal * off.dot(self.normal)).length()
+        }
     }
 
     fn is_passed(&self, x: V, arrival: f32) -> bool {
@@ -69,7 +78,11 @@ impl<V: Space> Path<V> {
     /// The route of an agent that stays at a place.
     pub fn staying(at: V) -> Self {
         let route = Route { subgoals: vec![at], arrival_radius: STAY_M, at_end: AtEnd::Stay };
-        Self { route, legs: vec![Leg { to: at, along: V::default(), normal: V::default(), free: [0.0; 2], rest: 0.0 }], costs: Vec::new() }
+        Self {
+            route,
+            legs: vec![Leg { to: at, along: V::default(), normal: V::default(), free: [0.0; 2], rest: 0.0 }],
+            costs: Vec::new(),
+        }
     }
 
     /// Makes it the route of an agent that stays at a place. Allocates nothing.
@@ -88,7 +101,12 @@ impl<V: Space> Path<V> {
     ///
     /// # Errors
     /// [`throng_base::Error::Value`] for a route without subgoals or with numbers that are out of range.
-    pub fn new(n: usize, route: &Route<V>, solids: &[Solid<V>], streets: Option<&Streets>) -> Result<Self> {
+    pub fn new(
+        n: usize,
+        route: &Route<V>,
+        solids: &[Solid<V>],
+        (streets, known): (Option<&Streets>, &mut KnownCosts),
+    ) -> Result<Self> {
         let goals = &route.subgoals;
         check("route.subgoals", n, goals.len() as f32, !goals.is_empty(), "at least 1")?;
         let far = goals.iter().find(|g| !(g.is_finite() && g.length() < 1e6)).map(|g| g.length());
@@ -117,7 +135,11 @@ impl<V: Space> Path<V> {
         for i in (0..num - 1).rev() {
             legs[i].rest = legs[i + 1].rest + (points[i + 1] - points[i]).length();
         }
-        let costs = streets.filter(|s| !s.is_open()).map(|s| points.iter().map(|p| s.costs(p.to_world())).collect());
+        let mut costs_of = |streets: &Streets, p: &V| {
+            let key = p.coordinates().map(f32::to_bits);
+            Arc::clone(known.entry(key).or_insert_with(|| Arc::new(streets.costs(p.to_world()))))
+        };
+        let costs = streets.filter(|s| !s.is_open()).map(|s| points.iter().map(|p| costs_of(s, p)).collect());
         Ok(Self { route: route.clone(), legs, costs: costs.unwrap_or_default() })
     }
 
@@ -136,7 +158,8 @@ impl<V: Space> Path<V> {
         let first = usize::from(!is_round && self.legs.len() > 1);
         let mut best = (f32::INFINITY, 0);
         for (i, leg) in self.legs.iter().enumerate().skip(first) {
-            let from = if i > 0 || is_round { self.legs[(i + self.legs.len() - 1) % self.legs.len()].to } else { leg.to };
+            let from =
+                if i > 0 || is_round { self.legs[(i + self.legs.len() - 1) % self.legs.len()].to } else { leg.to };
             let along = leg.to - from;
             let share = ((x - from).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
             let distance = (x - (from + along * share)).length();
@@ -204,7 +227,7 @@ impl<V: Space> Path<V> {
 
     /// How far it is from the corners of the streets to a subgoal.
     pub fn costs(&self, leg: u32) -> Option<&Costs> {
-        self.costs.get(leg as usize)
+        self.costs.get(leg as usize).map(Arc::as_ref)
     }
 
     /// A subgoal, and the way from it to the end (m).
@@ -273,7 +296,13 @@ mod tests {
     fn path(points: &[[f32; 2]], at_end: AtEnd) -> Path<Vec2> {
         let subgoals = points.iter().map(|&p| Vec2::from_array(p)).collect();
         let wall = |y: f32| Solid::Rod { from: Vec2::new(-99.0, y), to: Vec2::new(99.0, y), radius: 0.0 };
-        Path::new(0, &Route { subgoals, arrival_radius: 0.5, at_end }, &[wall(-5.0), wall(5.0)], None).unwrap()
+        Path::new(
+            0,
+            &Route { subgoals, arrival_radius: 0.5, at_end },
+            &[wall(-5.0), wall(5.0)],
+            (None, &mut KnownCosts::new()),
+        )
+        .unwrap()
     }
 
     proptest! {
@@ -314,6 +343,9 @@ mod tests {
     fn single_subgoal_is_straight_ahead() {
         let path = path(&[[3.0, 4.0]], AtEnd::Stay);
         let cursor = path.begin(Vec2::ZERO);
-        assert_eq!((path.target(0, Vec2::ZERO, 0.3), path.left(&cursor, Vec2::ZERO)), ((Vec2::new(3.0, 4.0), 0.0), 5.0));
+        assert_eq!(
+            (path.target(0, Vec2::ZERO, 0.3), path.left(&cursor, Vec2::ZERO)),
+            ((Vec2::new(3.0, 4.0), 0.0), 5.0)
+        );
     }
 }

@@ -278,7 +278,8 @@ impl Streets {
         let mut last = (f32::NEG_INFINITY, 0);
         while num < MOST_CORNERS {
             let mut best = (most, NONE);
-            for (n, ((p, &(cost, _)), (away, ..))) in (0u32..).zip(self.points.iter().zip(&costs.of).zip(&self.around)) {
+            for (n, ((p, &(cost, _)), (away, ..))) in (0u32..).zip(self.points.iter().zip(&costs.of).zip(&self.around))
+            {
                 // The straight line is no longer than any way.
                 if cost >= best.0 {
                     continue;
@@ -309,7 +310,8 @@ impl Streets {
             while costs.of[on].1 != NONE && self.around[on].2 == number {
                 on = costs.of[on].1 as usize;
             }
-            let (next, rest) = if self.around[on].2 == number { (goal, 0.0) } else { (self.points[on], costs.of[on].0) };
+            let (next, rest) =
+                if self.around[on].2 == number { (goal, 0.0) } else { (self.points[on], costs.of[on].0) };
             out[num] = Some(Corner { at: self.points[n], out: away, free, number, next, rest, way });
             num += 1;
             most = most.min(way + longer);

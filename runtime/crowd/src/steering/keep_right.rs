@@ -21,7 +21,11 @@ pub(crate) fn is_wall_within<V: Space>(solid: &Solid<V>, steering: &SteeringConf
     let length = (max - min).length();
     (V::DIMENSIONS == 2).then(|| {
         let [near, far] = steering.wall_seen_m;
-        if length < steering.wall_length_m { 0.0 } else { length.min(near).max((steering.wall_seen_share * length).min(far)) }
+        if length < steering.wall_length_m {
+            0.0
+        } else {
+            length.min(near).max((steering.wall_seen_share * length).min(far))
+        }
     })
 }
 

@@ -270,15 +270,15 @@ fn routes_of_one_two_or_many_points_are_walked_alike() {
 /// Two ways through a bend of 90 degrees, 8 m wide: everybody gets through, and the outer half is used.
 #[test]
 fn two_ways_use_the_width_of_a_bend() {
-    let mut setup = Setup::<Vec2>::default();
-    setup.obstacles = vec![
+    let obstacles = vec![
         wall([-60.0, -4.0], [4.0, -4.0], 0.0),
         wall([4.0, -4.0], [4.0, 60.0], 0.0),
         wall([-60.0, 4.0], [-4.0, 4.0], 0.0),
         wall([-4.0, 4.0], [-4.0, 60.0], 0.0),
     ];
+    let mut setup = Setup { obstacles, ..Setup::default() };
     let mut shares = Shares(5);
-    for i in 0..120 {
+    for i in 0..240 {
         let (row, column) = ((i / 2 / 6) as f32, (i / 2 % 6) as f32);
         let jitter = (Vec2::new(shares.next(), shares.next()) - 0.5) * 0.4;
         let from = Vec2::new(-7.0 - 1.2 * row, 1.2 * (column - 2.5)) + jitter;
@@ -291,11 +291,13 @@ fn two_ways_use_the_width_of_a_bend() {
     setup.streets = Some(Streets::new(&world, 0.45).unwrap());
     let mut crowd = Engine::new(setup).unwrap();
     let mut outer = 0;
-    for second in 1..=70 {
+    for second in 1..=100 {
         crowd.advance(f64::from(second), &mut |_| {}).unwrap();
         let here = crowd.ids().filter_map(|id| crowd.agent(id));
         // In the corner, and farther from the inner corner than the middle of the way.
-        outer += here.filter(|a| a.position.x.abs() < 4.0 && a.position.y.abs() < 4.0 && a.position.x > a.position.y).count();
+        outer += here
+            .filter(|a| a.position.x.abs() < 4.0 && a.position.y.abs() < 4.0 && a.position.x > a.position.y)
+            .count();
     }
     assert_eq!(crowd.num_agents(), 0, "all are through");
     assert!(outer > 30, "{outer} looks at agents in the outer half");

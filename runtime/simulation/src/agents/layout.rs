@@ -99,7 +99,8 @@ impl<V: Space> Layout<V> {
             }
             goal => {
                 let via = group.via.iter().map(|p| point(p));
-                (via.chain([goal_of(goal, around, start)]).collect(), group.at_end)
+                let to = spread(goal_of(goal, around, start), goal, group, rng);
+                (via.chain([to]).collect(), group.at_end)
             }
         };
         let way = self.way(m, start, &subgoals)?;
@@ -174,6 +175,22 @@ fn agent<V: Space>(group: &GroupConfig, position: V, rng: &mut Pcg64Mcg) -> Agen
         route: None,
         field: 0,
     }
+}
+
+/// A place in an area that is off its row and column by chance, as people who arrive leave room and keep no order; other goals
+/// as they are. Nobody's place touches that of another.
+fn spread<V: Space>(to: V, goal: &GoalConfig, group: &GroupConfig, rng: &mut Pcg64Mcg) -> V {
+    let GoalConfig::Area { from, to: end } = goal else { return to };
+    let (low, high) = (point::<V>(from).coordinates(), point::<V>(end).coordinates());
+    let size = |i: usize| high[i] - low[i];
+    let volume: f32 = (0..V::DIMENSIONS).map(size).product();
+    let apart = throng_base::maths::pow(volume / group.count as f32, 1.0 / V::DIMENSIONS as f32);
+    let most = (0.4 * apart - group.radius_m[1]).max(0.0);
+    let at = to.coordinates();
+    V::from_coordinates(std::array::from_fn(|i| {
+        let off = if i < V::DIMENSIONS { most * rng.random_range(-1.0..1.0f32) } else { 0.0 };
+        (at[i] + off).clamp(low[i].min(at[i]), high[i].max(at[i]))
+    }))
 }
 
 /// Where a goal is for one who starts at `start`.

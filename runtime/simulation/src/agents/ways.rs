@@ -42,12 +42,7 @@ impl RouteMap {
     /// Points by chance between two corners, one after the other from a start: no obstacle is near them, and the way does not
     /// turn back at once. Where there is hardly such a point, one is taken as it is; where it is in an obstacle, its way will be
     /// refused.
-    pub fn wander<V: Space>(
-        &self,
-        start: V,
-        (from, to, num): (&[f32], &[f32], usize),
-        rng: &mut Pcg64Mcg,
-    ) -> Vec<V> {
+    pub fn wander<V: Space>(&self, start: V, (from, to, num): (&[f32], &[f32], usize), rng: &mut Pcg64Mcg) -> Vec<V> {
         const TRIES: usize = 200;
         let (mut at, mut before) = (start, V::default());
         let mut next = || {
