@@ -3,6 +3,8 @@
 mod blend;
 mod bundle;
 pub mod crowd;
+mod people;
+mod steering;
 mod world;
 
 use crate::args::Outcome;
@@ -22,6 +24,8 @@ enum What {
     World(world::Args),
     Blend(blend::Args),
     Crowd(crowd::Args),
+    Steering(steering::Args),
+    People(people::Args),
     /// What once was a file.
     #[command(external_subcommand)]
     Other(Vec<OsString>),
@@ -33,6 +37,8 @@ pub fn run(args: &Args) -> Outcome {
         What::World(a) => world::run(a),
         What::Blend(a) => blend::run(a),
         What::Crowd(a) => crowd::run(a),
+        What::Steering(a) => steering::run(a),
+        What::People(a) => people::run(a),
         What::Other(words) => {
             let new = [(".throng", "bundle"), (".toml", "world")];
             renamed::refuse_form("bench", words, &new, "bundle FILE, world FILE, blend [FILE] and crowd")

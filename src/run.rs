@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use throng_precompute::picture;
-use throng_precompute::run::{self, Cached, Figures, RunConfig, SceneReport};
+use throng_precompute::run::{self, Cached, Figures, RunConfig, SceneReport, TrajectoryPoint};
 use throng_precompute::trial::{self, TrialConfig, TrialRecord, TrialReport};
 use throng_precompute::verdict::Verdict;
 use throng_runtime::Bundle;
@@ -26,6 +26,10 @@ pub struct Args {
     /// each kind of motion.
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
+    /// Table of where all agents of a scene are, ten times a simulated second, which PedPy reads: CSV with the columns
+    /// time_s, agent, x_m, z_m, vx_mps and vz_mps.
+    #[arg(long, value_name = "FILE")]
+    trajectories: Option<PathBuf>,
     /// Bundle in place of the scene's; the world of the scene is then beside it.
     #[arg(long, value_name = "FILE")]
     bundle: Option<PathBuf>,
@@ -68,8 +72,8 @@ pub fn run(args: &Args) -> Outcome {
         several if several.iter().any(is_single) => return fail("expected one scene, one bundle, or motion alone"),
         _ => {}
     }
-    if args.bundle.is_some() || args.engine.is_some() || !args.without.is_empty() {
-        return fail("--bundle, --engine and --without are for scenes; name the bundle alone");
+    if args.bundle.is_some() || args.engine.is_some() || !args.without.is_empty() || args.trajectories.is_some() {
+        return fail("--bundle, --engine, --trajectories and --without are for scenes; name the bundle alone");
     }
     let tables = match args.what.as_slice() {
         [bundle] if is_bundle(bundle) => crate::args::open(bundle)?,
@@ -116,15 +120,32 @@ fn run_scene(file: &Path, args: &Args) -> Outcome {
         seconds: args.crowd.seconds().map(f64::from),
         step_hz: args.crowd.step_hz(),
         recorded: args.png.is_some(),
+        trajectories: args.trajectories.is_some(),
     };
     let (report, record, sim) = run::run(&compiled, &config)?;
     if let Some(png) = &args.png {
         picture::scene_sheet(&compiled, &sim, &report, &record)?.save_png(png)?;
     }
+    if let Some(file) = &args.trajectories {
+        write_trajectories(&record.trajectories, file)?;
+    }
     for (time_s, character, what) in record.faults.iter().take(5) {
         eprintln!("at {time_s:.1} s, character {character}: {what}");
     }
     if args.json { output::json(&report) } else { print_scene(&report) }
+}
+
+/// Writes where agents were as CSV.
+fn write_trajectories(points: &[TrajectoryPoint], file: &Path) -> Outcome {
+    if points.is_empty() {
+        return fail("--trajectories is for scenes with agents");
+    }
+    let mut text = String::from("time_s,agent,x_m,z_m,vx_mps,vz_mps\n");
+    for p in points {
+        let ([x, z], [vx, vz]) = (p.at.to_array(), p.velocity.to_array());
+        _ = writeln!(text, "{:.3},{},{x:.4},{z:.4},{vx:.4},{vz:.4}", p.time_s, p.agent);
+    }
+    std::fs::write(file, text).map_err(|e| format!("{}: {e}", file.display()).into())
 }
 
 /// Puts what is given in place of what the scene says.

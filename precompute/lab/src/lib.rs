@@ -11,5 +11,6 @@ pub mod run;
 pub mod selftest;
 pub mod slip;
 pub mod soak;
+pub mod steering;
 pub mod trial;
 pub mod verdict;

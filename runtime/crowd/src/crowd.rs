@@ -181,7 +181,7 @@ impl Crowd {
         each!(&mut self.engine, e => e.add_route(route.map(Space::from_world)))
     }
 
-    /// Appends the whole state: about 155 bytes an agent on the ground and 180 in the air, and 20 or 28 bytes a square
+    /// Appends the whole state: about 170 bytes an agent on the ground and 200 in the air, and 20 or 28 bytes a square
     /// of the density grid.
     pub fn save(&self, out: &mut Vec<u8>) {
         each!(&self.engine, e => e.save(out))

@@ -31,7 +31,6 @@ pub use error::CrowdError;
 pub use events::event::{Counts, Event, EventKind};
 pub use routes::order::{Go, Status};
 pub use routes::route::{AtEnd, Route};
-pub use routes::smooth::tie;
 pub use routes::streets::{NoWay, Streets};
 pub use space::Space;
 pub use space::obstacle::{Interest, Obstacle};

@@ -3,7 +3,8 @@
 #[cfg(feature = "baselines")]
 use crate::Scheme;
 use crate::error::{CrowdError, check};
-use crate::routes::spline::Spline;
+use crate::routes::path::{KnownCosts, Path};
+use crate::routes::streets::Streets;
 #[cfg(feature = "baselines")]
 use crate::safety::bound::narrowest_cell;
 use crate::space::cells::Cells;
@@ -12,7 +13,7 @@ use crate::space::solid::{Solid, is_inside, solids};
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::keep_right::is_wall_within;
-use crate::{Agent, Field, Id, Interest, Obstacle, Setup, Space};
+use crate::{Agent, Field, Id, Interest, Obstacle, Route, Setup, Space};
 use throng_base::error::check_index;
 use throng_base::prefetch;
 
@@ -20,7 +21,9 @@ use throng_base::prefetch;
 #[derive(Clone, Debug)]
 pub(crate) struct Scenery<V> {
     pub fields: Vec<Field>,
-    pub splines: Vec<Spline<V>>,
+    pub paths: Vec<Path<V>>,
+    /// Finds ways round obstacles.
+    pub streets: Option<Streets>,
     /// What stands or moves, as it was given.
     pub obstacles: Vec<Obstacle<V>>,
     /// Which of the solids are whose (obstacles.len()).
@@ -103,7 +106,8 @@ impl<V: Space> Scenery<V> {
         let fastest = ratio * speed;
         let mut scenery = Self {
             fields: setup.fields.clone(),
-            splines: Vec::with_capacity(setup.routes.len()),
+            paths: Vec::with_capacity(setup.routes.len()),
+            streets: setup.streets.clone(),
             obstacles: setup.obstacles.clone(),
             ranges: Vec::new(),
             solids: Vec::new(),
@@ -126,10 +130,10 @@ impl<V: Space> Scenery<V> {
         let square = config.steering.square_radii * radius.max(1e-3);
         let grid = DensityGrid::new(square, high - low, capacity);
         scenery.add_obstacles()?;
+        let mut known = KnownCosts::new();
         for (index, route) in setup.routes.iter().enumerate() {
-            let spline = Spline::new(index, route)?;
-            scenery.check_route(index, &spline)?;
-            scenery.splines.push(spline);
+            let path = scenery.path_with(index, route, &mut known)?;
+            scenery.paths.push(path);
         }
         for (agent, m) in setup.agents.iter().enumerate() {
             scenery.check_place(Id::first(agent), m.position)?;
@@ -182,10 +186,25 @@ impl<V: Space> Scenery<V> {
         Ok(())
     }
 
+    /// Makes a route ready.
+    ///
+    /// # Errors
+    /// [`CrowdError`] for a route that cannot be.
+    pub fn path(&self, number: usize, route: &Route<V>) -> Result<Path<V>, CrowdError> {
+        self.path_with(number, route, &mut KnownCosts::new())
+    }
+
+    /// The same, one of many.
+    pub fn path_with(&self, number: usize, route: &Route<V>, known: &mut KnownCosts) -> Result<Path<V>, CrowdError> {
+        let path = Path::new(number, route, &self.solids, (self.streets.as_ref(), known))?;
+        self.check_route(number, &path)?;
+        Ok(path)
+    }
+
     /// No subgoal of a route is in an obstacle.
-    pub fn check_route(&self, route: usize, spline: &Spline<V>) -> Result<(), CrowdError> {
+    fn check_route(&self, route: usize, path: &Path<V>) -> Result<(), CrowdError> {
         for ((obstacle, body), range) in self.obstacles.iter().enumerate().zip(&self.ranges) {
-            if let Some(subgoal) = spline.blocked_by(body, &self.solids[range.clone()]) {
+            if let Some(subgoal) = path.blocked_by(body, &self.solids[range.clone()]) {
                 return Err(CrowdError::Goal { route, subgoal, obstacle });
             }
         }

@@ -32,7 +32,7 @@ pub struct Figures {
     /// Of agents.
     #[serde(flatten)]
     pub crowd: Option<AgentFigures>,
-    /// Agents that stayed within half a metre for 10 s on their way, and characters in worlds for 30 s.
+    /// Agents that ever stayed within half a metre for 10 s on their way, and characters in worlds for 30 s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stuck: Option<usize>,
     /// Mean speed of planted heels and toes (m/s).
@@ -102,7 +102,13 @@ pub struct AgentFigures {
     /// Wall time of the engine, and of bodies that follow agents, for one simulated second (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall_s_per_simulated_s: Option<f64>,
-    /// That time for one agent; in `bench crowd` the time that the engine's thread was running, where the system tells
+    /// Time to make the crowd: its layout, ways and memory (s).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub setup_s: Option<f64>,
+    /// Least, median and largest `us_per_agent_second` of all repeats (us).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub us_range: Option<[f64; 3]>,
+    /// That time for one agent that is there; in `bench crowd` the time that the engine's thread was running, where the system tells
     /// it, so that what else a machine does counts little (us).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub us_per_agent_second: Option<f64>,
@@ -119,10 +125,14 @@ pub struct AgentFigures {
     pub overlap_over_1mm_fraction: f64,
     /// Pairs that overlapped by more than 1 cm, for one agent and frame at 30 Hz.
     pub overlap_over_1cm_fraction: f64,
-    /// Deepest overlap of a pair (m).
+    /// Deepest overlap of a pair, or of an agent and what stands (m).
     pub max_overlap_m: f64,
     /// Mean speed towards the goal, along the planned way, of agents that have not arrived (m/s).
     pub progress_mps: f64,
+    /// The same in each ten seconds in which there were any (m/s).
+    pub progress_by_10s_mps: Vec<f64>,
+    /// Agents that stay within half a metre at the end, for 10 s or longer, on their way.
+    pub stuck_at_end: usize,
     /// Mean desired speed, for comparison (m/s).
     pub desired_mps: f64,
     /// Agents that reached their goal.

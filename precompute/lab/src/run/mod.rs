@@ -20,7 +20,7 @@ pub use news::News;
 pub use own::{OWN_SCENES, own_scene};
 pub use record::{
     AgentsRecord, CrowdMoment, FightFrame, FightRecord, PathsRecord, Pose, Record, SeenAgent, SeenObstacle, TRAIL_S,
-    WorldRecord, seen_obstacle,
+    TrajectoryPoint, WorldRecord, seen_obstacle,
 };
 pub use report::{GroupReport, RunConfig, SceneReport, geometry, run, run_agents};
 pub use styles::{StyleWalk, curve, walk_styles};

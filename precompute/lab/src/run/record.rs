@@ -1,7 +1,8 @@
 //! What a run leaves to be drawn.
 
+use super::report::RunConfig;
 use super::watch::{LOOK_S, Watch};
-use glam::Vec3;
+use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_runtime::crowd::{Obstacle, Space};
 use throng_runtime::simulation::agents::{Agents, in_world};
 use throng_runtime::simulation::{Event, GroupCast, Simulation};
@@ -32,8 +33,23 @@ pub struct Record {
     pub worlds: Vec<WorldRecord>,
     /// Of all agents, if there are any.
     pub agents: Option<AgentsRecord>,
+    /// Where agents were, ten times a simulated second, if that was asked for.
+    pub trajectories: Vec<TrajectoryPoint>,
     /// Where things were seen that should not be: time, character, what (s).
     pub faults: Vec<(f32, usize, String)>,
+}
+
+/// Where an agent was at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrajectoryPoint {
+    /// (s)
+    pub time_s: f64,
+    /// Its number among the characters of the simulation.
+    pub agent: usize,
+    /// Its centre over the ground: x and z (m).
+    pub at: Vec2,
+    /// How it moves over the ground: x and z (m/s).
+    pub velocity: Vec2,
 }
 
 /// The first characters of a group with policies: two of pairs, one of others.
@@ -160,12 +176,14 @@ pub struct AgentsRecord {
 /// Fills a record.
 pub(super) struct Recorder {
     is_on: bool,
+    trajectories: bool,
     seconds: f64,
     record: Record,
 }
 
 impl Recorder {
-    pub fn new(is_on: bool, sim: &Simulation, seconds: f64) -> Self {
+    pub fn new(config: &RunConfig, sim: &Simulation, seconds: f64) -> Self {
+        let is_on = config.recorded;
         let mut record = Record::default();
         for (g, group) in sim.groups().iter().enumerate().filter(|_| is_on) {
             match &sim.casts()[group.cast] {
@@ -191,15 +209,18 @@ impl Recorder {
                 _ => {}
             }
         }
-        Self { is_on, seconds, record }
+        Self { is_on, trajectories: config.trajectories, seconds, record }
     }
 
     pub fn observe(&mut self, sim: &Simulation, step: usize, hz: f64) {
+        let time_s = sim.time_s();
+        let record = &mut self.record;
+        if self.trajectories && step.is_multiple_of(((LOOK_S * hz).round() as usize).max(1)) {
+            follow(sim, &mut record.trajectories);
+        }
         if !self.is_on {
             return;
         }
-        let time_s = sim.time_s();
-        let record = &mut self.record;
         record.fights.iter_mut().for_each(|f| f.observe(sim));
         if step.is_multiple_of(((LOOK_S * hz).round() as usize).max(1)) {
             for p in &mut record.paths {
@@ -246,6 +267,21 @@ impl Recorder {
             }
         }
         self.record
+    }
+}
+
+/// Adds where all agents are.
+fn follow(sim: &Simulation, out: &mut Vec<TrajectoryPoint>) {
+    for who in 0..sim.num_characters() {
+        let disc = match sim.locate(who) {
+            (GroupCast::Ground(agents), agent) => agents.disc(agent),
+            (GroupCast::Air(agents), agent) => agents.disc(agent),
+            _ => None,
+        };
+        if let Some(disc) = disc {
+            let (at, velocity) = (disc.centre.xz(), disc.velocity.xz());
+            out.push(TrajectoryPoint { time_s: sim.time_s(), agent: who, at, velocity });
+        }
     }
 }
 

@@ -29,11 +29,13 @@ pub struct RunConfig {
     pub step_hz: f64,
     /// Keeps what a picture shows.
     pub recorded: bool,
+    /// Keeps where all agents are, ten times a simulated second.
+    pub trajectories: bool,
 }
 
 impl Default for RunConfig {
     fn default() -> Self {
-        Self { seconds: None, step_hz: 60.0, recorded: false }
+        Self { seconds: None, step_hz: 60.0, recorded: false, trajectories: false }
     }
 }
 
@@ -90,7 +92,7 @@ pub fn run(scene: &CompiledScene, config: &RunConfig) -> Result<(SceneReport, Re
             groups.push(Watch::new(&sim, &[g])?);
         }
     }
-    let mut recorder = Recorder::new(config.recorded, &sim, seconds);
+    let mut recorder = Recorder::new(config, &sim, seconds);
     let steps = (seconds * hz).round().max(1.0) as usize;
     let mut busy_s = 0.0;
     for step in 0..=steps {
@@ -131,11 +133,17 @@ pub fn run_agents(scene: &CompiledScene, seconds: Option<f64>, threads: usize) -
     THREADS.check_count("threads", threads).map_err(fault)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| wrong(e.to_string()))?;
+    let begin = Instant::now();
     let mut sim = Simulation::new(scene).map_err(fault)?;
-    pool.install(|| match sim.cast_mut(0) {
+    let setup_s = begin.elapsed().as_secs_f64();
+    let figures = pool.install(|| match sim.cast_mut(0) {
         GroupCast::Ground(agents) => measure(agents, &scene.scene().measure, scene, seconds, threads),
         GroupCast::Air(agents) => measure(agents, &scene.scene().measure, scene, seconds, threads),
         _ => Err(wrong("expected a scene of agents, with `motion = \"none\"`".into())),
+    });
+    figures.map(|mut figures| {
+        figures.crowd.iter_mut().for_each(|c| c.setup_s = Some(setup_s));
+        figures
     })
 }
 

@@ -1,7 +1,8 @@
 //! What an agent does at its event.
 
 use crate::events::schemes::{Meeting, SchemeRef};
-use crate::routes::spline::Cursor;
+use crate::routes::guide::Guide;
+use crate::routes::path::Cursor;
 use crate::safety::bound::Bound;
 use crate::safety::others::Others;
 use crate::safety::reach::Reach;
@@ -19,6 +20,9 @@ use crate::steering::sight::{ROUNDING, Seen};
 use crate::{AtEnd, Forces, NONE, Space};
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
+
+/// Speed with which everybody may give way, whatever they want (m/s).
+const SLOWEST_MPS: f32 = 0.5;
 
 /// Why an agent acts next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,7 +45,7 @@ pub(crate) struct AgentState<V> {
     /// Cell that it is registered in; [`NONE`] for a free place.
     pub cell: u32,
     pub speed: f32,
-    pub cursor: Cursor,
+    pub cursor: Cursor<V>,
     pub filter: Filter<V>,
     pub cause: Cause,
     /// Shortest distance left along the route since it stepped back last (m).
@@ -156,11 +160,12 @@ impl<V: Space> Decider<'_, V> {
         // A plan longer than the relaxation time reaches the desired velocity and does not pass it.
         let desired = acceleration * (self.scenery.fields[state.field as usize].relaxation_s / length).min(1.0);
         self.look_at_plans(&fresh, length, scratch);
-        let mut taken = self.safe(&fresh, desired, length, region, near, scratch);
+        let fastest = self.fastest(&state);
+        let mut taken = self.safe(&fresh, (desired, fastest), length, region, near, scratch);
         if taken.is_none() && !self.scenery.movers.is_empty() {
             // It may be too late to avoid a moving obstacle: get out of its way as far as other agents allow.
             scratch.others.leave_out_movers();
-            taken = self.safe(&fresh, desired, self.scenery.interval, region, near, scratch);
+            taken = self.safe(&fresh, (desired, fastest), self.scenery.interval, region, near, scratch);
         }
         let plan = match taken {
             Some(plan) => plan,
@@ -216,17 +221,31 @@ impl<V: Space> Decider<'_, V> {
         Forces { taken: plan.acceleration, ..f }
     }
 
+    /// What agents find their ways by.
+    pub fn guide(&self) -> Guide<'_, V> {
+        Guide { streets: self.scenery.streets.as_ref(), grid: self.grid, steering: &self.scenery.steering }
+    }
+
     /// Follows the route, filters the velocity, and notes whether the agent makes progress.
     fn update(&self, state: &mut AgentState<V>, plan: &Plan<V>, position: V, velocity: V) {
         state.filter.observe(velocity, (self.time - plan.start) as f32, &self.scenery.steering);
-        let spline = &self.scenery.splines[state.route as usize];
-        spline.follow(&mut state.cursor, position, self.scenery.fields[state.field as usize].look_ahead_m);
-        state.is_there = spline.is_there(state.cursor, position);
-        if state.is_there && spline.at_end() == AtEnd::Again {
-            state.cursor = Cursor::default();
+        let path = &self.scenery.paths[state.route as usize];
+        let leg = state.cursor.leg;
+        let again = path.pass(&mut state.cursor, position);
+        let steering = &self.scenery.steering;
+        let is_at_corner = state.cursor.rest > 0.0 && {
+            let near = steering.corner_m;
+            (state.cursor.aim - position).length_squared() < near * near
+        };
+        if self.time >= state.cursor.look_at || is_at_corner || leg != state.cursor.leg {
+            self.guide().look(path, &mut state.cursor, position, plan.radius);
+            state.cursor.look_at = self.time + steering.look_s;
+        }
+        state.is_there = again || path.is_there(&state.cursor, position);
+        if again {
             state.least_left = f32::INFINITY;
         }
-        let left = spline.left(state.cursor, position);
+        let left = path.left(&state.cursor, position);
         if state.is_there || state.speed == 0.0 || left < state.least_left - self.scenery.steering.progress_m {
             state.least_left = left;
             state.progressed_at = self.time;
@@ -238,16 +257,15 @@ impl<V: Space> Decider<'_, V> {
 
     /// Where an agent wants to go.
     pub fn walker(&self, state: &AgentState<V>, plan: &Plan<V>, position: V, velocity: V) -> Walker<V> {
-        let spline = &self.scenery.splines[state.route as usize];
+        let path = &self.scenery.paths[state.route as usize];
         let field = &self.scenery.fields[state.field as usize];
-        let (desired, distance) = (spline.ahead(state.cursor, field.look_ahead_m) - position).unit_and_length();
+        let (desired, distance) = (state.cursor.aim - position).unit_and_length();
         let mut speed = state.speed;
-        if spline.at_end() == AtEnd::Stay {
+        if path.at_end() == AtEnd::Stay && state.cursor.rest == 0.0 {
             // Comes to rest at the goal.
-            let to_goal = if distance < field.look_ahead_m { (spline.goal() - position).length() } else { distance };
-            speed = speed.min(to_goal / (2.0 * field.relaxation_s));
+            speed = speed.min(distance / (2.0 * field.relaxation_s));
             // At its goal it gives way to agents that pass.
-            speed *= (to_goal / spline.arrival_radius()).min(1.0);
+            speed *= (distance / path.arrival_radius()).min(1.0);
         }
         let centre = plan.position + plan.velocity * (self.time - plan.start) as f32;
         Walker {
@@ -257,7 +275,7 @@ impl<V: Space> Decider<'_, V> {
             limit: plan.limit,
             desired,
             speed,
-            left: spline.left(state.cursor, position),
+            left: path.left(&state.cursor, position),
             retreats: false,
             off_centre: position - centre,
         }
@@ -361,7 +379,7 @@ impl<V: Space> Decider<'_, V> {
     fn safe(
         &self,
         fresh: &Plan<V>,
-        desired: V,
+        (desired, fastest): (V, f32),
         length: f32,
         region: (V, V),
         near: &[u32],
@@ -370,7 +388,7 @@ impl<V: Space> Decider<'_, V> {
         let (shortest, steering) = (self.scenery.interval, &self.scenery.steering);
         let (mut a, mut length) = (desired, length);
         for attempt in 0..steering.plan_tries {
-            let candidate = self.candidate(fresh, a, length);
+            let candidate = self.candidate(fresh, (a, fastest), length);
             if !candidate.stays_within(region.0, region.1) {
                 if length <= shortest {
                     break;
@@ -392,7 +410,7 @@ impl<V: Space> Decider<'_, V> {
         }
         let stop = fresh.velocity * -shortest.recip();
         for share in [0.5, 1.0] {
-            let candidate = self.candidate(fresh, stop * share, shortest);
+            let candidate = self.candidate(fresh, (stop * share, fastest), shortest);
             let is_safe = candidate.stays_within(region.0, region.1) && self.worst(&candidate, near, scratch).is_none();
             if is_safe {
                 return Some(candidate.plan);
@@ -401,11 +419,16 @@ impl<V: Space> Decider<'_, V> {
         None
     }
 
+    /// Fastest that an agent goes: no agent is above the largest speed, on which the safety rule counts.
+    fn fastest(&self, state: &AgentState<V>) -> f32 {
+        let own = state.speed.max(SLOWEST_MPS) * self.scenery.steering.largest_speed_ratio;
+        own.min(self.scenery.fastest)
+    }
+
     /// A plan within the limits of acceleration and speed.
     #[inline]
-    fn candidate(&self, fresh: &Plan<V>, a: V, length: f32) -> Candidate<V> {
+    fn candidate(&self, fresh: &Plan<V>, (a, fastest): (V, f32), length: f32) -> Candidate<V> {
         let a = a.at_most(fresh.limit);
-        let fastest = self.scenery.fastest;
         let a = ((fresh.velocity + a * length).at_most(fastest) - fresh.velocity) * length.recip();
         Candidate::new(Plan { end: self.time + f64::from(length), acceleration: a.at_most(fresh.limit), ..*fresh })
     }
@@ -418,7 +441,7 @@ impl<V: Space> Decider<'_, V> {
 
     /// True if an agent is to leave the crowd, as it is at the end of its route.
     pub fn leaves(&self, state: &AgentState<V>) -> bool {
-        state.is_there && self.scenery.splines[state.route as usize].at_end() == AtEnd::Leave
+        state.is_there && self.scenery.paths[state.route as usize].at_end() == AtEnd::Leave
     }
 
     /// Moving obstacle that overlaps an agent at the start of a plan; [`NONE`] if there is none.

@@ -7,8 +7,7 @@ use crate::events::prefetch::Prefetcher;
 use crate::events::queue::Calendar;
 use crate::events::schemes::{REGISTRATION, SchemeRef};
 use crate::events::watchdog::Watchdog;
-use crate::routes::spline::Spline;
-use crate::routes::streets::Streets;
+use crate::routes::path::Path;
 use crate::scenery::Scenery;
 use crate::space::cells::Cells;
 use crate::steering::density_grid::DensityGrid;
@@ -30,7 +29,7 @@ pub(crate) struct Engine<V> {
     /// Route that belongs to the place of an agent alone; [`NONE`] where there is none (capacity).
     pub own_routes: Vec<u32>,
     /// Spare routes, so that spawning takes no memory.
-    pub spare: Vec<Spline<V>>,
+    pub spare: Vec<Path<V>>,
     /// Places for which memory is taken at once.
     pub room: usize,
     pub queue: Calendar,
@@ -49,8 +48,6 @@ pub(crate) struct Engine<V> {
     pub baseline: Option<crate::events::baselines::Baseline<V>>,
     pub scratch: Scratch<V>,
     pub watchdog: Watchdog,
-    /// Finds the ways of orders.
-    pub streets: Option<Streets>,
     /// Hash of all that a snapshot is meaningless without.
     pub setup_hash: u128,
     pub windows: crate::events::parallel::Windows<V>,
@@ -87,7 +84,6 @@ impl<V: Space> Engine<V> {
             windows: crate::events::parallel::Windows::default(),
             counts: Counts::default(),
             events: Vec::with_capacity(most_events),
-            streets: setup.streets,
         };
         for agent in &setup.agents {
             engine.spawn(*agent)?;
@@ -284,6 +280,6 @@ impl<V: Space> Engine<V> {
 
     /// See [`AtEnd`]: what an agent of a route does at its end.
     pub fn at_end(&self, route: usize) -> Option<AtEnd> {
-        self.scenery.splines.get(route).map(|s| s.at_end())
+        self.scenery.paths.get(route).map(|s| s.at_end())
     }
 }

@@ -39,7 +39,7 @@ impl<V: Space> Engine<V> {
         if let Some(state) = self.state(last) {
             self.cells.prefetch_cells(self.cells.coordinates(self.cells.plan(last).at(self.now).0));
             self.scenery.prefetch(state.cell);
-            prefetch(&self.scenery.splines[state.route as usize]);
+            prefetch(&self.scenery.paths[state.route as usize]);
             if let Cause::Agent(partner) = state.cause {
                 prefetch(&self.states[partner as usize]);
             }
@@ -47,7 +47,7 @@ impl<V: Space> Engine<V> {
         if let Some(state) = self.state(before) {
             let position = self.cells.plan(before).at(self.now).0;
             self.cells.prefetch_plans(self.cells.coordinates(position));
-            self.scenery.splines[state.route as usize].prefetch(state.cursor);
+            self.scenery.paths[state.route as usize].prefetch(state.cursor.leg);
             prefetch_coming(&self.grid, position, state.intent, &self.scenery.steering);
         }
     }

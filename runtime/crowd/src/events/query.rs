@@ -53,10 +53,8 @@ impl<V: Space> Engine<V> {
     pub fn way_left(&self, id: Id) -> Option<f32> {
         let plan = self.plan(id)?;
         let state = &self.states[id.index()];
-        let (position, spline) = (plan.at(self.now).0, &self.scenery.splines[state.route as usize]);
-        let mut cursor = state.cursor;
-        spline.follow(&mut cursor, position, self.scenery.fields[state.field as usize].look_ahead_m);
-        Some(spline.left(cursor, position))
+        let (position, path) = (plan.at(self.now).0, &self.scenery.paths[state.route as usize]);
+        Some(path.left(&state.cursor, position))
     }
 
     pub fn desired_direction(&self, id: Id) -> Option<V> {
@@ -74,8 +72,8 @@ impl<V: Space> Engine<V> {
         let left_m = self.way_left(id)?;
         let state = &self.states[id.index()];
         let position = self.cells.plan(id.index).at(self.now).0;
-        let spline = &self.scenery.splines[state.route as usize];
-        Some(if spline.is_there(state.cursor, position) {
+        let path = &self.scenery.paths[state.route as usize];
+        Some(if path.is_there(&state.cursor, position) {
             Status::There
         } else if state.is_stuck {
             Status::Blocked { by: self.in_front_of(id, position) }

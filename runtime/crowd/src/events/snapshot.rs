@@ -5,7 +5,7 @@ use crate::error::CrowdError;
 use crate::events::baselines::Baseline;
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
-use crate::routes::spline::Spline;
+use crate::routes::path::{KnownCosts, Path};
 use crate::safety::kept;
 use crate::scenery::Scenery;
 use crate::space::cells::Cells;
@@ -17,7 +17,7 @@ use std::collections::HashMap;
 use throng_base::{Error, Hash128, SnapshotKind, StateHash};
 
 /// Grows by one with every change of what is kept.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// All that time changes.
 #[derive(Serialize, Deserialize)]
@@ -63,7 +63,7 @@ impl<V: Space> Engine<V> {
         Hash128::of(&bincode::serde::encode_to_vec(all, config).unwrap_or_default())
     }
 
-    /// Appends the whole state (about 155 bytes an agent on the ground and 180 in the air, of which a route of its own
+    /// Appends the whole state (about 170 bytes an agent on the ground and 200 in the air, of which a route of its own
     /// with one subgoal takes 24 or 28; 20 or 28 bytes a square of the grid).
     pub fn save(&self, out: &mut Vec<u8>) {
         let saved = Saved {
@@ -71,7 +71,7 @@ impl<V: Space> Engine<V> {
             counts: self.counts,
             free: self.free.clone(),
             states: self.states.clone(),
-            routes: self.scenery.splines.iter().map(|s| s.route.clone()).collect(),
+            routes: self.scenery.paths.iter().map(|s| s.route.clone()).collect(),
             own_routes: self.own_routes.clone(),
             plans: self.cells.plans(),
             grid: self.grid.clone(),
@@ -92,13 +92,23 @@ impl<V: Space> Engine<V> {
         if let Err(why) = self.check_saved(&saved) {
             return refused(why);
         }
-        let splines = saved.routes.iter().enumerate().map(|(i, r)| Spline::new(i, r)).collect::<Result<_, _>>();
-        match splines {
-            Ok(splines) => self.scenery.splines = splines,
+        let paths: Result<Vec<_>, _> = {
+            let mut known = KnownCosts::new();
+            saved.routes.iter().enumerate().map(|(i, r)| self.scenery.path_with(i, r, &mut known)).collect()
+        };
+        match paths {
+            Ok(paths) if Self::fit(&saved, &paths) => self.scenery.paths = paths,
+            Ok(_) => return refused("an agent is on a leg that its route has not".to_owned()),
             Err(e) => return refused(e.to_string()),
         }
         self.take_over(saved);
         Ok(())
+    }
+
+    /// True if agents are on legs of their routes.
+    fn fit(saved: &Saved<V>, paths: &[Path<V>]) -> bool {
+        let of_plans = saved.plans.iter().map(|p| &saved.states[p.index as usize]);
+        of_plans.into_iter().all(|s| (s.cursor.leg as usize) < paths[s.route as usize].num_legs())
     }
 
     /// Puts a state that was checked in place of this one.
@@ -252,6 +262,9 @@ impl<V: Space> Engine<V> {
             && state.filter.velocity.is_finite()
             && state.filter.variance.is_finite()
             && state.intent.is_finite()
+            && state.cursor.aim.is_finite()
+            && state.cursor.rest.is_finite()
+            && state.cursor.look_at.is_finite()
             && state.intent.length() <= UNIT
             && (state.route as usize) < num_routes
             && (state.field as usize) < self.scenery.fields.len()
@@ -337,7 +350,7 @@ mod tests {
 
     #[test]
     fn snapshot_size_is_as_documented() {
-        assert_eq!(size::<Vec2>(), [151, 20]);
-        assert_eq!(size::<Vec3>(), [175, 28]);
+        assert_eq!(size::<Vec2>(), [167, 20]);
+        assert_eq!(size::<Vec3>(), [195, 28]);
     }
 }

@@ -4,7 +4,7 @@ use crate::error::{CrowdError, check};
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
 use crate::routes::order::{Go, Way};
-use crate::routes::spline::Spline;
+use crate::routes::path::{Cursor, Path};
 use crate::safety::others::violation;
 use crate::safety::rule::{Candidate, MARGIN, clearance, violation_of_solid};
 use crate::scenery::check_agent;
@@ -24,7 +24,7 @@ impl<V: Space> Engine<V> {
             return Err(Error::Full { capacity: self.states.len() }.into());
         };
         let id = self.id(index);
-        check_agent(id.index(), &agent, self.scenery.splines.len(), self.scenery.fields.len())?;
+        check_agent(id.index(), &agent, self.scenery.paths.len(), self.scenery.fields.len())?;
         self.check_limits(id, &agent)?;
         let plan = self.standing(index, agent.position, agent.velocity, (agent.radius, agent.acceleration));
         self.scenery.check_place(id, agent.position)?;
@@ -34,9 +34,7 @@ impl<V: Space> Engine<V> {
             None => self.stay(index, agent.position),
         };
         self.free.pop();
-        let spline = &self.scenery.splines[route];
-        let cursor = spline.begin(agent.position);
-        let ahead = spline.ahead(cursor, self.scenery.fields[agent.field].look_ahead_m);
+        let cursor = self.begin(route, agent.position, agent.radius);
         self.states[index as usize] = AgentState {
             route: route as u32,
             field: agent.field as u32,
@@ -46,9 +44,9 @@ impl<V: Space> Engine<V> {
             cursor,
             filter: Filter { velocity: agent.velocity, variance: 0.0 },
             cause: Cause::Region,
-            least_left: spline.left(cursor, agent.position),
+            least_left: self.scenery.paths[route].left(&cursor, agent.position),
             progressed_at: self.now,
-            intent: (ahead - agent.position).unit_and_length().0,
+            intent: (cursor.aim - agent.position).unit_and_length().0,
             is_there: false,
             is_stuck: false,
             is_struck: false,
@@ -145,26 +143,24 @@ impl<V: Space> Engine<V> {
         let plan = self.standing(id.index, position, V::default(), (old.radius, old.limit));
         self.check_clearance(id, &plan)?;
         let state = self.states[id.index()];
-        let spline = &self.scenery.splines[state.route as usize];
+        let path = &self.scenery.paths[state.route as usize];
         let is_own = state.route == self.own_routes[id.index()];
-        if is_own && spline.at_end() == AtEnd::Stay && spline.is_there(state.cursor, old.at(self.now).0) {
+        if is_own && path.at_end() == AtEnd::Stay && path.is_there(&state.cursor, old.at(self.now).0) {
             self.stay(id.index, position);
-        } else if is_own && self.streets.is_some() {
-            let subgoals = self.way(id, position, spline.goal(), old.radius)?;
-            let route = Route { subgoals, ..spline.route.clone() };
-            self.set_own_route(id.index, &route)?;
+        } else if is_own {
+            self.check_way(id, position, path.goal())?;
         }
         self.cells.remove(state.cell, id.index);
         #[cfg(feature = "baselines")]
         self.unlist(id.index);
-        let spline = &self.scenery.splines[state.route as usize];
-        let cursor = spline.begin(position);
+        let cursor = self.begin(state.route as usize, position, plan.radius);
+        let left = self.scenery.paths[state.route as usize].left(&cursor, position);
         let state = &mut self.states[id.index()];
         state.cell = self.cells.number(self.cells.coordinates(position));
         state.cursor = cursor;
         state.filter = Filter { velocity: V::default(), variance: 0.0 };
         (state.cause, state.is_struck) = (Cause::Region, false);
-        (state.least_left, state.progressed_at) = (spline.left(cursor, position), self.now);
+        (state.least_left, state.progressed_at) = (left, self.now);
         (state.is_there, state.is_stuck) = (false, false);
         self.insert(&plan);
         Ok(())
@@ -175,11 +171,10 @@ impl<V: Space> Engine<V> {
     /// # Errors
     /// [`CrowdError`] for a route that cannot be.
     pub fn add_route(&mut self, route: Route<V>) -> Result<usize, CrowdError> {
-        let number = self.scenery.splines.len();
-        let spline = Spline::new(number, &route)?;
-        self.scenery.check_route(number, &spline)?;
-        self.scenery.splines.push(spline);
-        self.scenery.splines.reserve(self.spare.len());
+        let number = self.scenery.paths.len();
+        let path = self.scenery.path(number, &route)?;
+        self.scenery.paths.push(path);
+        self.scenery.paths.reserve(self.spare.len());
         Ok(number)
     }
 
@@ -197,12 +192,15 @@ impl<V: Space> Engine<V> {
         let position = plan.at(self.now).0;
         let number = match &order.way {
             Way::Route(number) => {
-                check_index("route", Some(id), *number, self.scenery.splines.len())?;
+                check_index("route", Some(id), *number, self.scenery.paths.len())?;
                 *number
             }
             Way::To(_) | Way::Along(_) => {
                 let subgoals = match &order.way {
-                    Way::To(goal) => self.way(id, position, *goal, plan.radius)?,
+                    Way::To(goal) => {
+                        self.check_way(id, position, *goal)?;
+                        vec![*goal]
+                    }
                     Way::Along(subgoals) => subgoals.clone(),
                     Way::Route(_) => Vec::new(),
                 };
@@ -213,54 +211,61 @@ impl<V: Space> Engine<V> {
                 number
             }
         };
-        let spline = &self.scenery.splines[number];
+        let kept = self.states[id.index()];
+        let is_on_it = kept.route == number as u32;
+        let cursor = if is_on_it { kept.cursor } else { self.begin(number, position, plan.radius) };
+        let left = self.scenery.paths[number].left(&cursor, position);
         let state = &mut self.states[id.index()];
-        state.cursor = if state.route == number as u32 { state.cursor } else { spline.begin(position) };
-        (state.route, state.speed) = (number as u32, speed);
-        (state.least_left, state.progressed_at) = (spline.left(state.cursor, position), self.now);
+        (state.cursor, state.route, state.speed) = (cursor, number as u32, speed);
+        (state.least_left, state.progressed_at) = (left, self.now);
         (state.is_there, state.is_stuck) = (false, false);
         Ok(())
     }
 
-    /// Subgoals of the way from a place to a goal: round obstacles where the crowd knows its streets, otherwise straight.
-    fn way(&self, id: Id, from: V, goal: V, radius: f32) -> Result<Vec<V>, CrowdError> {
-        let Some(streets) = &self.streets else { return Ok(vec![goal]) };
-        match streets.subgoals(from.to_world(), goal.to_world(), radius) {
-            Ok(route) => Ok(route.into_iter().map(V::from_world).collect()),
-            Err(Error::NoWay { from, to, .. }) => Err(Error::NoWay { who: Some(id), from, to }.into()),
-            Err(e) => Err(e.into()),
-        }
+    /// A way leads from a place to a goal, as far as the crowd knows its streets.
+    fn check_way(&self, id: Id, from: V, goal: V) -> Result<(), CrowdError> {
+        let Some(streets) = &self.scenery.streets else { return Ok(()) };
+        let (from, to) = (from.to_world(), goal.to_world());
+        streets.corners(from, to).map(|_| ()).map_err(|_| Error::NoWay { who: Some(id), from, to }.into())
+    }
+
+    /// Where an agent begins on a route.
+    fn begin(&self, route: usize, x: V, radius: f32) -> Cursor<V> {
+        let path = &self.scenery.paths[route];
+        let mut cursor = path.begin(x);
+        path.pass(&mut cursor, x);
+        self.decider(self.now).guide().look(path, &mut cursor, x, radius);
+        cursor
     }
 
     /// Lets an agent stay at a place, on a route of its own. Returns its number.
     fn stay(&mut self, index: u32, at: V) -> usize {
         let own = &mut self.own_routes[index as usize];
         if *own == NONE {
-            *own = self.scenery.splines.len() as u32;
-            self.scenery.splines.push(self.spare.pop().unwrap_or_else(|| Spline::staying(at)));
+            *own = self.scenery.paths.len() as u32;
+            self.scenery.paths.push(self.spare.pop().unwrap_or_else(|| Path::staying(at)));
         }
-        self.scenery.splines[*own as usize].stay(at);
+        self.scenery.paths[*own as usize].stay(at);
         *own as usize
     }
 
     /// Takes memory for the first routes of those to come.
     pub fn fill_spare(&mut self) {
         let missing = self.own_routes.iter().take(self.room).filter(|&&own| own == NONE).count();
-        self.spare.resize(missing, Spline::staying(V::default()));
-        self.scenery.splines.reserve(missing);
+        self.spare.resize(missing, Path::staying(V::default()));
+        self.scenery.paths.reserve(missing);
     }
 
     /// Gives an agent a route of its own, in place of the last one of that place: memory does not grow, however often
     /// agents are sent. Returns its number.
     fn set_own_route(&mut self, index: u32, route: &Route<V>) -> Result<usize, CrowdError> {
         let own = self.own_routes[index as usize];
-        let number = if own == NONE { self.scenery.splines.len() } else { own as usize };
-        let spline = Spline::new(number, route)?;
-        self.scenery.check_route(number, &spline)?;
+        let number = if own == NONE { self.scenery.paths.len() } else { own as usize };
+        let path = self.scenery.path(number, route)?;
         if own == NONE {
-            self.scenery.splines.push(spline);
+            self.scenery.paths.push(path);
         } else {
-            self.scenery.splines[number] = spline;
+            self.scenery.paths[number] = path;
         }
         self.own_routes[index as usize] = number as u32;
         Ok(number)

@@ -71,9 +71,9 @@ impl Outline {
         }
     }
 
-    /// Points to go around it by: on circles about its corners, which keep `clearance` from them, and so does the
-    /// straight line between two neighbours of a circle.
-    pub fn points_around(&self, clearance: f32) -> Vec<Vec2> {
+    /// Points to go around it by, each with its corner: on circles about its corners, which keep `clearance` from them, and
+    /// so does the straight line between two neighbours of a circle.
+    pub fn points_around(&self, clearance: f32) -> Vec<(Vec2, Vec2)> {
         let (corners, radius): (&[Vec2], f32) = match self {
             Self::Wall { from, to, radius } if from == to => (&[*from], *radius),
             Self::Wall { from, to, radius } => (&[*from, *to], *radius),
@@ -83,7 +83,7 @@ impl Outline {
         let num = if radius > clearance { 24 } else { 12 };
         let out = (radius + clearance) * 1.002 / maths::cos(0.5 * TAU / num as f32);
         let away = |i: i32| maths::at_angle(TAU * i as f32 / num as f32) * out;
-        corners.iter().flat_map(|&c| (0..num).map(move |i| c + away(i))).collect()
+        corners.iter().flat_map(|&c| (0..num).map(move |i| (c + away(i), c))).collect()
     }
 }
 
@@ -154,7 +154,7 @@ mod tests {
             let disc = Outline::Wall { from: c, to: c, radius };
             let around = disc.points_around(clearance);
             for i in 0..around.len() {
-                let line = disc.distance_of_line(around[i], around[(i + 1) % around.len()]);
+                let line = disc.distance_of_line(around[i].0, around[(i + 1) % around.len()].0);
                 prop_assert!(line >= clearance && line < 1.1 * clearance + 0.1 * radius, "{line}");
             }
         }

@@ -16,11 +16,12 @@ pub enum AtEnd {
     Again,
 }
 
-/// A way through subgoals: a spline with continuous tangents (Kim, Kim and Shin 2003b, section 2.2, driving force).
+/// A way through subgoals. Agents pass the line across the way at each, anywhere between the walls. Differs from Kim, Kim and
+/// Shin (2003b, section 2.2, driving force), whose agents follow a spline: a crowd on one would not use the width of the way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Route<V = Vec3> {
-    /// Where it leads, in order; an agent begins at the nearest place of the spline. A single one is a goal that is
-    /// gone to straight (m, >= 1).
+    /// Where it leads, in order; an agent begins on the leg that it is nearest to. A single one is a goal that is gone to
+    /// straight, or round obstacles where the crowd knows its streets (m, >= 1).
     pub subgoals: Vec<V>,
     /// How near to the last subgoal is there (m, > 0).
     pub arrival_radius: f32,

@@ -5,8 +5,7 @@
 //! graph is small and, unlike a mesh of triangles, gives the shortest ways themselves.
 
 use crate::routes::outline::Outline;
-use crate::routes::smooth::tie;
-use crate::{AtEnd, Obstacle, Route};
+use crate::{AtEnd, NONE, Obstacle, Route};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -26,9 +25,46 @@ pub struct Streets {
     nearest: f32,
     /// Points to go round corners by.
     points: Vec<Vec2>,
-    /// Of each point: those that it sees, and how far they are (m).
+    /// Of each point: where it lies from its corner (unit vector), how far it is free that way (m), and the number of its
+    /// corner.
+    around: Vec<(Vec2, f32, u32)>,
+    /// Of each point: those that it sees and ways may lead to, and how far they are (m).
     seen: Vec<Vec<(u32, f32)>>,
 }
+
+/// How far a goal is from all points of some streets: where it is seen from, or by which point to go on.
+#[derive(Clone, Debug)]
+pub(crate) struct Costs {
+    /// (way (m), point to go on by; [`NONE`] where the goal is seen) (points)
+    of: Vec<(f32, u32)>,
+    /// How far the goal is from what stands, if that is less than the clearance (m).
+    pub near: f32,
+}
+
+/// A corner on the way to a goal, as seen from somewhere.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Corner {
+    /// A point beside the corner (m).
+    pub at: Vec2,
+    /// Unit vector away from the corner, across the way.
+    pub out: Vec2,
+    /// How far it is free that way (m).
+    pub free: f32,
+    /// Number of the corner.
+    pub number: u32,
+    /// Where the way leads after this corner, and how far it is from there on (m).
+    pub next: Vec2,
+    pub rest: f32,
+    /// Way to the goal by this corner (m).
+    pub way: f32,
+}
+
+/// Farthest that a corner is taken to be free across the way (m).
+const WIDEST_M: f32 = 12.0;
+/// Largest part of a straight way at a corner that may lead away from the corner or to it: others are no shortest ways.
+const TAUT: f32 = 0.5;
+/// Most corners between which an agent chooses.
+pub(crate) const MOST_CORNERS: usize = 6;
 
 /// Why there is no way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,12 +116,15 @@ impl Streets {
             clearance: clearance_m,
             nearest: nearest_m,
             points: Vec::new(),
+            around: Vec::new(),
             seen: Vec::new(),
         };
-        let around: Vec<Vec2> = streets.outlines.iter().flat_map(|s| s.points_around(clearance_m)).collect();
-        for p in around {
+        let around: Vec<_> = streets.outlines.iter().flat_map(|s| s.points_around(clearance_m)).collect();
+        let mut number = 0;
+        for (i, &(p, corner)) in around.iter().enumerate() {
+            number += u32::from(i > 0 && around[i - 1].1 != corner);
             if streets.is_clear(p, p, clearance_m) {
-                streets.join(p);
+                streets.join(p, (p - corner).normalize_or_zero(), number);
             }
         }
         Ok(streets)
@@ -111,18 +150,13 @@ impl Streets {
         &self.obstacles
     }
 
-    /// A route from one place to another.
+    /// A route from one place to another, through the corners of the shortest way: for crowds without streets of their own.
     ///
     /// # Errors
     /// [`Error::NoWay`] where an obstacle holds one of the places, or nothing leads from one to the other.
     pub fn route(&self, from: Vec3, to: Vec3) -> Result<Route> {
-        Ok(Route { subgoals: self.subgoals(from, to, 0.0)?, arrival_radius: 0.5, at_end: AtEnd::Stay })
-    }
-
-    /// Subgoals of a route for an agent of a radius: the goal alone where the way is straight.
-    pub(crate) fn subgoals(&self, from: Vec3, to: Vec3, radius: f32) -> Result<Vec<Vec3>> {
         let corners = self.corners(from, to).map_err(|_| Error::NoWay { who: None, from, to })?;
-        Ok(tie(&corners, radius))
+        Ok(Route { subgoals: corners[1..].to_vec(), arrival_radius: 0.5, at_end: AtEnd::Stay })
     }
 
     /// Corners of the shortest way, with both its ends; heights go evenly from one to the other. The way keeps the
@@ -160,20 +194,129 @@ impl Streets {
     }
 
     /// Adds a point, joined with all that it sees.
-    fn join(&mut self, p: Vec2) {
+    fn join(&mut self, p: Vec2, out: Vec2, corner: u32) {
         let new = self.points.len();
         let sees = self.sees(p, self.clearance);
-        for (n, distance) in sees.iter().enumerate().filter_map(|(n, d)| Some((n, (*d)?))) {
+        let is_taut = |n: usize, d: f32| corner == self.around[n].2 || (self.points[n] - p).dot(out).abs() <= TAUT * d;
+        let sees: Vec<(usize, f32)> =
+            sees.iter().enumerate().filter_map(|(n, d)| Some((n, (*d)?))).filter(|&(n, d)| is_taut(n, d)).collect();
+        for &(n, distance) in &sees {
             self.seen[n].push((new as u32, distance));
         }
-        let smaller = sees.iter().enumerate().rev().filter_map(|(n, d)| Some((n as u32, (*d)?)));
-        self.seen.push(smaller.collect());
+        self.seen.push(sees.into_iter().rev().map(|(n, d)| (n as u32, d)).collect());
+        let free = self.free_way(p, out);
         self.points.push(p);
+        self.around.push((out, free, corner));
     }
 
-    /// How far the points are that can be seen with a clearance (points).
+    /// How far the points are that can be seen with a clearance, and that ways may lead to (points).
     fn sees(&self, p: Vec2, clearance: f32) -> Vec<Option<f32>> {
-        self.points.iter().map(|&q| self.is_clear(p, q, clearance).then(|| p.distance(q))).collect()
+        let sees = |(q, (out, ..)): (&Vec2, &(Vec2, f32, u32))| {
+            let distance = p.distance(*q);
+            let is_taut = (p - *q).dot(*out).abs() <= TAUT * distance || distance < 2.0 * self.clearance;
+            (is_taut && self.is_clear(p, *q, clearance)).then_some(distance)
+        };
+        self.points.iter().zip(&self.around).map(sees).collect()
+    }
+
+    /// How far it is free from a point along a unit vector, less the clearance (m).
+    fn free_way(&self, from: Vec2, along: Vec2) -> f32 {
+        let mut way = 0.0;
+        while way < WIDEST_M {
+            let x = from + along * way;
+            let nearest = self.outlines.iter().map(|s| s.distance(x)).fold(WIDEST_M, f32::min) - self.clearance;
+            if way > 0.0 && nearest < 0.02 {
+                break;
+            }
+            // Where it begins, its own corner is just as near as may be.
+            way += nearest.max(0.05);
+        }
+        way.min(WIDEST_M)
+    }
+
+    /// How far a goal is from all points: Dijkstra (1959), from the goal on. Equal ways are resolved by the numbers of points.
+    pub(crate) fn costs(&self, goal: Vec3) -> Costs {
+        let goal = goal.xz();
+        let near = self.outlines.iter().map(|s| s.distance(goal)).fold(self.clearance, f32::min) * 0.999;
+        let mut of: Vec<(f32, u32)> = vec![(f32::INFINITY, NONE); self.points.len()];
+        let mut open = BinaryHeap::new();
+        for (n, distance) in self.sees(goal, near).into_iter().enumerate().filter_map(|(n, d)| Some((n, d?))) {
+            of[n].0 = distance;
+            open.push(Open { estimate: distance, left: n as f32, length: distance, n });
+        }
+        while let Some(Open { length, n, .. }) = open.pop() {
+            if of[n].0 < length {
+                continue;
+            }
+            for &(next, far) in &self.seen[n] {
+                let then = length + far;
+                if then < of[next as usize].0 {
+                    of[next as usize] = (then, n as u32);
+                    open.push(Open { estimate: then, left: next as f32, length: then, n: next as usize });
+                }
+            }
+        }
+        Costs { of, near }
+    }
+
+    /// True if an agent sees a place: nothing is nearer to the straight line than its radius.
+    pub(crate) fn sees_place(&self, from: Vec2, to: Vec2, radius: f32) -> bool {
+        self.is_clear(from, to, 0.98 * radius)
+    }
+
+    /// The corners by which shortest ways lead from a place to a goal, the best first, one point of each corner; those that
+    /// are more than `longer` longer than the best are left out. Returns their number; none where nothing leads there.
+    pub(crate) fn corners_ahead(
+        &self,
+        (from, radius, longer): (Vec2, f32, f32),
+        (goal, costs): (Vec2, &Costs),
+        out: &mut [Option<Corner>; MOST_CORNERS],
+    ) -> usize {
+        let mut num = 0;
+        let mut most = f32::INFINITY;
+        // Points in the order of their ways, equal ones in that of their numbers.
+        let mut last = (f32::NEG_INFINITY, 0);
+        while num < MOST_CORNERS {
+            let mut best = (most, NONE);
+            for (n, ((p, &(cost, _)), (away, ..))) in (0u32..).zip(self.points.iter().zip(&costs.of).zip(&self.around))
+            {
+                // The straight line is no longer than any way.
+                if cost >= best.0 {
+                    continue;
+                }
+                let off = *p - from;
+                let far = off.length();
+                let way = cost + far;
+                let is_taut = off.dot(*away).abs() <= TAUT * far || far < 2.0 * self.clearance;
+                if way < best.0 && is_taut && (way, n) > last {
+                    best = (way, n);
+                }
+            }
+            let (way, n) = best;
+            if n == NONE {
+                break;
+            }
+            last = best;
+            if out[..num].iter().flatten().any(|c| c.number == self.around[n as usize].2) {
+                continue;
+            }
+            let n = n as usize;
+            if !self.sees_place(from, self.points[n], radius) {
+                continue;
+            }
+            let (away, free, number) = self.around[n];
+            // On to where the way leaves this corner.
+            let mut on = n;
+            while costs.of[on].1 != NONE && self.around[on].2 == number {
+                on = costs.of[on].1 as usize;
+            }
+            let (next, rest) =
+                if self.around[on].2 == number { (goal, 0.0) } else { (self.points[on], costs.of[on].0) };
+            out[num] = Some(Corner { at: self.points[n], out: away, free, number, next, rest, way });
+            num += 1;
+            most = most.min(way + longer);
+        }
+        num
     }
 
     /// True if a straight line keeps a clearance from everything.
@@ -417,7 +560,7 @@ mod tests {
         let streets = Streets::new(&[block], 0.4).unwrap();
         let (from, to) = (ground([-5.0, 0.0]), ground([5.0, 0.0]));
         let route = streets.route(from, to).unwrap();
-        assert!(route.subgoals.len() > 3 && route.subgoals.iter().any(|p| p.z.abs() > 4.3), "{route:?}");
+        assert!(route.subgoals.len() > 2 && route.subgoals.iter().any(|p| p.z.abs() > 4.3), "{route:?}");
         assert_eq!(streets.route(from, from + Vec3::Z).unwrap().subgoals, [from + Vec3::Z], "nothing is in the way");
         let inside = streets.route(from, Vec3::ZERO).unwrap_err();
         assert!(matches!(inside, Error::NoWay { to: Vec3::ZERO, .. }), "{inside}");

@@ -112,6 +112,17 @@ impl<V: Space> DensityGrid<V> {
         if self.is_anybody_in(number) { &self.squares[number] } else { &self.empty }
     }
 
+    /// Agents on a square metre, mean of the squares at places along a direction (squares); none in the air.
+    #[inline]
+    pub fn density(&self, position: V, along: V, places: &[f32; 3]) -> f32 {
+        if V::DIMENSIONS == 3 {
+            return 0.0;
+        }
+        let at = position * self.per_m;
+        let num: f32 = places.map(|k| self.square(at + along * k).num).iter().sum();
+        num * (self.per_m * self.per_m / places.len() as f32)
+    }
+
     /// Prefetches the squares along a way that hold agents (squares, see [`DensityGrid::per_m`]).
     #[inline]
     pub fn prefetch(&self, ways: impl Iterator<Item = V>) {

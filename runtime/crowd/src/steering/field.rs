@@ -11,8 +11,6 @@ use throng_base::Result;
 pub struct Field {
     /// Time in which the desired velocity is approached, tau in eq. 17 (s, 0.05 to 10).
     pub relaxation_s: f32,
-    /// How far ahead on the spline of its route it looks (m, > 0).
-    pub look_ahead_m: f32,
     /// How far it reacts to others; agents beyond the neighbouring cells are not seen at all (m, > 0).
     pub perception_m: f32,
     /// Repulsion from near neighbours in eq. 17 (m/s2, >= 0).
@@ -49,6 +47,9 @@ pub struct Field {
     pub lanes: f32,
     /// Weight for the right where many come straight toward it from afar and no wall is beside it (>= 0).
     pub evading: f32,
+    /// How fast it walks at a density at most, in speeds of people there (Weidmann 1993); 0 for somebody in a hurry, who walks
+    /// as fast as there is room (0 to 10).
+    pub crowd_speed: f32,
     /// Time that it keeps to stop behind an agent in front (s, > 0).
     pub headway_s: f32,
     /// Gap that it leaves to an agent that stands in front (m, >= 0).
@@ -68,10 +69,9 @@ impl Field {
     /// A pedestrian of about 0.3 m radius and 1.3 m/s on its way.
     pub const COMMUTER: Self = Self {
         relaxation_s: 0.2,
-        look_ahead_m: 2.0,
         perception_m: 4.0,
         repulsion: 3.3,
-        repulsion_m: 0.25,
+        repulsion_m: 0.2,
         braking: 0.28,
         decelerating_m: 0.2,
         damping: 0.16,
@@ -86,16 +86,19 @@ impl Field {
         crowding: 0.05,
         lanes: 0.08,
         evading: 0.6,
+        crowd_speed: 0.0,
         headway_s: 0.3,
         headway_m: 0.12,
         safety: 0.28,
     };
 
+    /// A pedestrian who is in no hurry: in a crowd as slow as people are there.
+    pub const STROLLER: Self = Self { crowd_speed: 1.12, ..Self::COMMUTER };
+
     /// A bird of about 0.5 m radius and 5 m/s: lengths grow with its radius, and it needs no lanes, as it has room above
     /// and below.
     pub const BIRD: Self = Self {
         relaxation_s: 0.3,
-        look_ahead_m: 3.4,
         perception_m: 6.8,
         repulsion_m: 0.42,
         decelerating_m: 0.34,
@@ -112,7 +115,6 @@ impl Field {
     pub(crate) fn check(&self, n: usize) -> Result<()> {
         let check = |what, got: f32, good, expected| check(what, n, got, good, expected);
         for (what, got) in [
-            ("field.look_ahead_m", self.look_ahead_m),
             ("field.perception_m", self.perception_m),
             ("field.repulsion_m", self.repulsion_m),
             ("field.decelerating_m", self.decelerating_m),
@@ -128,6 +130,7 @@ impl Field {
             ("field.crowding", self.crowding),
             ("field.lanes", self.lanes),
             ("field.evading", self.evading),
+            ("field.crowd_speed", self.crowd_speed),
             ("field.headway_m", self.headway_m),
             ("field.repulsion", self.repulsion),
             ("field.braking", self.braking),

@@ -67,6 +67,10 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
     let (heading, free) = sight.choose(field, me, grid, &lean);
     // Slower where the way is not free for long.
     let mut speed = me.speed * (free / steering.clear_s).min(1.0);
+    if field.crowd_speed > 0.0 {
+        let density = grid.density(me.position, heading, &steering.density_places);
+        speed = speed.min(me.speed * field.crowd_speed * share_of_speed(density));
+    }
     let rate = field.relaxation_s.recip();
     let driving = (me.desired * me.speed - me.velocity) * rate;
     // Room behind agents in front; none to step aside, or to get in between agents that stand at their goals.
@@ -115,6 +119,15 @@ pub(crate) fn felt_within<V: Space>(me: &Walker<V>, field: &Field) -> f32 {
 #[inline]
 pub(crate) fn contact_horizon(field: &Field, steering: &SteeringConfig) -> f32 {
     field.horizon_s.max(steering.open_s).max(steering.clear_s)
+}
+
+/// Share of their free speed that people keep at a density (1/m2): Weidmann (1993), Transporttechnik der Fussgaenger, eq. 6, by
+/// lines between values at each half person.
+fn share_of_speed(density: f32) -> f32 {
+    const SHARES: [f32; 12] = [1.0, 0.97, 0.79, 0.60, 0.45, 0.337, 0.246, 0.176, 0.116, 0.069, 0.031, 0.02];
+    let at = (2.0 * density).min(10.999);
+    let (low, share) = (at as usize, at.fract());
+    SHARES[low] + (SHARES[low + 1] - SHARES[low]) * share
 }
 
 /// Largest speed along a heading behind another agent: with time to brake when that one does, and a distance left when both

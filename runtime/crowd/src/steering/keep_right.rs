@@ -18,7 +18,15 @@ pub(crate) struct Between {
 /// one across a street; `None` in the air, where there is room above and below (m).
 pub(crate) fn is_wall_within<V: Space>(solid: &Solid<V>, steering: &SteeringConfig) -> Option<f32> {
     let (min, max) = solid.extents();
-    (V::DIMENSIONS == 2).then(|| (max - min).length().min(steering.wall_seen_m))
+    let length = (max - min).length();
+    (V::DIMENSIONS == 2).then(|| {
+        let [near, far] = steering.wall_seen_m;
+        if length < steering.wall_length_m {
+            0.0
+        } else {
+            length.min(near).max((steering.wall_seen_share * length).min(far))
+        }
+    })
 }
 
 /// Where an agent is between walls; None where there is none beside it, see [`is_wall_within`].

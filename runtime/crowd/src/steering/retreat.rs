@@ -53,7 +53,8 @@ impl<V: Space> Blocked<V> {
             Some(Half::Left) => (ratio / own_half, 0.0),
             Some(Half::Right) => (ratio * own_half, 2.0 * by),
         };
-        let is_weaker = against > stronger * along + more;
+        // One who just stands counts as half, and nobody steps back from that one alone.
+        let is_weaker = against >= 1.0 && against > stronger * along + more;
         is_weaker.then(|| (ahead * -steering.retreat_back + ahead.right() * steering.retreat_right).unit_and_length().0)
     }
 }

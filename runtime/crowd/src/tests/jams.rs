@@ -240,3 +240,65 @@ fn nobody_circles_where_a_route_turns_back() {
     }
     assert_eq!(left_over, 0);
 }
+
+/// Two crowds head-on in a corridor of 10 m; each agent has so many points on its route. Mean progress of all (m/s).
+fn with_points(num: usize) -> f32 {
+    let mut setup = Setup::default();
+    for side in [-1.0f32, 1.0] {
+        rows(&mut setup, 150, (10.0, 1.0), (side, 2.0, 40.0));
+    }
+    for (route, agent) in setup.routes.iter_mut().zip(&setup.agents) {
+        let goal = route.subgoals[0];
+        let point = |i: usize| agent.position + (goal - agent.position) * (i as f32 / (num - 1) as f32);
+        if num > 1 {
+            route.subgoals = (0..num).map(point).collect();
+        }
+    }
+    setup.obstacles = corridor([-5.2, 5.2]);
+    progress(setup, 20.0)
+}
+
+#[test]
+fn routes_of_one_two_or_many_points_are_walked_alike() {
+    let one = with_points(1);
+    for num in [2, 3, 20] {
+        let many = with_points(num);
+        assert!((many - one).abs() < 0.05 * one, "{num} points: {many} m/s, one: {one} m/s");
+    }
+}
+
+/// Two ways through a bend of 90 degrees, 8 m wide: everybody gets through, and the outer half is used.
+#[test]
+fn two_ways_use_the_width_of_a_bend() {
+    let obstacles = vec![
+        wall([-60.0, -4.0], [4.0, -4.0], 0.0),
+        wall([4.0, -4.0], [4.0, 60.0], 0.0),
+        wall([-60.0, 4.0], [-4.0, 4.0], 0.0),
+        wall([-4.0, 4.0], [-4.0, 60.0], 0.0),
+    ];
+    let mut setup = Setup { obstacles, ..Setup::default() };
+    let mut shares = Shares(5);
+    for i in 0..240 {
+        let (row, column) = ((i / 2 / 6) as f32, (i / 2 % 6) as f32);
+        let jitter = (Vec2::new(shares.next(), shares.next()) - 0.5) * 0.4;
+        let from = Vec2::new(-7.0 - 1.2 * row, 1.2 * (column - 2.5)) + jitter;
+        let to = Vec2::new(3.0 * (2.0 * shares.next() - 1.0), 16.0 + 8.0 * shares.next());
+        // The other way is the same, mirrored at the diagonal of the corner.
+        let mirror = |p: Vec2| Vec2::new(-p.y, -p.x);
+        if i % 2 == 0 { add(&mut setup, from, &[to]) } else { add(&mut setup, mirror(from), &[mirror(to)]) }
+    }
+    let world = setup.obstacles.iter().map(|o| o.clone().map(|p: Vec2| p.to_world())).collect::<Vec<_>>();
+    setup.streets = Some(Streets::new(&world, 0.45).unwrap());
+    let mut crowd = Engine::new(setup).unwrap();
+    let mut outer = 0;
+    for second in 1..=100 {
+        crowd.advance(f64::from(second), &mut |_| {}).unwrap();
+        let here = crowd.ids().filter_map(|id| crowd.agent(id));
+        // In the corner, and farther from the inner corner than the middle of the way.
+        outer += here
+            .filter(|a| a.position.x.abs() < 4.0 && a.position.y.abs() < 4.0 && a.position.x > a.position.y)
+            .count();
+    }
+    assert_eq!(crowd.num_agents(), 0, "all are through");
+    assert!(outer > 30, "{outer} looks at agents in the outer half");
+}

@@ -150,7 +150,7 @@ fn repeated_orders_take_no_more_memory() {
         let desired = crowd.desired_direction(ids[i % 2]).unwrap();
         assert!((desired - (away - x).normalize()).length() < 1e-4, "it goes where it was sent last");
     }
-    assert_eq!(crowd.scenery.splines.len(), 9 + 2);
+    assert_eq!(crowd.scenery.paths.len(), 9 + 2);
     // Nor do agents that follow each other in one place.
     for _ in 0..5 {
         let position = Vec2::new(40.0, 40.0);
@@ -158,7 +158,7 @@ fn repeated_orders_take_no_more_memory() {
         crowd.order(id, &along(to(Vec2::ZERO), 1.0)).unwrap();
         crowd.despawn(id).unwrap();
     }
-    assert_eq!(crowd.scenery.splines.len(), 9 + 3);
+    assert_eq!(crowd.scenery.paths.len(), 9 + 3);
     let before = crowd.hash();
     assert!(crowd.order(ids[0], &along(to(Vec2::ZERO), 9.0)).is_err());
     assert!(crowd.order(ids[0], &along(Route { subgoals: vec![], ..to(Vec2::ZERO) }, 1.0)).is_err());
@@ -166,7 +166,7 @@ fn repeated_orders_take_no_more_memory() {
     let kept = crowd.bytes();
     crowd.load(&kept).unwrap();
     crowd.order(ids[1], &along(to(Vec2::ZERO), 1.0)).unwrap();
-    assert_eq!(crowd.scenery.splines.len(), 9 + 3);
+    assert_eq!(crowd.scenery.paths.len(), 9 + 3);
 }
 
 #[test]

@@ -1,13 +1,13 @@
 //! A scene's agents as the crowd takes them: who starts where, on which way to which goal.
 
 use super::places::places;
-use super::ways::RouteMaps;
+use super::ways::RouteMap;
 use crate::scene::{AtEndConfig, GoalConfig, GroupConfig, Scene, point};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
 use throng_base::Result;
-use throng_crowd::{Agent, AtEnd, CrowdConfig, Obstacle, Route, Setup, Space, tie};
+use throng_crowd::{Agent, AtEnd, CrowdConfig, Obstacle, Route, Setup, Space};
 
 /// Where everybody starts and goes.
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ pub struct Layout<V> {
     /// Of each group of the scene: lowest and highest coordinates of its agents' starts (m).
     boxes: Vec<(V, V)>,
     pub(super) scene: Arc<Scene>,
-    pub(super) maps: RouteMaps,
+    pub(super) map: RouteMap,
 }
 
 impl<V: Space> Layout<V> {
@@ -49,7 +49,7 @@ impl<V: Space> Layout<V> {
             obstacle_keys,
             boxes: Vec::new(),
             scene: scene.clone(),
-            maps: RouteMaps::default(),
+            map: RouteMap::default(),
         };
         let mut rng = Pcg64Mcg::seed_from_u64(scene.seed);
         for (g, group) in scene.groups.iter().enumerate() {
@@ -64,8 +64,9 @@ impl<V: Space> Layout<V> {
         }
         layout.setup.config.largest_speed_mps = layout.largest_speed();
         if scene.agents.routes {
-            let maps = RouteMaps::new(&layout.setup.obstacles, layout.heights(), &scene.groups);
-            layout.maps = maps.map_err(|e| layout.explain(&e.into()))?;
+            let map = RouteMap::new(&layout.setup.obstacles, layout.heights(), &scene.groups);
+            layout.map = map.map_err(|e| layout.explain(&e.into()))?;
+            layout.setup.streets = layout.map.streets.clone();
         }
         for m in 0..layout.setup.agents.len() {
             layout.send(m, &mut rng)?;
@@ -91,19 +92,22 @@ impl<V: Space> Layout<V> {
         let goal = group.goal.as_ref().unwrap_or(&GoalConfig::Stay {});
         let (subgoals, at_end) = match goal {
             GoalConfig::Wander { from, to, points: num } => {
-                let mut all: Vec<V> = self.maps.wander(self.groups[m], start, (from, to, *num), rng);
+                let mut all: Vec<V> = self.map.wander(start, (from, to, *num), rng);
                 // Back to where the way begins again.
                 all.push(start);
                 (all, AtEndConfig::Again)
             }
             goal => {
                 let via = group.via.iter().map(|p| point(p));
-                (via.chain([goal_of(goal, around, start)]).collect(), group.at_end)
+                let to = spread(goal_of(goal, around, start), goal, group, rng);
+                (via.chain([to]).collect(), group.at_end)
             }
         };
         let way = self.way(m, start, &subgoals)?;
+        // A way through several points begins at the start.
+        let first = (subgoals.len() > 1).then_some(start);
+        let subgoals = first.into_iter().chain(subgoals).collect();
         self.setup.agents[m].route = Some(self.setup.routes.len());
-        let subgoals = self.spline(m, &way);
         self.setup.routes.push(Route { subgoals, arrival_radius: group.arrival_m, at_end: at_end.into() });
         self.ways.push(way);
         self.arrivals.push(group.arrival_m);
@@ -123,7 +127,7 @@ impl<V: Space> Layout<V> {
     ) -> Result<Route<V>> {
         let to = goal_of(goal, self.boxes[self.groups[m]], self.setup.agents[m].position);
         let way = self.way(m, from, &[to])?;
-        let route = Route { subgoals: self.spline(m, &way), arrival_radius, at_end: at_end.into() };
+        let route = Route { subgoals: vec![to], arrival_radius, at_end: at_end.into() };
         (self.ways[m], self.arrivals[m]) = (way, arrival_radius);
         Ok(route)
     }
@@ -133,15 +137,10 @@ impl<V: Space> Layout<V> {
         let mut way = vec![start];
         for &to in subgoals {
             let from = way[way.len() - 1];
-            let leg = self.maps.leg(self.groups[m], m, from, to).map_err(|why| self.no_way(m, why, from, to))?;
+            let leg = self.map.leg(from, to).map_err(|why| self.no_way(m, why, from, to))?;
             way.extend(&leg[1..]);
         }
         Ok(way)
-    }
-
-    /// Subgoals of a way for the engine: the goal alone where it is straight ahead.
-    fn spline(&self, m: usize, way: &[V]) -> Vec<V> {
-        tie(way, self.setup.agents[m].radius)
     }
 
     /// Of everybody, and of what happenings ask for (m/s).
@@ -176,6 +175,22 @@ fn agent<V: Space>(group: &GroupConfig, position: V, rng: &mut Pcg64Mcg) -> Agen
         route: None,
         field: 0,
     }
+}
+
+/// A place in an area that is off its row and column by chance, as people who arrive leave room and keep no order; other goals
+/// as they are. Nobody's place touches that of another.
+fn spread<V: Space>(to: V, goal: &GoalConfig, group: &GroupConfig, rng: &mut Pcg64Mcg) -> V {
+    let GoalConfig::Area { from, to: end } = goal else { return to };
+    let (low, high) = (point::<V>(from).coordinates(), point::<V>(end).coordinates());
+    let size = |i: usize| high[i] - low[i];
+    let volume: f32 = (0..V::DIMENSIONS).map(size).product();
+    let apart = throng_base::maths::pow(volume / group.count as f32, 1.0 / V::DIMENSIONS as f32);
+    let most = (0.4 * apart - group.radius_m[1]).max(0.0);
+    let at = to.coordinates();
+    V::from_coordinates(std::array::from_fn(|i| {
+        let off = if i < V::DIMENSIONS { most * rng.random_range(-1.0..1.0f32) } else { 0.0 };
+        (at[i] + off).clamp(low[i].min(at[i]), high[i].max(at[i]))
+    }))
 }
 
 /// Where a goal is for one who starts at `start`.

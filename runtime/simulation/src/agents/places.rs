@@ -20,9 +20,13 @@ pub(super) fn places<V: Space>(place: &PlaceConfig, count: usize, radius: f32, r
         PlaceConfig::Disc { centre, density } => {
             let centre = point::<V>(centre);
             let around: Vec<V> = if V::DIMENSIONS == 2 { sunflower(count, *density) } else { ball(count, *density) };
-            around.into_iter().map(|p| centre + p).collect()
+            // Neighbours are three quarters as far apart as they were on a square grid, or as in a cubic one.
+            let apart = if V::DIMENSIONS == 2 { 0.75 / density.sqrt() } else { maths::cbrt(density.recip()) };
+            loosen(around.into_iter().map(|p| centre + p).collect(), apart, radius, rng)
         }
-        PlaceConfig::Ring { centre, spacing_m, rings } => rings_about(point(centre), *spacing_m, *rings, count),
+        PlaceConfig::Ring { centre, spacing_m, rings } => {
+            loosen(rings_about(point(centre), *spacing_m, *rings, count), 0.9 * *spacing_m, radius, rng)
+        }
         // No scene with such a place of agents is read.
         PlaceConfig::Grid { centre, .. } => vec![point(centre); count],
     }
@@ -58,6 +62,20 @@ fn block<V: Space>(from: V, to: V, jitter: f32, count: usize, radius: f32, rng: 
         V::from_coordinates(at)
     };
     (0..count).map(place).collect()
+}
+
+/// Moves everybody a little by chance, nobody so far that two can touch.
+///
+/// - `apart`: least distance of two neighbours (m).
+fn loosen<V: Space>(mut places: Vec<V>, apart: f32, radius: f32, rng: &mut Pcg64Mcg) -> Vec<V> {
+    // Along each axis: at most half of the room along the diagonal.
+    let most = ((0.5 * apart - radius - 1e-3) / (V::DIMENSIONS as f32).sqrt()).max(0.0);
+    for place in &mut places {
+        *place += V::from_coordinates(std::array::from_fn(|i| {
+            if i < V::DIMENSIONS { most * rng.random_range(-1.0..1.0f32) } else { 0.0 }
+        }));
+    }
+    places
 }
 
 /// The seeds of a sunflower fill a disc evenly, and no two are opposite each other (density in 1/m^2).
@@ -138,11 +156,11 @@ mod tests {
         let disc = |centre| PlaceConfig::Disc { centre, density: 0.7 };
         let flat: Vec<Vec2> = places(&disc(vec![5.0, 1.0]), 1000, 0.3, &mut rng());
         let radius = flat.iter().map(|p| p.distance(Vec2::new(5.0, 1.0))).fold(0.0, f32::max);
-        assert!((1000.0 / (PI * radius * radius) - 0.7).abs() < 0.01 && nearest(&flat) > 0.9);
+        assert!((1000.0 / (PI * radius * radius) - 0.7).abs() < 0.01 && nearest(&flat) > 0.6);
         let round: Vec<Vec3> = places(&disc(vec![0.0; 3]), 1000, 0.3, &mut rng());
         let radius = round.iter().map(|p| p.length()).fold(0.0, f32::max);
         let density = 1000.0 / (4.0 / 3.0 * PI * radius.powi(3));
-        assert!((density - 0.7).abs() < 0.1 && nearest(&round) > 1.12, "{density}");
+        assert!((density - 0.7).abs() < 0.1 && nearest(&round) > 0.6, "{density}");
     }
 
     #[test]
@@ -151,7 +169,7 @@ mod tests {
             let place = PlaceConfig::Ring { centre: vec![0.0, 0.0], spacing_m: 1.0, rings };
             let places: Vec<Vec2> = places(&place, count, 0.3, &mut rng());
             assert_eq!(places.len(), count);
-            assert!(nearest(&places) > 0.9, "{rings} {count}: {}", nearest(&places));
+            assert!(nearest(&places) > 0.6, "{rings} {count}: {}", nearest(&places));
         }
     }
 }

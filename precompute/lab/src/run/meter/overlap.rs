@@ -1,6 +1,6 @@
 //! How far agents reach into each other.
 
-use throng_runtime::crowd::Space;
+use throng_runtime::crowd::{Obstacle, Space};
 
 /// Overlaps of pairs, counted over frames.
 #[derive(Clone, Debug, Default)]
@@ -45,6 +45,36 @@ impl OverlapMeter {
         self.over_1cm += found[1];
         self.max_m = deepest;
     }
+
+    /// Looks at what stands, in the same frame.
+    pub fn observe_solids<V: Space>(&mut self, places: &[(V, f32)], obstacles: &[Obstacle<V>]) {
+        let all = places.iter().flat_map(|&p| obstacles.iter().map(move |o| depth(p, o)));
+        for deep in all.filter(|d| *d > 0.0) {
+            self.over_1mm += u64::from(deep > 1e-3);
+            self.over_1cm += u64::from(deep > 1e-2);
+            self.max_m = self.max_m.max(deep);
+        }
+    }
+}
+
+/// Depth of a disc or ball in an obstacle that stands; below zero outside (m).
+fn depth<V: Space>((at, radius): (V, f32), obstacle: &Obstacle<V>) -> f64 {
+    let line = |from: V, to: V| {
+        let along = to - from;
+        let share = ((at - from).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+        (at - (from + along * share)).length()
+    };
+    let apart = match obstacle {
+        &Obstacle::Ball { centre, radius } => (at - centre).length() - radius,
+        &Obstacle::Wall { from, to, radius } => line(from, to) - radius,
+        &Obstacle::Box { min, max } => (at - Space::min(Space::max(at, min), max)).length(),
+        Obstacle::Polygon { corners } => {
+            let next = corners.iter().cycle().skip(1);
+            corners.iter().zip(next).map(|(&a, &b)| line(a, b)).fold(f32::INFINITY, f32::min)
+        }
+        _ => f32::INFINITY,
+    };
+    f64::from(radius) - f64::from(apart)
 }
 
 impl Cells {

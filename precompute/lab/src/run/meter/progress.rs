@@ -6,6 +6,8 @@ use throng_runtime::crowd::Space;
 const STUCK_M: f32 = 0.5;
 /// ... after this time (s).
 const STUCK_S: f64 = 10.0;
+/// Time over which a speed is told (s).
+const WINDOW_S: f64 = 10.0;
 
 /// Progress along ways, and agents that make none.
 #[derive(Clone, Debug, Default)]
@@ -15,6 +17,8 @@ pub struct ProgressMeter<V> {
     gained_m: f64,
     /// Time on the way of all agents (s).
     on_the_way_s: f64,
+    /// The same two in each ten seconds (m, s).
+    by_10s: Vec<[f64; 2]>,
 }
 
 /// Where an agent is on its way.
@@ -59,6 +63,12 @@ impl<V: Space> ProgressMeter<V> {
                 let (gained, spent) = self.agents[m].go_on(&sight, time_s);
                 self.gained_m += f64::from(gained);
                 self.on_the_way_s += spent;
+                let window = (time_s / WINDOW_S - 1e-9).max(0.0) as usize;
+                if self.by_10s.len() <= window {
+                    self.by_10s.resize(window + 1, [0.0; 2]);
+                }
+                let [all_gained, all_spent] = &mut self.by_10s[window];
+                (*all_gained, *all_spent) = (*all_gained + f64::from(gained), *all_spent + spent);
             }
         }
     }
@@ -66,6 +76,16 @@ impl<V: Space> ProgressMeter<V> {
     /// Mean speed along their ways of agents that have not arrived (m/s).
     pub fn progress_mps(&self) -> f64 {
         self.gained_m / self.on_the_way_s.max(1e-9)
+    }
+
+    /// The same in each ten seconds in which there were any (m/s).
+    pub fn progress_by_10s_mps(&self) -> Vec<f64> {
+        self.by_10s.iter().filter(|w| w[1] > 0.0).map(|w| w[0] / w[1]).collect()
+    }
+
+    /// Agents that stay within half a metre now, for 10 s or longer, on their way.
+    pub fn stuck_at(&self, time_s: f64) -> usize {
+        self.agents.iter().filter(|m| !m.has_arrived && time_s - m.stays.1 > STUCK_S).count()
     }
 
     /// Agents that have reached their goal, or left there.

@@ -109,6 +109,8 @@ pub(in crate::run) struct AgentWatch<V> {
     /// Of each group of the scene: it goes along the direction of lanes.
     goes_along: Vec<bool>,
     places: Vec<(V, f32)>,
+    /// How often they were looked at.
+    looks: u64,
     hips_off_max_m: Option<f64>,
 }
 
@@ -122,6 +124,7 @@ impl<V: Space> AgentWatch<V> {
             lanes: config.lanes.as_ref().map(LaneMeter::new),
             goes_along: config.lanes.as_ref().map_or(Vec::new(), |l| goes_along(agents, l.along.into())),
             places: Vec::new(),
+            looks: 0,
             hips_off_max_m: None,
         }
     }
@@ -134,6 +137,8 @@ impl<V: Space> AgentWatch<V> {
         self.places.clear();
         self.places.extend(all().filter_map(|m| Some((at(m)?, layout.setup.agents[m].radius))));
         self.overlaps.observe(&self.places);
+        self.overlaps.observe_solids(&self.places, &layout.setup.obstacles);
+        self.looks += 1;
         let sight = |m: usize| Sight {
             at: at(m),
             way: &layout.ways[m],
@@ -174,16 +179,19 @@ impl<V: Space> AgentWatch<V> {
     /// - `busy_s`: wall time of the engine, and time that it was running, where that is told (s).
     pub fn figures(&self, agents: &crowd::Agents<V>, seconds: f64, busy_s: Option<(f64, f64)>) -> AgentFigures {
         let n = self.agents.len();
-        let agent_seconds = n as f64 * seconds;
         let of_all = n == agents.num_agents();
         let counts = agents.crowd().counts();
-        let a_second = |count: u64| of_all.then_some(count as f64 / agent_seconds);
         let frames = self.overlaps.agent_frames.max(1) as f64;
+        // Those who left cost nothing any more.
+        let present_s = frames * seconds / self.looks.max(1) as f64;
+        let a_second = |count: u64| of_all.then_some(count as f64 / present_s);
         let speeds = self.agents.iter().map(|&m| f64::from(agents.layout().setup.agents[m].speed));
         let knows = |&&m: &&usize| agents.knows(m) > 0;
         AgentFigures {
             wall_s_per_simulated_s: busy_s.map(|b| b.0 / seconds),
-            us_per_agent_second: busy_s.map(|b| 1e6 * b.1 / agent_seconds),
+            setup_s: None,
+            us_range: None,
+            us_per_agent_second: busy_s.map(|b| 1e6 * b.1 / present_s),
             events_per_agent_second: a_second(events(&counts)),
             crossings_per_agent_second: a_second(counts.entering + counts.leaving).filter(|c| *c > 0.0),
             decisions_per_agent_second: a_second(counts.decisions),
@@ -191,6 +199,8 @@ impl<V: Space> AgentWatch<V> {
             overlap_over_1cm_fraction: self.overlaps.over_1cm as f64 / frames,
             max_overlap_m: self.overlaps.max_m,
             progress_mps: self.progress.progress_mps(),
+            progress_by_10s_mps: self.progress.progress_by_10s_mps(),
+            stuck_at_end: self.progress.stuck_at(agents.crowd().now()),
             desired_mps: speeds.sum::<f64>() / n as f64,
             arrived: self.progress.arrived(),
             informed: agents.has_happenings().then(|| self.agents.iter().filter(knows).count()),

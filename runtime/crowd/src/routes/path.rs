@@ -1,0 +1,351 @@
+//! Routes made ready: lines across the way at each subgoal, and how far it is from every corner to it.
+
+use crate::error::check;
+use crate::routes::streets::{Costs, Streets};
+use crate::space::solid::{Solid, is_inside};
+use crate::{AtEnd, Obstacle, Route, Space};
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::sync::Arc;
+use throng_base::{Result, prefetch};
+
+/// Farthest that a line across the way reaches to either side (m).
+const WIDEST_M: f32 = 20.0;
+/// Most subgoals between an agent and its goal if it is to go there straight.
+const MOST_PASSED: usize = 64;
+/// How near to its place an agent stays that has no order (m).
+const STAY_M: f32 = 0.5;
+
+/// Where an agent is on its route.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Cursor<V> {
+    /// The subgoal that it goes to.
+    pub leg: u32,
+    /// Way that is left from where it aims at (m).
+    pub rest: f32,
+    /// What it aims at (m).
+    pub aim: V,
+    /// When it looks for its way again (s).
+    pub look_at: f64,
+}
+
+/// A route made ready. What steers is the line across the way at each subgoal and not the subgoal: agents keep their
+/// distance from the line through the subgoals, and pass anywhere between the walls.
+#[derive(Clone, Debug)]
+pub(crate) struct Path<V> {
+    pub route: Route<V>,
+    legs: Vec<Leg<V>>,
+    /// Of each subgoal: how far it is from every corner of the streets; none where there are no streets.
+    costs: Vec<Arc<Costs>>,
+}
+
+/// Costs of subgoals that are known already, while many routes are made ready: those with the same goal share them.
+pub(crate) type KnownCosts = HashMap<[u32; 3], Arc<Costs>>;
+
+/// A subgoal and what leads to it.
+#[derive(Clone, Copy, Debug)]
+struct Leg<V> {
+    to: V,
+    /// Unit vector from the subgoal before.
+    along: V,
+    /// Across the line that is to be passed: half-way between this leg and the next.
+    normal: V,
+    /// How far it is free to the left and to the right of the subgoal (m).
+    free: [f32; 2],
+    /// From the subgoal to the end of the route, along its legs (m).
+    rest: f32,
+}
+
+impl<V: Space> Leg<V> {
+    /// How far a place is to the right of the subgoal, in the direction of the line across the way.
+    fn side(&self, off: V) -> f32 {
+        if V::DIMENSIONS == 2 {
+            off.dot(self.normal.right())
+        } else {
+            (off - self.normal * off.dot(self.normal)).length()
+        }
+    }
+
+    fn is_passed(&self, x: V, arrival: f32) -> bool {
+        let off = x - self.to;
+        let side = self.side(off);
+        off.dot(self.normal) > 0.0 && -self.free[0] <= side && side <= self.free[1]
+            || off.length_squared() < arrival * arrival
+    }
+}
+
+impl<V: Space> Path<V> {
+    /// The route of an agent that stays at a place.
+    pub fn staying(at: V) -> Self {
+        let route = Route { subgoals: vec![at], arrival_radius: STAY_M, at_end: AtEnd::Stay };
+        Self {
+            route,
+            legs: vec![Leg { to: at, along: V::default(), normal: V::default(), free: [0.0; 2], rest: 0.0 }],
+            costs: Vec::new(),
+        }
+    }
+
+    /// Makes it the route of an agent that stays at a place. Allocates nothing.
+    pub fn stay(&mut self, at: V) {
+        self.route.subgoals.clear();
+        self.route.subgoals.push(at);
+        (self.route.arrival_radius, self.route.at_end) = (STAY_M, AtEnd::Stay);
+        self.legs.clear();
+        self.legs.push(Leg { to: at, along: V::default(), normal: V::default(), free: [0.0; 2], rest: 0.0 });
+        self.costs.clear();
+    }
+
+    /// Makes a route ready.
+    ///
+    /// - `solids`: what stands, between which the way is as wide as it can be.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Value`] for a route without subgoals or with numbers that are out of range.
+    pub fn new(
+        n: usize,
+        route: &Route<V>,
+        solids: &[Solid<V>],
+        (streets, known): (Option<&Streets>, &mut KnownCosts),
+    ) -> Result<Self> {
+        let goals = &route.subgoals;
+        check("route.subgoals", n, goals.len() as f32, !goals.is_empty(), "at least 1")?;
+        let far = goals.iter().find(|g| !(g.is_finite() && g.length() < 1e6)).map(|g| g.length());
+        check("route.subgoals", n, far.unwrap_or(0.0), far.is_none(), "finite and within 1e6 m")?;
+        let radius = route.arrival_radius;
+        check("route.arrival_radius", n, radius, radius > 0.0 && radius < 1e6, "above 0 and below 1e6")?;
+        let mut points = goals.clone();
+        points.dedup_by(|a, b| (*a - *b).length() < 1e-3);
+        let is_round = route.at_end == AtEnd::Again && points.len() > 1;
+        if is_round && (points[0] - points[points.len() - 1]).length() < 1e-3 {
+            points.pop();
+        }
+        let num = points.len();
+        let ahead = |i: usize| (points[(i + 1) % num] - points[i]).unit_and_length().0;
+        let mut legs: Vec<Leg<V>> = (0..num)
+            .map(|i| {
+                let out = if i + 1 < num || is_round { ahead(i) } else { V::default() };
+                let along = if i > 0 || is_round { ahead((i + num - 1) % num) } else { out };
+                let (normal, bend) = (along + out).unit_and_length();
+                // Where the way turns back there is no line half-way.
+                let normal = if bend > 0.3 { normal } else { along };
+                let free = [-1.0, 1.0].map(|side| free_way(points[i], normal.right() * side, solids));
+                Leg { to: points[i], along, normal, free, rest: 0.0 }
+            })
+            .collect();
+        for i in (0..num - 1).rev() {
+            legs[i].rest = legs[i + 1].rest + (points[i + 1] - points[i]).length();
+        }
+        let mut costs_of = |streets: &Streets, p: &V| {
+            let key = p.coordinates().map(f32::to_bits);
+            Arc::clone(known.entry(key).or_insert_with(|| Arc::new(streets.costs(p.to_world()))))
+        };
+        let costs = streets.filter(|s| !s.is_open()).map(|s| points.iter().map(|p| costs_of(s, p)).collect());
+        Ok(Self { route: route.clone(), legs, costs: costs.unwrap_or_default() })
+    }
+
+    /// The first subgoal that is in an obstacle.
+    pub fn blocked_by(&self, obstacle: &Obstacle<V>, solids: &[Solid<V>]) -> Option<usize> {
+        let inside = |&g: &V| {
+            let polygon = matches!(obstacle, Obstacle::Polygon { corners } if is_inside(corners, g));
+            polygon || solids.iter().any(|s| s.away(g).1 <= 0.0)
+        };
+        self.route.subgoals.iter().position(inside)
+    }
+
+    /// The leg on which an agent at `x` begins: the one that it is nearest to.
+    pub fn begin(&self, x: V) -> Cursor<V> {
+        let is_round = self.is_round();
+        let first = usize::from(!is_round && self.legs.len() > 1);
+        let mut best = (f32::INFINITY, 0);
+        for (i, leg) in self.legs.iter().enumerate().skip(first) {
+            let from =
+                if i > 0 || is_round { self.legs[(i + self.legs.len() - 1) % self.legs.len()].to } else { leg.to };
+            let along = leg.to - from;
+            let share = ((x - from).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
+            let distance = (x - (from + along * share)).length();
+            if distance < best.0 - 1e-4 {
+                best = (distance, i);
+            }
+        }
+        let leg = best.1 as u32;
+        Cursor { leg, aim: self.legs[best.1].to, rest: self.legs[best.1].rest, look_at: 0.0 }
+    }
+
+    fn is_round(&self) -> bool {
+        self.route.at_end == AtEnd::Again && self.legs.len() > 1
+    }
+
+    /// Number of subgoals that agents go to.
+    pub fn num_legs(&self) -> usize {
+        self.legs.len()
+    }
+
+    /// Goes on to the next subgoals where the line at one is passed; true where it began again.
+    pub fn pass(&self, cursor: &mut Cursor<V>, x: V) -> bool {
+        let mut again = false;
+        for _ in 0..self.legs.len() {
+            let at = cursor.leg as usize;
+            let is_last = at + 1 == self.legs.len();
+            if is_last && !self.is_round() || !self.legs[at].is_passed(x, self.route.arrival_radius) {
+                break;
+            }
+            again |= is_last;
+            cursor.leg = if is_last { 0 } else { cursor.leg + 1 };
+        }
+        again
+    }
+
+    /// What an agent goes for on its leg where nothing is in between: the goal where it can go there straight, otherwise
+    /// the line at the subgoal, as far beside the subgoal as it is beside the leg. Also its number, and the way from there.
+    pub fn target(&self, leg: u32, x: V, radius: f32) -> (V, f32) {
+        let at = leg as usize;
+        let last = self.legs.len() - 1;
+        let own = &self.legs[at];
+        if at == last && !self.is_round() {
+            return (own.to, 0.0);
+        }
+        let goal = self.legs[last].to;
+        let crosses = |l: &Leg<V>| {
+            let (before, after) = ((x - l.to).dot(l.normal), (goal - l.to).dot(l.normal));
+            if before >= 0.0 || after <= 0.0 {
+                return before >= 0.0 && after >= 0.0;
+            }
+            let side = l.side(x + (goal - x) * (before / (before - after)) - l.to);
+            -l.free[0] + radius <= side && side <= l.free[1] - radius
+        };
+        if !self.is_round() && last - at <= MOST_PASSED && self.legs[at..last].iter().all(crosses) {
+            return (goal, 0.0);
+        }
+        if V::DIMENSIONS == 3 {
+            return (own.to, own.rest);
+        }
+        let side = (x - own.to).dot(own.along.right());
+        let least = (radius - own.free[0]).min(0.0);
+        let side = side.clamp(least, (own.free[1] - radius).max(least));
+        (own.to + own.normal.right() * side, own.rest)
+    }
+
+    /// How far it is from the corners of the streets to a subgoal.
+    pub fn costs(&self, leg: u32) -> Option<&Costs> {
+        self.costs.get(leg as usize).map(Arc::as_ref)
+    }
+
+    /// A subgoal, and the way from it to the end (m).
+    pub fn subgoal(&self, leg: u32) -> (V, f32) {
+        let leg = &self.legs[leg as usize];
+        (leg.to, leg.rest)
+    }
+
+    /// Prefetches what leads to a subgoal.
+    #[inline]
+    pub fn prefetch(&self, leg: u32) {
+        if let Some(leg) = self.legs.get(leg as usize) {
+            prefetch(leg);
+        }
+    }
+
+    /// Way that is left (m).
+    pub fn left(&self, cursor: &Cursor<V>, x: V) -> f32 {
+        (cursor.aim - x).length() + cursor.rest
+    }
+
+    /// True where an agent at `x` is at the end.
+    pub fn is_there(&self, cursor: &Cursor<V>, x: V) -> bool {
+        let last = cursor.leg as usize + 1 >= self.legs.len();
+        let near = self.route.arrival_radius;
+        last && !self.is_round() && (self.goal() - x).length_squared() <= near * near
+    }
+
+    /// See [`Route::arrival_radius`] (m).
+    pub fn arrival_radius(&self) -> f32 {
+        self.route.arrival_radius
+    }
+
+    /// See [`Route::at_end`].
+    pub fn at_end(&self) -> AtEnd {
+        self.route.at_end
+    }
+
+    /// The last subgoal.
+    pub fn goal(&self) -> V {
+        self.legs[self.legs.len() - 1].to
+    }
+}
+
+/// How far it is free from a place along a unit vector (m).
+fn free_way<V: Space>(from: V, along: V, solids: &[Solid<V>]) -> f32 {
+    let mut way = 0.0;
+    // Goes on to the nearest thing, whichever side it is on, and looks again.
+    while way < WIDEST_M && V::DIMENSIONS == 2 {
+        let x = from + along * way;
+        let nearest = solids.iter().map(|s| s.away(x).1).fold(WIDEST_M, f32::min);
+        if nearest < 0.02 {
+            return way;
+        }
+        way += nearest;
+    }
+    WIDEST_M
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+    use proptest::prelude::*;
+
+    fn path(points: &[[f32; 2]], at_end: AtEnd) -> Path<Vec2> {
+        let subgoals = points.iter().map(|&p| Vec2::from_array(p)).collect();
+        let wall = |y: f32| Solid::Rod { from: Vec2::new(-99.0, y), to: Vec2::new(99.0, y), radius: 0.0 };
+        Path::new(
+            0,
+            &Route { subgoals, arrival_radius: 0.5, at_end },
+            &[wall(-5.0), wall(5.0)],
+            (None, &mut KnownCosts::new()),
+        )
+        .unwrap()
+    }
+
+    proptest! {
+        /// In a corridor, a route of one point, of two and of many lead the same way, wherever an agent was pushed.
+        #[test]
+        fn number_of_points_makes_no_difference(x in -40.0f32..39.0, y in -4.0f32..4.0, num in 2usize..30) {
+            let at = Vec2::new(x, y);
+            let many: Vec<[f32; 2]> = (0..num).map(|i| [-50.0 + 100.0 * i as f32 / (num - 1) as f32, 1.0]).collect();
+            let path = path(&many, AtEnd::Stay);
+            let mut cursor = path.begin(Vec2::new(-50.0, 1.0));
+            path.pass(&mut cursor, at);
+            prop_assert_eq!(path.target(cursor.leg, at, 0.3), (Vec2::new(50.0, 1.0), 0.0));
+        }
+    }
+
+    #[test]
+    fn keeps_its_distance_from_the_legs_round_a_bend() {
+        let path = path(&[[0.0, 0.0], [10.0, 0.0], [10.0, 40.0]], AtEnd::Stay);
+        let (aim, rest) = path.target(1, Vec2::new(4.0, -1.0), 0.3);
+        assert!(aim.distance(Vec2::new(11.0f32.min(10.0 + 0.707), -0.707)) < 1e-3 && rest == 40.0, "{aim}");
+        let mut cursor = path.begin(Vec2::new(4.0, -1.0));
+        assert_eq!(cursor.leg, 1);
+        path.pass(&mut cursor, Vec2::new(11.2, -0.9));
+        assert_eq!(cursor.leg, 2);
+        assert!(path.is_there(&cursor, Vec2::new(10.2, 39.8)) && !path.is_there(&cursor, Vec2::new(10.0, 39.0)));
+    }
+
+    #[test]
+    fn begins_again_at_the_first_point() {
+        let path = path(&[[0.0, 0.0], [10.0, 0.0], [10.0, 4.0], [0.0, 4.0]], AtEnd::Again);
+        let mut cursor = path.begin(Vec2::new(0.2, 2.0));
+        assert_eq!(cursor.leg, 0, "on the way back to the first");
+        assert!(path.pass(&mut Cursor { leg: 3, ..cursor }, Vec2::new(-0.1, 4.0)));
+        assert!(!path.pass(&mut cursor, Vec2::new(0.3, 0.1)) && cursor.leg == 1);
+    }
+
+    #[test]
+    fn single_subgoal_is_straight_ahead() {
+        let path = path(&[[3.0, 4.0]], AtEnd::Stay);
+        let cursor = path.begin(Vec2::ZERO);
+        assert_eq!(
+            (path.target(0, Vec2::ZERO, 0.3), path.left(&cursor, Vec2::ZERO)),
+            ((Vec2::new(3.0, 4.0), 0.0), 5.0)
+        );
+    }
+}
