@@ -96,7 +96,7 @@ const CLIPS: usize = 4;
 const FRAMES: usize = 1168;
 const STATES: usize = 96;
 const SEGMENTS: usize = 96;
-const ACTIONS: usize = 1344;
+const ACTIONS: usize = 1346;
 /// Speeds of the examples of the blend space (m/s).
 const BLEND_SPEEDS: [f32; 5] = [0.551, 0.134, 1.175, 0.154, 1.167];
 /// Mean place of joints in model space, halfway between frames (m).

@@ -31,6 +31,7 @@ const NUMBERS: [(&[&str], Options); 9] = [
             ("threads", &limits::THREADS),
             ("seconds", &limits::SECONDS),
             ("repeats", &limits::REPEATS),
+            ("seed", &limits::SEED),
         ],
     ),
     (&["bench", "blend", "BUNDLE"], &[("seconds", &limits::MEASURING_S)]),

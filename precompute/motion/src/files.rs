@@ -154,12 +154,14 @@ fn sync_folder(_: &Path) -> std::io::Result<()> {
 pub fn check_target(path: &Path) -> Result<(), BuildError> {
     let fail =
         |kind, what: String| Err(BuildError::Io { path: path.to_path_buf(), source: std::io::Error::new(kind, what) });
-    if path.is_dir() {
-        return fail(ErrorKind::IsADirectory, "expected a file to write, found a folder".into());
-    }
-    // The file takes the place of what was there: that must not be a device or a pipe.
-    if path.exists() && !path.is_file() {
-        return fail(ErrorKind::InvalidInput, "expected a file to write, found a device or a pipe".into());
+    // The file takes the place of what was there: that must not be a device or a pipe. Asked once, as others may remove it
+    // meanwhile.
+    match std::fs::metadata(path) {
+        Ok(m) if m.is_dir() => return fail(ErrorKind::IsADirectory, "expected a file to write, found a folder".into()),
+        Ok(m) if !m.is_file() => {
+            return fail(ErrorKind::InvalidInput, "expected a file to write, found a device or a pipe".into());
+        }
+        _ => {}
     }
     let real = follow(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
     let folder = folder_of(&real);

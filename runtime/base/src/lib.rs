@@ -3,6 +3,7 @@
 mod checksum;
 pub mod error;
 pub mod file;
+pub mod ground;
 mod hash;
 mod id;
 pub mod limits;

@@ -10,7 +10,7 @@ use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
-use crate::reserve::Wall;
+use crate::reserve::Rod;
 use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Vec2, Vec3};
@@ -168,7 +168,7 @@ impl PolicyCharacters {
     }
 
     /// What stands for good, see [`Characters::set_walls`].
-    pub fn set_walls(&mut self, walls: &[Wall]) {
+    pub fn set_walls(&mut self, walls: &[Rod]) {
         self.characters.set_walls(walls);
     }
 

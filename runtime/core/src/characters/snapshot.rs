@@ -137,7 +137,7 @@ pub(super) fn is_sound(blocks: &[Block], motion_set: &MotionSet, at: usize, name
     let (exists, earliest) = match b.segment[lane] {
         LAID => {
             let end = first as usize + length as usize;
-            (length > 0 && end < motion_set.frames.len(), f32::NEG_INFINITY)
+            (length > 0 && end < motion_set.frames.len() && b.bend[lane] == 0.0, f32::NEG_INFINITY)
         }
         segment => {
             let segment = motion_set.graph.segments.get(segment as usize);

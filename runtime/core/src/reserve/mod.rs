@@ -7,10 +7,10 @@
 mod path;
 
 use glam::Vec2;
-pub use path::{Bounds, Moving, PathNode, Wall};
+pub use path::{Moving, PathNode};
+pub use throng_base::ground::{Bounds, Outsiders, Rod};
+use throng_base::ground::BoxGrid;
 
-/// Side of a cell of the grid in which paths are found (m).
-const CELL_M: f32 = 3.0;
 const NONE: u32 = u32::MAX;
 
 /// The paths of all who are on the ground, by number.
@@ -22,36 +22,22 @@ pub struct Reservations {
     room: usize,
     nodes: Vec<PathNode>,
     slots: Vec<Slot>,
-    /// First path of each cell; cells share buckets (a power of two).
-    buckets: Vec<u32>,
-    /// No path reaches farther than this from the middle of its box along an axis (m).
-    most_half_m: f32,
-    walls: Vec<(Wall, Bounds)>,
+    grid: BoxGrid,
+    walls: Vec<(Rod, Bounds)>,
+    outsiders: Outsiders,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     num_nodes: u32,
-    bounds: Bounds,
     elapsed_s: f32,
     /// Those of one group take no notice of each other.
     group: u32,
     velocity: Vec2,
-    /// The paths after and before it in its bucket.
-    next: u32,
-    before: u32,
 }
 
 impl Slot {
-    const FREE: Self = Self {
-        num_nodes: 0,
-        bounds: Bounds::EMPTY,
-        elapsed_s: 0.0,
-        group: NONE,
-        velocity: Vec2::ZERO,
-        next: NONE,
-        before: NONE,
-    };
+    const FREE: Self = Self { num_nodes: 0, elapsed_s: 0.0, group: NONE, velocity: Vec2::ZERO };
 }
 
 /// A path that somebody might take.
@@ -70,9 +56,9 @@ impl Reservations {
             room,
             nodes: vec![PathNode::default(); capacity * room],
             slots: vec![Slot::FREE; capacity],
-            buckets: vec![NONE; (2 * capacity).next_power_of_two().max(16)],
-            most_half_m: 0.0,
+            grid: BoxGrid::with_capacity(capacity),
             walls: Vec::new(),
+            outsiders: Outsiders::default(),
         }
     }
 
@@ -82,57 +68,45 @@ impl Reservations {
     }
 
     /// What stands for good.
-    pub fn walls(&self) -> impl Iterator<Item = &Wall> {
+    pub fn walls(&self) -> impl Iterator<Item = &Rod> {
         self.walls.iter().map(|w| &w.0)
     }
 
     /// Replaces what stands for good.
-    pub fn set_walls(&mut self, walls: &[Wall]) {
+    pub fn set_walls(&mut self, walls: &[Rod]) {
         self.walls = walls.iter().map(|w| (*w, w.bounds())).collect();
     }
 
-    /// Nobody is there any more; walls stay.
+    /// Whom others move.
+    pub fn outsiders(&self) -> &Outsiders {
+        &self.outsiders
+    }
+
+    /// As [`Reservations::outsiders`], to say where they are now.
+    pub fn outsiders_mut(&mut self) -> &mut Outsiders {
+        &mut self.outsiders
+    }
+
+    /// Nobody is there any more; walls and outsiders stay.
     pub fn clear(&mut self) {
         self.slots.fill(Slot::FREE);
-        self.buckets.fill(NONE);
+        self.grid.clear();
     }
 
     /// Reserves a path in place of the one before (who < capacity; 1 to `room` nodes).
     ///
     /// - `elapsed_s`: since it began (s).
     pub fn set(&mut self, who: usize, path: &Path, elapsed_s: f32) {
-        self.remove(who);
         self.nodes[who * self.room..][..path.nodes.len()].copy_from_slice(&path.nodes);
-        let bounds = Bounds::of(&path.nodes);
-        let half = 0.5 * (bounds.max - bounds.min).max_element();
-        self.most_half_m = self.most_half_m.max(half);
-        let bucket = self.bucket(cell(0.5 * (bounds.min + bounds.max)));
-        let next = self.buckets[bucket];
         let (num_nodes, group) = (path.nodes.len() as u32, self.slots[who].group);
-        self.slots[who] = Slot { num_nodes, bounds, elapsed_s, group, velocity: path.velocity, next, before: NONE };
-        if next != NONE {
-            self.slots[next as usize].before = who as u32;
-        }
-        self.buckets[bucket] = who as u32;
+        self.slots[who] = Slot { num_nodes, elapsed_s, group, velocity: path.velocity };
+        self.grid.set(who, bounds(&path.nodes));
     }
 
     /// Gives up a path; its group stays.
     pub fn remove(&mut self, who: usize) {
-        let Slot { num_nodes, bounds, next, before, group, .. } = self.slots[who];
-        if num_nodes == 0 {
-            return;
-        }
-        match before {
-            NONE => {
-                let bucket = self.bucket(cell(0.5 * (bounds.min + bounds.max)));
-                self.buckets[bucket] = next;
-            }
-            before => self.slots[before as usize].next = next,
-        }
-        if next != NONE {
-            self.slots[next as usize].before = before;
-        }
-        self.slots[who] = Slot { group, ..Slot::FREE };
+        self.slots[who] = Slot { group: self.slots[who].group, ..Slot::FREE };
+        self.grid.remove(who);
     }
 
     /// Time since a path began (s).
@@ -159,37 +133,12 @@ impl Reservations {
 
     /// Calls `found` for everybody else whose path has a place in the box, in no order, until it returns false.
     pub fn near(&self, who: usize, bounds: &Bounds, mut found: impl FnMut(usize) -> bool) {
-        let wide = bounds.grown(self.most_half_m);
-        let (low, high) = (cell(wide.min), cell(wide.max));
         let group = self.slots[who].group;
-        let mut is_found = |at: usize| {
-            let slot = &self.slots[at];
-            let is_other = at != who && slot.num_nodes > 0 && (group == NONE || slot.group != group);
-            !(is_other && slot.bounds.meets(bounds)) || found(at)
-        };
-        let size = [0, 1].map(|k| i64::from(high[k]) - i64::from(low[k]) + 1);
-        if size[0].saturating_mul(size[1]) > 4 * self.slots.len() as i64 {
-            // Fewer paths than cells.
-            (0..self.slots.len()).all(is_found);
-            return;
-        }
-        // Cells of one bucket are met together: each path is found where its own cell is.
-        for z in low[1]..=high[1] {
-            for x in low[0]..=high[0] {
-                let here = [x, z];
-                let mut at = self.buckets[self.bucket(here)];
-                while at != NONE {
-                    let slot = &self.slots[at as usize];
-                    if cell(0.5 * (slot.bounds.min + slot.bounds.max)) == here && !is_found(at as usize) {
-                        return;
-                    }
-                    at = slot.next;
-                }
-            }
-        }
+        let is_other = |at: usize| at != who && (group == NONE || self.slots[at].group != group);
+        self.grid.near(bounds, |at| !is_other(at) || found(at));
     }
 
-    /// True where a path from now on meets no wall and nobody else's path.
+    /// True where a path from now on meets no wall, nobody else's path and no ground that an outsider holds.
     ///
     /// - `ago_s`: how long ago now is for the others (s).
     pub fn is_clear(&self, who: usize, path: &Path, ago_s: f32) -> bool {
@@ -198,8 +147,8 @@ impl Reservations {
 
     /// As [`Reservations::is_clear`], for a path that is under way; nobody may come nearer than `room_m` (m).
     pub fn meets_none(&self, who: usize, own: &Moving<'_>, ago_s: f32, room_m: f32) -> bool {
-        let bounds = Bounds::of(own.nodes);
-        if self.walls.iter().any(|(wall, around)| around.meets(&bounds) && wall.meets(own)) {
+        let bounds = bounds(own.nodes);
+        if self.walls.iter().any(|(wall, around)| around.meets(&bounds) && own.meets_rod(wall)) {
             return false;
         }
         let mut clear = true;
@@ -208,18 +157,24 @@ impl Reservations {
             clear = !own.meets(&Moving { elapsed_s: other.elapsed_s - ago_s, ..other }, room_m);
             clear
         });
+        if clear {
+            self.outsiders.held_near(&bounds, |ground| {
+                clear = !own.meets_rod(ground);
+                clear
+            });
+        }
         clear
-    }
-
-    fn bucket(&self, [x, z]: [i32; 2]) -> usize {
-        let hash = (x as u32).wrapping_mul(0x9E37_79B1) ^ (z as u32).wrapping_mul(0x85EB_CA77);
-        (hash ^ hash >> 15) as usize & (self.buckets.len() - 1)
     }
 }
 
-/// The cell of a place; those of whole negative numbers are one lower than one might think, which is as good.
-fn cell(place: Vec2) -> [i32; 2] {
-    (place * (1.0 / CELL_M)).to_array().map(|v| v as i32 - i32::from(v < 0.0))
+/// A box around the discs of a path.
+pub fn bounds(nodes: &[PathNode]) -> Bounds {
+    let mut before_m = 0.0f32;
+    nodes.iter().fold(Bounds::EMPTY, |b, n| {
+        let disc = Bounds::about(n.place, n.radius_m.max(before_m));
+        before_m = n.radius_m;
+        b.with(disc)
+    })
 }
 
 #[cfg(test)]

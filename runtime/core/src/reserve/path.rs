@@ -1,6 +1,7 @@
 //! Where somebody will be: a disc whose centre moves from node to node, evenly in time, and stays at the last one for good.
 
 use glam::Vec2;
+use throng_base::ground::{Rod, nearest_squared};
 
 /// A place at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,45 +18,6 @@ impl PathNode {
     /// A place at a time, and the radius from there on (s, m, m).
     pub fn new(time_s: f32, place: Vec2, radius_m: f32) -> Self {
         Self { time_s, place, radius_m }
-    }
-}
-
-/// A box along the axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// Lowest x and z (m).
-    pub min: Vec2,
-    /// Highest x and z (m).
-    pub max: Vec2,
-}
-
-impl Bounds {
-    /// Of no place.
-    pub const EMPTY: Self = Self { min: Vec2::INFINITY, max: Vec2::NEG_INFINITY };
-
-    /// Of the discs of a path.
-    pub fn of(nodes: &[PathNode]) -> Self {
-        let mut before_m = 0.0f32;
-        nodes.iter().fold(Self::EMPTY, |b, n| {
-            let disc = Self::about(n.place, n.radius_m.max(before_m));
-            before_m = n.radius_m;
-            Self { min: b.min.min(disc.min), max: b.max.max(disc.max) }
-        })
-    }
-
-    /// Of one disc.
-    pub fn about(centre: Vec2, radius_m: f32) -> Self {
-        Self { min: centre, max: centre }.grown(radius_m)
-    }
-
-    /// Larger by so much on every side.
-    pub fn grown(self, by_m: f32) -> Self {
-        Self { min: self.min - by_m, max: self.max + by_m }
-    }
-
-    /// True where the two have a place in common.
-    pub fn meets(&self, other: &Self) -> bool {
-        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 }
 
@@ -112,57 +74,27 @@ impl Moving<'_> {
             (p, q) = (next_p, next_q);
         }
     }
-}
 
-/// Square of the least distance of a line from the origin.
-fn nearest_squared(from: Vec2, to: Vec2) -> f32 {
-    let way = to - from;
-    let share = (-from.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
-    (from + way * share).length_squared()
-}
-
-/// Something that stands for good: a line with a thickness, or a disc where both ends are one place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wall {
-    /// One end (m).
-    pub from: Vec2,
-    /// The other (m).
-    pub to: Vec2,
-    /// Half its thickness (m, >= 0).
-    pub radius_m: f32,
-}
-
-impl Wall {
-    /// A box around it.
-    pub fn bounds(&self) -> Bounds {
-        Bounds { min: self.from.min(self.to), max: self.from.max(self.to) }.grown(self.radius_m)
+    /// True where it meets what stands, at any time from now on.
+    pub fn meets_rod(&self, rod: &Rod) -> bool {
+        self.rods().any(|own| own.meets(rod))
     }
 
-    /// True where a path meets it at any time from now on.
-    pub fn meets(&self, path: &Moving<'_>) -> bool {
-        let first = path.after(path.elapsed_s);
-        let mut from = path.now();
-        (first..path.nodes.len()).any(|k| {
-            let to = path.nodes.get(k + 1).map_or(from, |n| n.place);
-            let reach = self.radius_m + path.nodes[k].radius_m;
-            lines_squared([std::mem::replace(&mut from, to), to], [self.from, self.to]) < reach * reach
+    /// All ground that it takes from now on.
+    pub fn rods(&self) -> impl Iterator<Item = Rod> + '_ {
+        let first = self.after(self.elapsed_s);
+        let mut from = self.now();
+        (first..self.nodes.len()).map(move |k| {
+            let to = self.nodes.get(k + 1).map_or(from, |n| n.place);
+            Rod { from: std::mem::replace(&mut from, to), to, radius_m: self.nodes[k].radius_m }
         })
     }
-}
-
-/// Square of the least distance between two lines.
-fn lines_squared(a: [Vec2; 2], b: [Vec2; 2]) -> f32 {
-    let side = |l: [Vec2; 2], p: Vec2| (l[1] - l[0]).perp_dot(p - l[0]);
-    if side(a, b[0]) * side(a, b[1]) < 0.0 && side(b, a[0]) * side(b, a[1]) < 0.0 {
-        return 0.0;
-    }
-    let to_line = |p: Vec2, l: [Vec2; 2]| nearest_squared(l[0] - p, l[1] - p);
-    to_line(a[0], b).min(to_line(a[1], b)).min(to_line(b[0], a)).min(to_line(b[1], a))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reserve::bounds;
     use proptest::prelude::*;
 
     fn path() -> impl Strategy<Value = (Vec<PathNode>, f32)> {
@@ -202,18 +134,18 @@ mod tests {
             prop_assert!(gap >= 0.0 || meets, "{gap} m apart, and not seen");
             // Between two samples nobody comes nearer by more than both can move.
             prop_assert!(gap <= 0.3 || !meets, "{gap} m apart, but seen");
-            prop_assert!(!(gap < 0.0) || Bounds::of(&a).meets(&Bounds::of(&b)));
+            prop_assert!(!(gap < 0.0) || bounds(&a).meets(&bounds(&b)));
         }
 
         #[test]
         fn walls_are_met_where_dense_sampling_says_so((a, ea) in path(), ends in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0]) {
-            let wall = Wall { from: Vec2::new(ends[0], ends[1]), to: Vec2::new(ends[2], ends[3]), radius_m: 0.1 };
+            let wall = Rod { from: Vec2::new(ends[0], ends[1]), to: Vec2::new(ends[2], ends[3]), radius_m: 0.1 };
             let to_wall = |p: Vec2| (0..=300).map(|i| wall.from.lerp(wall.to, i as f32 / 300.0).distance(p)).fold(f32::INFINITY, f32::min);
             let gap = |k: i32| {
                 let (at, radius) = disc(&a, ea + k as f32 * 1e-2);
                 to_wall(at) - radius - 0.1
             };
-            let (meets, gap) = (wall.meets(&Moving { nodes: &a, elapsed_s: ea }), (0..900).map(gap).fold(f32::INFINITY, f32::min));
+            let (meets, gap) = (Moving { nodes: &a, elapsed_s: ea }.meets_rod(&wall), (0..900).map(gap).fold(f32::INFINITY, f32::min));
             prop_assert!(gap >= 0.0 || meets, "{gap} m apart, and not seen");
             prop_assert!(gap <= 1.7 || !meets, "{gap} m apart, but seen");
         }

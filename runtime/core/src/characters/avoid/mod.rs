@@ -14,7 +14,7 @@ use super::Characters;
 use super::block::Block;
 use super::motion_set::MotionSet;
 use super::pace;
-use crate::reserve::{Moving, Path, Reservations, Wall};
+use crate::reserve::{Moving, Path, Reservations, Rod};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use throng_base::Result;
@@ -128,7 +128,7 @@ fn walking_speed(motion_set: &MotionSet) -> f32 {
 
 impl Characters {
     /// What stands for good, for characters that make way: nobody walks into it. Others take no notice.
-    pub fn set_walls(&mut self, walls: &[Wall]) {
+    pub fn set_walls(&mut self, walls: &[Rod]) {
         if let Some(avoiding) = &mut self.avoiding {
             avoiding.book.set_walls(walls);
         }

@@ -115,7 +115,7 @@ fn time_to(other: &Other, velocity: Vec2) -> f32 {
 fn walls_ahead(chooser: &Chooser, velocity: Vec2, book: &Reservations, config: &AvoidConfig) -> f32 {
     const PLACES: usize = 4;
     let nearest = |place: Vec2| {
-        let gap = |w: &crate::reserve::Wall| {
+        let gap = |w: &crate::reserve::Rod| {
             let way = w.to - w.from;
             let share = ((place - w.from).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
             place.distance(w.from + way * share) - w.radius_m

@@ -2,7 +2,7 @@ use crate::cast::Cast;
 use crate::characters::made_up::tables;
 use crate::characters::{AvoidConfig, CharactersConfig, Choice, Order, PolicyCharacters, Spawn};
 use crate::planar::Planar;
-use crate::reserve::Wall;
+use crate::reserve::Rod;
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use throng_base::{Error, Id, Inline, Run};
@@ -92,7 +92,7 @@ proptest! {
     fn walls_are_not_walked_through(
         starts in starts(), ends in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0], target in [-5.0f32..5.0, -5.0f32..5.0],
     ) {
-        let wall = Wall { from: Vec2::new(ends[0], ends[1]), to: Vec2::new(ends[2], ends[3]), radius_m: 0.05 };
+        let wall = Rod { from: Vec2::new(ends[0], ends[1]), to: Vec2::new(ends[2], ends[3]), radius_m: 0.05 };
         let gap = |p: Vec2| {
             let way = wall.to - wall.from;
             let share = ((p - wall.from).dot(way) / way.length_squared().max(1e-9)).clamp(0.0, 1.0);

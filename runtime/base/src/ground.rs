@@ -1,0 +1,352 @@
+//! Places on the ground: boxes in a grid, and what characters of one kind see of those whom others move.
+
+use glam::Vec2;
+
+/// Side of a cell of a grid (m).
+const CELL_M: f32 = 3.0;
+const NONE: u32 = u32::MAX;
+
+/// A box along the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lowest x and z (m).
+    pub min: Vec2,
+    /// Highest x and z (m).
+    pub max: Vec2,
+}
+
+impl Bounds {
+    /// Of no place.
+    pub const EMPTY: Self = Self { min: Vec2::INFINITY, max: Vec2::NEG_INFINITY };
+
+    /// Of one disc.
+    pub fn about(centre: Vec2, radius_m: f32) -> Self {
+        Self { min: centre, max: centre }.grown(radius_m)
+    }
+
+    /// Larger by so much on every side.
+    pub fn grown(self, by_m: f32) -> Self {
+        Self { min: self.min - by_m, max: self.max + by_m }
+    }
+
+    /// Of both.
+    pub fn with(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// True where the two have a place in common.
+    pub fn meets(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+}
+
+/// All that is within a radius of a line; a disc where both ends are one place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rod {
+    /// One end (m).
+    pub from: Vec2,
+    /// The other (m).
+    pub to: Vec2,
+    /// (m, >= 0)
+    pub radius_m: f32,
+}
+
+impl Rod {
+    /// A box around it.
+    pub fn bounds(&self) -> Bounds {
+        Bounds { min: self.from.min(self.to), max: self.from.max(self.to) }.grown(self.radius_m)
+    }
+
+    /// How far a place is from it: below zero inside (m).
+    pub fn distance(&self, place: Vec2) -> f32 {
+        nearest_squared(self.from - place, self.to - place).sqrt() - self.radius_m
+    }
+
+    /// True where two have a place in common.
+    pub fn meets(&self, other: &Self) -> bool {
+        let reach = self.radius_m + other.radius_m;
+        lines_squared([self.from, self.to], [other.from, other.to]) < reach * reach
+    }
+}
+
+/// Square of the least distance of a line from the origin.
+pub fn nearest_squared(from: Vec2, to: Vec2) -> f32 {
+    let way = to - from;
+    let share = (-from.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+    (from + way * share).length_squared()
+}
+
+/// Square of the least distance between two lines.
+fn lines_squared(a: [Vec2; 2], b: [Vec2; 2]) -> f32 {
+    let side = |l: [Vec2; 2], p: Vec2| (l[1] - l[0]).perp_dot(p - l[0]);
+    if side(a, b[0]) * side(a, b[1]) < 0.0 && side(b, a[0]) * side(b, a[1]) < 0.0 {
+        return 0.0;
+    }
+    let to_line = |p: Vec2, l: [Vec2; 2]| nearest_squared(l[0] - p, l[1] - p);
+    to_line(a[0], b).min(to_line(a[1], b)).min(to_line(b[0], a)).min(to_line(b[1], a))
+}
+
+/// Boxes by number, in a grid of cells that share buckets.
+#[derive(Clone, Debug)]
+pub struct BoxGrid {
+    slots: Vec<Slot>,
+    /// First box of each bucket (a power of two).
+    buckets: Vec<u32>,
+    /// No box reaches farther than this from its middle along an axis (m).
+    most_half_m: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    /// Empty where there is no box.
+    bounds: Bounds,
+    /// The boxes after and before it in its bucket.
+    next: u32,
+    before: u32,
+}
+
+const FREE: Slot = Slot { bounds: Bounds::EMPTY, next: NONE, before: NONE };
+
+impl BoxGrid {
+    /// Room for so many boxes; more take memory.
+    pub fn with_capacity(capacity: usize) -> Self {
+        let buckets = (2 * capacity).next_power_of_two().max(16);
+        Self { slots: Vec::with_capacity(capacity), buckets: vec![NONE; buckets], most_half_m: 0.0 }
+    }
+
+    /// There are no boxes any more.
+    pub fn clear(&mut self) {
+        self.slots.clear();
+        self.buckets.fill(NONE);
+        self.most_half_m = 0.0;
+    }
+
+    /// Puts a box in, in place of the one of that number.
+    pub fn set(&mut self, number: usize, bounds: Bounds) {
+        self.remove(number);
+        if number >= self.slots.len() {
+            self.slots.resize(number + 1, FREE);
+            if 2 * self.slots.len() > self.buckets.len() {
+                self.grow();
+            }
+        }
+        self.slots[number] = Slot { bounds, ..FREE };
+        self.link(number);
+    }
+
+    /// Takes a box out, if it is there.
+    pub fn remove(&mut self, number: usize) {
+        let Some(&Slot { bounds, next, before }) = self.slots.get(number) else { return };
+        if bounds == Bounds::EMPTY {
+            return;
+        }
+        match before {
+            NONE => {
+                let bucket = self.bucket(cell(middle(&bounds)));
+                self.buckets[bucket] = next;
+            }
+            before => self.slots[before as usize].next = next,
+        }
+        if next != NONE {
+            self.slots[next as usize].before = before;
+        }
+        self.slots[number] = FREE;
+    }
+
+    /// The box of a number, [`Bounds::EMPTY`] where there is none.
+    pub fn bounds(&self, number: usize) -> Bounds {
+        self.slots.get(number).map_or(Bounds::EMPTY, |s| s.bounds)
+    }
+
+    /// Calls `found` for every box that has a place in another one, in no order, until it returns false.
+    #[inline]
+    pub fn near(&self, bounds: &Bounds, mut found: impl FnMut(usize) -> bool) {
+        let wide = bounds.grown(self.most_half_m);
+        let (low, high) = (cell(wide.min), cell(wide.max));
+        let mut is_found = |at: usize| !self.slots[at].bounds.meets(bounds) || found(at);
+        let size = [0, 1].map(|k| i64::from(high[k]) - i64::from(low[k]) + 1);
+        if size[0].saturating_mul(size[1]) > 4 * self.slots.len() as i64 {
+            // Fewer boxes than cells.
+            (0..self.slots.len()).all(is_found);
+            return;
+        }
+        // Cells of one bucket are met together: each box is found where its own cell is.
+        for z in low[1]..=high[1] {
+            for x in low[0]..=high[0] {
+                let here = [x, z];
+                let mut at = self.buckets[self.bucket(here)];
+                while at != NONE {
+                    let slot = &self.slots[at as usize];
+                    if cell(middle(&slot.bounds)) == here && !is_found(at as usize) {
+                        return;
+                    }
+                    at = slot.next;
+                }
+            }
+        }
+    }
+
+    fn link(&mut self, number: usize) {
+        let bounds = self.slots[number].bounds;
+        self.most_half_m = self.most_half_m.max(0.5 * (bounds.max - bounds.min).max_element());
+        let bucket = self.bucket(cell(middle(&bounds)));
+        let next = self.buckets[bucket];
+        self.slots[number] = Slot { bounds, next, before: NONE };
+        if next != NONE {
+            self.slots[next as usize].before = number as u32;
+        }
+        self.buckets[bucket] = number as u32;
+    }
+
+    fn grow(&mut self) {
+        let buckets = (4 * self.slots.len()).next_power_of_two();
+        self.buckets.clear();
+        self.buckets.resize(buckets, NONE);
+        for number in 0..self.slots.len() {
+            if self.slots[number].bounds != Bounds::EMPTY {
+                self.link(number);
+            }
+        }
+    }
+
+    fn bucket(&self, [x, z]: [i32; 2]) -> usize {
+        let hash = (x as u32).wrapping_mul(0x9E37_79B1) ^ (z as u32).wrapping_mul(0x85EB_CA77);
+        (hash ^ hash >> 15) as usize & (self.buckets.len() - 1)
+    }
+}
+
+fn middle(bounds: &Bounds) -> Vec2 {
+    0.5 * (bounds.min + bounds.max)
+}
+
+/// The cell of a place; those of whole negative numbers are one lower than one might think, which is as good.
+fn cell(place: Vec2) -> [i32; 2] {
+    (place * (1.0 / CELL_M)).to_array().map(|v| v as i32 - i32::from(v < 0.0))
+}
+
+/// A body that somebody else moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outsider {
+    /// Where it is (m).
+    pub place: Vec2,
+    /// Where it goes on the whole (m/s).
+    pub velocity: Vec2,
+    /// Of its disc (m).
+    pub radius_m: f32,
+}
+
+/// Whom others move: their bodies, to steer around, and the ground that they hold, to keep clear of.
+///
+/// Whoever keeps clear of ground that is held, and holds all that they may need for what they do and for the stop after
+/// it, overlaps nobody who does the same.
+#[derive(Clone, Debug)]
+pub struct Outsiders {
+    bodies: Vec<Outsider>,
+    held: Vec<Rod>,
+    body_grid: BoxGrid,
+    held_grid: BoxGrid,
+}
+
+impl Default for Outsiders {
+    fn default() -> Self {
+        let grid = || BoxGrid::with_capacity(0);
+        Self { bodies: Vec::new(), held: Vec::new(), body_grid: grid(), held_grid: grid() }
+    }
+}
+
+impl Outsiders {
+    /// Nobody.
+    pub fn clear(&mut self) {
+        if !(self.bodies.is_empty() && self.held.is_empty()) {
+            self.bodies.clear();
+            self.held.clear();
+            self.body_grid.clear();
+            self.held_grid.clear();
+        }
+    }
+
+    /// True where there is nobody and nothing is held.
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty() && self.held.is_empty()
+    }
+
+    /// Adds a body.
+    pub fn add(&mut self, body: Outsider) {
+        self.body_grid.set(self.bodies.len(), Bounds::about(body.place, body.radius_m));
+        self.bodies.push(body);
+    }
+
+    /// Adds ground that is held.
+    pub fn hold(&mut self, ground: Rod) {
+        self.held_grid.set(self.held.len(), ground.bounds());
+        self.held.push(ground);
+    }
+
+    /// All bodies.
+    pub fn bodies(&self) -> &[Outsider] {
+        &self.bodies
+    }
+
+    /// All ground that is held.
+    pub fn held(&self) -> &[Rod] {
+        &self.held
+    }
+
+    /// Calls `found` for every body with a place in the box, in no order, until it returns false.
+    pub fn bodies_near(&self, bounds: &Bounds, mut found: impl FnMut(usize, &Outsider) -> bool) {
+        if !self.bodies.is_empty() {
+            self.body_grid.near(bounds, |n| found(n, &self.bodies[n]));
+        }
+    }
+
+    /// Calls `found` for all ground held with a place in the box, in no order, until it returns false.
+    pub fn held_near(&self, bounds: &Bounds, mut found: impl FnMut(&Rod) -> bool) {
+        if !self.held.is_empty() {
+            self.held_grid.near(bounds, |n| found(&self.held[n]));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Against a list of all boxes, while boxes come, change and go.
+        #[test]
+        fn boxes_are_found_as_in_a_list(steps in proptest::collection::vec((0usize..40, -30.0f32..30.0, -30.0f32..30.0, 0.0f32..6.0, any::<bool>()), 1..120)) {
+            let (mut grid, mut list) = (BoxGrid::with_capacity(4), [Bounds::EMPTY; 40]);
+            for (number, x, z, half, stays) in steps {
+                let bounds = Bounds::about(Vec2::new(x, z), half);
+                let mut found = Vec::new();
+                grid.near(&bounds, |n| {
+                    found.push(n);
+                    true
+                });
+                found.sort_unstable();
+                let wanted: Vec<usize> = (0..40).filter(|&n| list[n].meets(&bounds)).collect();
+                prop_assert_eq!(found, wanted);
+                if stays {
+                    grid.set(number, bounds);
+                    list[number] = bounds;
+                } else {
+                    grid.remove(number);
+                    list[number] = Bounds::EMPTY;
+                }
+                prop_assert_eq!(grid.bounds(number), list[number]);
+            }
+        }
+
+        #[test]
+        fn rods_meet_where_dense_sampling_says_so(a in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, 0.0f32..1.0], b in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, 0.0f32..1.0]) {
+            let rod = |v: [f32; 5]| Rod { from: Vec2::new(v[0], v[1]), to: Vec2::new(v[2], v[3]), radius_m: v[4] };
+            let (a, b) = (rod(a), rod(b));
+            let gap = (0..=400).map(|i| b.distance(a.from.lerp(a.to, i as f32 / 400.0)) - a.radius_m).fold(f32::INFINITY, f32::min);
+            prop_assert_eq!(a.meets(&b), b.meets(&a));
+            prop_assert!(gap >= 0.0 || a.meets(&b), "{gap} m apart, and not seen");
+            prop_assert!(gap <= 0.02 || !a.meets(&b), "{gap} m apart, but seen");
+            prop_assert!(!a.meets(&b) || a.bounds().meets(&b.bounds()));
+        }
+    }
+}
