@@ -235,6 +235,23 @@ pub struct Outsider {
     pub radius_m: f32,
 }
 
+/// What one kind of characters shows and holds.
+#[derive(Clone, Debug, Default)]
+pub struct Held {
+    /// Their bodies.
+    pub bodies: Vec<Outsider>,
+    /// Ground that nobody else may enter.
+    pub ground: Vec<Rod>,
+}
+
+impl Held {
+    /// Holds what a body may reach within a second whom nothing stops.
+    pub fn ahead(&mut self, body: Outsider) {
+        self.bodies.push(body);
+        self.ground.push(Rod { from: body.place, to: body.place + body.velocity, radius_m: body.radius_m });
+    }
+}
+
 /// Whom others move: their bodies, to steer around, and the ground that they hold, to keep clear of.
 ///
 /// Whoever keeps clear of ground that is held, and holds all that they may need for what they do and for the stop after
@@ -255,41 +272,29 @@ impl Default for Outsiders {
 }
 
 impl Outsiders {
-    /// Nobody.
-    pub fn clear(&mut self) {
-        if !(self.bodies.is_empty() && self.held.is_empty()) {
+    /// Replaces all by what these show and hold.
+    pub fn set<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
+        if !self.is_empty() {
             self.bodies.clear();
             self.held.clear();
             self.body_grid.clear();
             self.held_grid.clear();
+        }
+        for other in others {
+            for body in &other.bodies {
+                self.body_grid.set(self.bodies.len(), Bounds::about(body.place, body.radius_m));
+                self.bodies.push(*body);
+            }
+            for ground in &other.ground {
+                self.held_grid.set(self.held.len(), ground.bounds());
+                self.held.push(*ground);
+            }
         }
     }
 
     /// True where there is nobody and nothing is held.
     pub fn is_empty(&self) -> bool {
         self.bodies.is_empty() && self.held.is_empty()
-    }
-
-    /// Adds a body.
-    pub fn add(&mut self, body: Outsider) {
-        self.body_grid.set(self.bodies.len(), Bounds::about(body.place, body.radius_m));
-        self.bodies.push(body);
-    }
-
-    /// Adds ground that is held.
-    pub fn hold(&mut self, ground: Rod) {
-        self.held_grid.set(self.held.len(), ground.bounds());
-        self.held.push(ground);
-    }
-
-    /// All bodies.
-    pub fn bodies(&self) -> &[Outsider] {
-        &self.bodies
-    }
-
-    /// All ground that is held.
-    pub fn held(&self) -> &[Rod] {
-        &self.held
     }
 
     /// Calls `found` for every body with a place in the box, in no order, until it returns false.

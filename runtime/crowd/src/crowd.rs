@@ -4,10 +4,13 @@ use crate::error::CrowdError;
 use crate::events::engine::Engine;
 use crate::events::event::{Counts, Event};
 use crate::routes::order::{Go, Status};
+use crate::safety::rule::Candidate;
 use crate::space::Space;
+use crate::space::plan::Plan;
 use crate::{Agent, AtEnd, Forces, Id, Route, Setup};
 use glam::{Vec2, Vec3};
 use throng_base::Run;
+use throng_base::ground::{Held, Outsider, Rod};
 
 /// Agents that act at their own events and never overlap.
 ///
@@ -276,6 +279,26 @@ impl Crowd {
         each!(&self.engine, e => {
             let (from, to) = e.plan(id).map(|p| p.stop_region((e.now - p.start) as f32))?;
             Some((from.to_world(), to.to_world()))
+        })
+    }
+
+    /// Whom others move: agents steer around their bodies, and keep clear of the ground that they hold. A crowd in the
+    /// air minds nobody.
+    pub fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
+        if let Either::Ground(engine) = &mut self.engine {
+            engine.outsiders.set(others);
+        }
+    }
+
+    /// The body of an agent, and the ground that it holds: all that it takes until it acts next, and for braking then.
+    pub fn held(&self, id: Id) -> Option<(Outsider, Rod)> {
+        each!(&self.engine, e => {
+            let plan = e.plan(id)?;
+            let (position, velocity) = plan.at(e.now);
+            let end = plan.end.max(e.now);
+            let now = Plan { start: e.now, end, position, velocity, moving: (plan.moving - (e.now - plan.start) as f32).max(0.0), ..plan };
+            let body = Outsider { place: position.on_ground(), velocity: velocity.on_ground(), radius_m: plan.radius };
+            Some((body, Candidate::new(now).held()))
         })
     }
 

@@ -11,6 +11,7 @@ use rand_pcg::Pcg64Mcg;
 use std::f32::consts::TAU;
 use std::sync::Arc;
 use throng_base::error::check_index;
+use throng_base::ground::Held;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
 use throng_core::characters::{AvoidConfig, CharactersConfig, Choice, Order, Spawn};
 use throng_core::policy::{KIND_CYLINDER, KIND_SPACE_TIME, RegionRecord};
@@ -70,8 +71,9 @@ fn behaviours(compiled: &CompiledScene, group: usize) -> Result<(Order, Vec<usiz
 fn characters(compiled: &CompiledScene, group: usize) -> CharactersConfig {
     let choice = Choice::LookAhead { temperature: compiled.scene().groups[group].temperature as f32 };
     let (seed, first_number) = (compiled.scene().seed, compiled.first_number(group) as u64);
-    // Pairs who spar are meant to come near each other.
-    let avoid = (compiled.scene().groups[group].motion == Motion::Policy).then(AvoidConfig::default);
+    // Opponents are meant to come near each other.
+    let pairs = compiled.scene().groups[group].motion == Motion::Sparring;
+    let avoid = Some(AvoidConfig { pairs, ..AvoidConfig::default() });
     CharactersConfig { seed, first_number, choice, avoid, ..CharactersConfig::default() }
 }
 
@@ -86,6 +88,7 @@ impl Bouts {
         let (starts, _) = places(compiled, group)?;
         let config = SparringConfig { characters: characters(compiled, group), ..SparringConfig::default() };
         let mut sparring = Sparring::with_capacity(bundle, starts.len() / 2, config).map_err(|e| setup.fault(e))?;
+        sparring.boxers_mut().set_walls(&compiled.scene().environment.walls());
         for pair in starts.as_chunks().0 {
             let first = sparring.spawn(*pair).map_err(|e| setup.fault(e))?;
             for id in [first, sparring.opponent(first)?] {
@@ -132,6 +135,7 @@ impl Practice {
         let mut config = PracticeConfig { characters: characters(compiled, group), ..PracticeConfig::default() };
         config.target.radius_m = own.target.radius_m as f32;
         let made = TargetPractice::with_capacity(bundle, starts.len(), config).and_then(|mut practice| {
+            practice.boxers_mut().set_walls(&compiled.scene().environment.walls());
             for (start, home) in starts.into_iter().zip(&homes) {
                 let id = practice.spawn(start)?;
                 practice.order(id, order.around(*home))?;
@@ -277,6 +281,14 @@ told!(Practice, practice);
 /// What both kinds answer alike.
 macro_rules! of_cast {
     ($cast:ident) => {
+        fn hold(&mut self, out: &mut Held) {
+            self.$cast.boxers_mut().hold_ground(out);
+        }
+
+        fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
+            self.$cast.boxers_mut().mind(others);
+        }
+
         fn num_characters(&self) -> usize {
             self.$cast.bodies().ids.len()
         }

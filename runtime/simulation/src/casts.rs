@@ -8,6 +8,7 @@ use crate::kind::{Kind, Tick};
 use crate::wander::Wanderers;
 use glam::{Vec2, Vec3};
 use throng_base::Result;
+use throng_base::ground::Held;
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Makes the enum of all kinds of motion, without dynamic calls.
@@ -23,6 +24,12 @@ macro_rules! kinds {
             }
             fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
                 match self { $(Self::$name(k) => k.step(tick, events)),* }
+            }
+            fn hold(&mut self, out: &mut Held) {
+                match self { $(Self::$name(k) => k.hold(out)),* }
+            }
+            fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
+                match self { $(Self::$name(k) => k.mind(others)),* }
             }
             fn save(&self, out: &mut Vec<u8>) {
                 match self { $(Self::$name(k) => k.save(out)),* }

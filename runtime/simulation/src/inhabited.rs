@@ -8,6 +8,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::ops::Range;
 use std::sync::Arc;
+use throng_base::ground::Held;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
 use throng_core::{Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_world::inhabitants::{
@@ -233,6 +234,14 @@ impl Kind for Inhabited {
             events.push(Event { time_s: tick.until_s, who: tick.first + id.index(), happened: Happened::Fulfilled });
         }
         Ok(())
+    }
+
+    fn hold(&mut self, out: &mut Held) {
+        self.inhabitants.hold_ground(out);
+    }
+
+    fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
+        self.inhabitants.mind(others);
     }
 
     fn save(&self, out: &mut Vec<u8>) {

@@ -2,6 +2,7 @@
 
 use crate::Event;
 use glam::Vec3;
+use throng_base::ground::Held;
 use throng_base::{Error, Hash128, Result, Run};
 use throng_core::{Cast, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
@@ -27,6 +28,12 @@ pub trait Kind {
     /// # Errors
     /// What could not be done, with the group in the scene file.
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()>;
+
+    /// Adds their bodies on the ground, and the ground that they hold now for what they do and for the stop after it.
+    fn hold(&mut self, out: &mut Held);
+
+    /// What all others hold: before the next step, nobody else moves. Kinds that give way to nobody take no notice.
+    fn mind<'a>(&mut self, _others: impl Iterator<Item = &'a Held>) {}
 
     /// Appends all that the next steps depend on: versioned, with a checksum.
     fn save(&self, out: &mut Vec<u8>);

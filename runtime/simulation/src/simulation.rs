@@ -9,9 +9,10 @@ use crate::kind::{Kind, Tick, refused};
 use crate::scene::{Motion, Scene, SpaceConfig};
 use crate::sparring::Part;
 use crate::wander::Wanderers;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::ops::Range;
 use std::time::Instant;
+use throng_base::ground::{Bounds, Held, Outsiders};
 use throng_base::limits::STEP_S;
 use throng_base::{Bytes, Inline, Result, Run, SnapshotKind, StateHash};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
@@ -30,6 +31,8 @@ pub struct Simulation {
     firsts: Vec<usize>,
     groups: Vec<Group>,
     events: Vec<Event>,
+    /// What each cast shows and holds, and what moves by itself; empty where nobody has to mind anybody.
+    held: Vec<Held>,
     time_s: f64,
     /// Time that each cast took so far, where it is measured (s).
     busy_s: Option<Vec<f64>>,
@@ -119,6 +122,7 @@ impl Simulation {
             firsts: vec![0],
             groups: Vec::new(),
             events: Vec::new(),
+            held: Vec::new(),
             time_s: 0.0,
             busy_s: None,
         };
@@ -145,6 +149,13 @@ impl Simulation {
             sim.firsts.push(sim.groups.last().map_or(0, |last| last.characters.end));
         }
         sim.events.reserve(EVENTS_EACH * sim.num_characters());
+        let mut moves_itself = Held::default();
+        scene.scene().environment.movers(0.0, &mut moves_itself);
+        let minds_own = matches!(sim.casts.as_slice(), [GroupCast::Ground(_) | GroupCast::Air(_)]);
+        if sim.casts.len() > 1 || !minds_own && !moves_itself.bodies.is_empty() {
+            sim.held = vec![Held::default(); sim.casts.len() + 1];
+        }
+        sim.check_starts()?;
         sim.step_to(0.0, &Inline)?;
         Ok(sim)
     }
@@ -174,10 +185,23 @@ impl Simulation {
         let dt_s = until_s - self.time_s;
         STEP_S.check("dt_s", None, dt_s)?;
         self.events.clear();
+        self.hold_all();
+        let last = self.casts.len();
         for (c, cast) in self.casts.iter_mut().enumerate() {
             let tick = Tick { dt_s: dt_s as f32, until_s, first: self.firsts[c], run };
             let begin = self.busy_s.is_some().then(Instant::now);
+            if !self.held.is_empty() {
+                // Agents know of what moves by itself as of obstacles.
+                let knows = matches!(cast, GroupCast::Ground(_) | GroupCast::Air(_));
+                let others = &self.held[..last + usize::from(!knows)];
+                cast.mind(others.iter().enumerate().filter(|(o, _)| *o != c).map(|(_, held)| held));
+            }
             cast.step(&tick, &mut self.events)?;
+            if let Some(held) = self.held.get_mut(c) {
+                // Beside what it held before the step, which others may still count on.
+                held.bodies.clear();
+                cast.hold(held);
+            }
             if let (Some(busy), Some(begin)) = (&mut self.busy_s, begin) {
                 busy[c] += begin.elapsed().as_secs_f64();
             }
@@ -186,6 +210,43 @@ impl Simulation {
         let key = |e: &Event| (e.who, e.happened.rank());
         self.events.sort_unstable_by(|a, b| a.time_s.total_cmp(&b.time_s).then(key(a).cmp(&key(b))));
         self.time_s = until_s;
+        Ok(())
+    }
+
+    /// Asks every cast what it holds, as it is now.
+    fn hold_all(&mut self) {
+        let Some((itself, held)) = self.held.split_last_mut() else { return };
+        for (held, cast) in held.iter_mut().zip(&mut self.casts) {
+            held.bodies.clear();
+            held.ground.clear();
+            cast.hold(held);
+        }
+        itself.bodies.clear();
+        itself.ground.clear();
+        self.scene.scene().environment.movers(self.time_s, itself);
+    }
+
+    /// Nobody starts in another group's place, but for those who walk on whoever is in their way.
+    fn check_starts(&mut self) -> Result<()> {
+        self.hold_all();
+        let gives_way = |c: usize| !matches!(self.casts.get(c), Some(GroupCast::Paths(_)) | None);
+        for (c, held) in self.held.iter().enumerate().filter(|(c, _)| gives_way(*c)) {
+            let mut others = Outsiders::default();
+            others.set(self.held.iter().enumerate().filter(|(o, _)| *o < c && gives_way(*o)).map(|(_, held)| held));
+            for body in &held.bodies {
+                let mut taken = false;
+                others.bodies_near(&Bounds::about(body.place, body.radius_m), |_, other| {
+                    taken |= other.place.distance(body.place) < other.radius_m + body.radius_m;
+                    !taken
+                });
+                if taken {
+                    let number = self.groups.iter().find(|g| g.cast == c).map_or(0, |g| g.number);
+                    let Vec2 { x, y: z } = body.place;
+                    let why = format!("somebody starts at {x:.2}, {z:.2}, where one of another group is; move its `place`");
+                    return Err(self.scene.scene().fault(&format!("groups[{number}]"), why));
+                }
+            }
+        }
         Ok(())
     }
 

@@ -9,9 +9,11 @@ use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
+use throng_base::ground::{Held, Outsider};
 use throng_base::maths;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind, run_each};
 use throng_core::blend::HeightField;
+use throng_core::stops::BODY_RADIUS_M;
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_core::{Cast, Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
@@ -135,6 +137,15 @@ impl Kind for Wanderers {
             t.walkers.step(tick.dt_s, tick.run).map_err(fault)?;
         }
         Ok(())
+    }
+
+    /// They walk on whoever is in their way, so that they hold what they may reach within a second.
+    fn hold(&mut self, out: &mut Held) {
+        for number in 0..self.num_characters() {
+            let Some(root) = self.root(number) else { continue };
+            let velocity = maths::at_angle(std::f32::consts::FRAC_PI_2 - root.heading) * self.speed(number);
+            out.ahead(Outsider { place: Vec2::new(root.x, root.z), velocity, radius_m: BODY_RADIUS_M });
+        }
     }
 
     fn save(&self, out: &mut Vec<u8>) {

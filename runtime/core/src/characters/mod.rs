@@ -173,7 +173,7 @@ impl Characters {
             passed,
             matrices: vec![Mat3x4::default(); n * NUM_JOINTS],
             locals: vec![LocalTransform::default(); locals],
-            avoiding: config.avoid.map(|_| Box::new(Avoiding::new(motion_set, n))),
+            avoiding: config.avoid.map(|avoid| Box::new(Avoiding::new(motion_set, &avoid, n))),
             times: StepTimes::default(),
         }
     }

@@ -10,7 +10,7 @@ use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
-use crate::reserve::Rod;
+use crate::reserve::{Held, Rod};
 use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Vec2, Vec3};
@@ -145,13 +145,14 @@ impl PolicyCharacters {
         Ok(())
     }
 
-    /// Moves a character over the ground as a whole, at the next step; see [`Characters::shift`].
+    /// Moves a character over the ground as a whole, at the next step; see [`Characters::shift`]. One that makes way stays
+    /// where that would bring it into another's.
     ///
     /// # Errors
     /// [`Error::Gone`], or [`Error::Value`] for a distance that is not finite.
     pub fn shift(&mut self, id: Id, by: Vec2) -> Result<()> {
         let at = self.roster.row(id)?;
-        self.characters.shift(at, by)
+        self.characters.shift_aside(&self.motion_set, at, by)
     }
 
     /// Displaces a part of a character's body, which then comes back; see [`Characters::push`].
@@ -170,6 +171,16 @@ impl PolicyCharacters {
     /// What stands for good, see [`Characters::set_walls`].
     pub fn set_walls(&mut self, walls: &[Rod]) {
         self.characters.set_walls(walls);
+    }
+
+    /// Whom others move, see [`Characters::mind`].
+    pub fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
+        self.characters.mind(others);
+    }
+
+    /// Adds all bodies and the ground that they hold, see [`Characters::hold_ground`].
+    pub fn hold_ground(&mut self, out: &mut Held) {
+        self.characters.hold_ground(&self.motion_set, out);
     }
 
     /// Lets a character leave what it plays and start a segment, see [`Characters::play`].

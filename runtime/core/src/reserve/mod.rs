@@ -8,7 +8,7 @@ mod path;
 
 use glam::Vec2;
 pub use path::{Moving, PathNode};
-pub use throng_base::ground::{Bounds, Outsiders, Rod};
+pub use throng_base::ground::{Bounds, Held, Outsider, Outsiders, Rod};
 use throng_base::ground::BoxGrid;
 
 const NONE: u32 = u32::MAX;

@@ -80,7 +80,26 @@ impl Moving<'_> {
         self.rods().any(|own| own.meets(rod))
     }
 
-    /// All ground that it takes from now on.
+    /// Adds the ground that it takes from now on: a few rods, each around some of its nodes.
+    pub fn hold(&self, out: &mut Vec<Rod>) {
+        const NODES: usize = 6;
+        let mut around: Option<(Rod, usize)> = None;
+        let mut places = [Vec2::ZERO; NODES];
+        for rod in self.rods() {
+            let (whole, n) = around.get_or_insert((Rod { to: rod.from, ..rod }, 0));
+            places[*n] = rod.to;
+            *n += 1;
+            whole.radius_m = whole.radius_m.max(rod.radius_m);
+            whole.to = rod.to;
+            if *n == NODES {
+                out.push(widened(*whole, &places[..*n]));
+                around = None;
+            }
+        }
+        out.extend(around.map(|(whole, n)| widened(whole, &places[..n])));
+    }
+
+    /// All ground that it takes from now on, from node to node.
     pub fn rods(&self) -> impl Iterator<Item = Rod> + '_ {
         let first = self.after(self.elapsed_s);
         let mut from = self.now();
@@ -89,6 +108,13 @@ impl Moving<'_> {
             Rod { from: std::mem::replace(&mut from, to), to, radius_m: self.nodes[k].radius_m }
         })
     }
+}
+
+/// A rod that holds its discs about some places too.
+fn widened(rod: Rod, places: &[Vec2]) -> Rod {
+    let line = Rod { radius_m: 0.0, ..rod };
+    let off = places.iter().map(|p| line.distance(*p)).fold(0.0, f32::max);
+    Rod { radius_m: rod.radius_m + off, ..rod }
 }
 
 #[cfg(test)]
@@ -122,6 +148,17 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn held_ground_holds_all_discs((a, elapsed_s) in path()) {
+            let mut held = Vec::new();
+            Moving { nodes: &a, elapsed_s }.hold(&mut held);
+            for k in 0..900 {
+                let (at, radius) = disc(&a, elapsed_s + k as f32 * 1e-2);
+                let least = held.iter().map(|rod| rod.distance(at)).fold(f32::INFINITY, f32::min);
+                prop_assert!(least <= -radius + 1e-4, "{} m beyond", least + radius);
+            }
+        }
+
         #[test]
         fn paths_meet_where_dense_sampling_says_so((a, ea) in path(), (b, eb) in path()) {
             let (p, q) = (Moving { nodes: &a, elapsed_s: ea }, Moving { nodes: &b, elapsed_s: eb });

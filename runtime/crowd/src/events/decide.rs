@@ -6,7 +6,7 @@ use crate::routes::path::Cursor;
 use crate::safety::bound::Bound;
 use crate::safety::others::Others;
 use crate::safety::reach::Reach;
-use crate::safety::rule::{Candidate, Violation, lever, violation_of_solid};
+use crate::safety::rule::{Candidate, Violation, lever, violation_of_held, violation_of_solid};
 use crate::scenery::Scenery;
 use crate::space::cells::Cells;
 use crate::space::plan::Plan;
@@ -19,10 +19,14 @@ use crate::steering::retreat::{Blocked, Half};
 use crate::steering::sight::{ROUNDING, Seen};
 use crate::{AtEnd, Forces, NONE, Space};
 use serde::{Deserialize, Serialize};
+use throng_base::ground::{Bounds, Outsiders};
 use throng_base::simd::LANES;
 
 /// Speed with which everybody may give way, whatever they want (m/s).
 const SLOWEST_MPS: f32 = 0.5;
+
+/// Longest plan of an agent near somebody whom others move: those may do something else at any time (s).
+const LOOK_AGAIN_S: f32 = 0.25;
 
 /// Why an agent acts next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -110,6 +114,7 @@ pub(crate) struct Decider<'a, V> {
     pub cells: &'a Cells<V>,
     pub states: &'a [AgentState<V>],
     pub grid: &'a DensityGrid<V>,
+    pub outsiders: &'a Outsiders,
     pub time: f64,
 }
 
@@ -140,11 +145,13 @@ impl<V: Space> Decider<'_, V> {
         let mut meeting = Meeting::new(&fresh, scheme.map(|_| region));
         self.look_around((agent, at), &walker, &state, scheme.map(|t| (t, &mut meeting)), scratch);
         let near = self.scenery.near(state.cell);
+        let sees_outsiders = self.sees_outsiders(&walker, scratch);
         let f = self.feel(&walker, &state, near, scratch);
         let slow = self.scenery.steering.slow_mps;
         let soon = 2.0 * self.scenery.fields[state.field as usize].relaxation_s;
         let slows = walker.left < soon * state.speed && velocity.length_squared() > slow * slow;
         let longest = if slows { soon } else { f32::INFINITY };
+        let longest = if sees_outsiders { longest.min(LOOK_AGAIN_S) } else { longest };
         DesiredMotion { state, fresh, acceleration: total(&f).at_most(old.limit), region, meeting, longest }
     }
 
@@ -216,6 +223,7 @@ impl<V: Space> Decider<'_, V> {
         let at = self.cells.coordinates(position);
         state.cell = self.cells.number(at);
         self.look_around((agent, at), &walker, &state, None, scratch);
+        self.sees_outsiders(&walker, scratch);
         let near = self.scenery.near(state.cell);
         let f = self.feel(&walker, &state, near, scratch);
         Forces { taken: plan.acceleration, ..f }
@@ -335,6 +343,28 @@ impl<V: Space> Decider<'_, V> {
         }
     }
 
+    /// Adds those whom others move to what an agent sees; true where there are any.
+    fn sees_outsiders(&self, me: &Walker<V>, scratch: &mut Scratch<V>) -> bool {
+        if self.outsiders.is_empty() {
+            return false;
+        }
+        let before = scratch.seen.len();
+        let around = Bounds::about(me.position.on_ground(), 2.0 * self.cells.side());
+        self.outsiders.bodies_near(&around, |_, other| {
+            let offset = V::over_ground(other.place) - me.position;
+            let (velocity, radii) = (V::over_ground(other.velocity), me.radius + other.radius_m);
+            scratch.seen.push(Seen { offset, velocity, distance: offset.length(), radii, yields: false });
+            true
+        });
+        // In an order that does not depend on that of the grid.
+        scratch.seen[before..].sort_by(|a, b| {
+            let key = |s: &Seen<V>| (s.distance, s.offset.coordinates());
+            let ((d, x), (e, y)) = (key(a), key(b));
+            d.total_cmp(&e).then(x[0].total_cmp(&y[0])).then(x[1].total_cmp(&y[1]))
+        });
+        scratch.seen.len() > before
+    }
+
     /// When a bound touches an obstacle, if that is before `first`.
     #[inline]
     pub fn first_obstacle(&self, bound: &Bound<V>, near: &[u32], mut first: (Cause, f32)) -> (Cause, f32) {
@@ -436,7 +466,25 @@ impl<V: Space> Decider<'_, V> {
     /// The largest violation of a plan.
     fn worst(&self, candidate: &Candidate<V>, near: &[u32], scratch: &Scratch<V>) -> Option<Violation<V>> {
         let solids = near.iter().filter_map(|&s| violation_of_solid(candidate, &self.scenery.solids[s as usize]));
-        scratch.others.worst(candidate).into_iter().chain(solids).reduce(|a, b| if b.depth > a.depth { b } else { a })
+        let held = self.worst_held(candidate);
+        let all = scratch.others.worst(candidate).into_iter().chain(solids).chain(held);
+        all.reduce(|a, b| if b.depth > a.depth { b } else { a })
+    }
+
+    /// The largest violation of a plan by ground that others hold.
+    fn worst_held(&self, candidate: &Candidate<V>) -> Option<Violation<V>> {
+        if self.outsiders.is_empty() {
+            return None;
+        }
+        let mut worst: Option<Violation<V>> = None;
+        self.outsiders.held_near(&candidate.bounds(), |ground| {
+            let found = violation_of_held(candidate, ground);
+            if let Some(v) = found.filter(|v| worst.is_none_or(|w| v.depth > w.depth)) {
+                worst = Some(v);
+            }
+            true
+        });
+        worst
     }
 
     /// True if an agent is to leave the crowd, as it is at the end of its route.

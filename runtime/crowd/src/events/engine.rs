@@ -12,6 +12,7 @@ use crate::scenery::Scenery;
 use crate::space::cells::Cells;
 use crate::steering::density_grid::DensityGrid;
 use crate::{AtEnd, Id, NONE, Setup, Space};
+use throng_base::ground::Outsiders;
 
 /// Most agents of a crowd that is taken to fit the processor's caches; in tests, none does. With 8000 it costs 4 to 8 %
 /// to prefetch, with 16 000 it saves 4 to 11 %, with 100 000 a quarter to a third.
@@ -37,6 +38,8 @@ pub(crate) struct Engine<V> {
     /// Places that are free, the next one last.
     pub free: Vec<u32>,
     pub grid: DensityGrid<V>,
+    /// Whom others move.
+    pub outsiders: Outsiders,
     /// How often the grid was filled so far.
     pub refreshes: u64,
     pub now: f64,
@@ -79,6 +82,7 @@ impl<V: Space> Engine<V> {
             prefetcher: Prefetcher::default(),
             free: (0..capacity as u32).rev().collect(),
             grid,
+            outsiders: Outsiders::default(),
             refreshes: 0,
             now: 0.0,
             windows: crate::events::parallel::Windows::default(),
@@ -207,8 +211,8 @@ impl<V: Space> Engine<V> {
 
     /// Lets an agent take a new plan; false where it has to keep the one it has.
     pub fn decide(&mut self, agent: u32, scheme: SchemeRef<'_>) -> bool {
-        let Self { scenery, cells, states, grid, scratch, .. } = self;
-        let decider = Decider { scenery, cells, states, grid, time: self.now };
+        let Self { scenery, cells, states, grid, outsiders, scratch, .. } = self;
+        let decider = Decider { scenery, cells, states, grid, outsiders, time: self.now };
         let Some(decision) = decider.decide(agent, scheme, scratch) else { return false };
         self.queue.set(agent, decision.plan.end);
         if self.apply(agent, &decision) {

@@ -100,7 +100,7 @@ impl<V: Space> Engine<V> {
 
     /// What an agent may look at.
     pub fn decider(&self, time: f64) -> Decider<'_, V> {
-        let Self { scenery, cells, states, grid, .. } = self;
-        Decider { scenery, cells, states, grid, time }
+        let Self { scenery, cells, states, grid, outsiders, .. } = self;
+        Decider { scenery, cells, states, grid, outsiders, time }
     }
 }

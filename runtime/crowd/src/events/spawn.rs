@@ -112,6 +112,13 @@ impl<V: Space> Engine<V> {
                 error = Some(CrowdError::Inside { agent: id, obstacle });
             }
         }
+        self.outsiders.held_near(&candidate.bounds(), |ground| {
+            if candidate.held().meets(ground) {
+                let by = "somebody whom the crowd does not move".into();
+                error = Some(Error::Occupied { who: id, by }.into());
+            }
+            true
+        });
         error.map_or(Ok(()), Err)
     }
 

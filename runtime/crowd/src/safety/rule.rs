@@ -27,12 +27,16 @@
 //! the largest speed. `spawn` refuses faster agents, and `candidate` makes no plan that ends faster; in between, the speed of an
 //! agent that keeps its acceleration is never above that at both ends.
 //!
+//! Ground that others hold, who are moved by something else, is treated as an obstacle that stands: they keep clear of
+//! [`Candidate::held`] in turn, which holds S_k(min(s, T_k)) for all s from now on.
+//!
 //! Obstacles that move do not give way; they are taken for agents that never brake, over the time of a plan and of
 //! braking after it, though not beyond the next point of their way. A trapped agent may still be struck.
 
 use crate::Space;
 use crate::space::plan::{Plan, stop};
 use crate::space::solid::Solid;
+use throng_base::ground::{Bounds, Rod};
 
 /// Margin against rounding, whose error is smaller within 500 m of the origin (m).
 pub(crate) const MARGIN: f32 = 1e-4;
@@ -95,10 +99,42 @@ impl<V: Space> Candidate<V> {
         let low = self.now.0.min(self.now.1).min(self.end.0).min(self.end.1);
         let high = self.now.0.max(self.now.1).max(self.end.0).max(self.end.1);
         let p = &self.plan;
-        let swerve = self.length * self.length * (0.25 * p.acceleration.length() + 0.125 * self.curve);
+        let swerve = self.swerve();
         let room = (low - min).min(max - high).coordinates();
         room.iter().take(V::DIMENSIONS).all(|&r| r >= p.radius + swerve + MARGIN)
     }
+}
+
+impl<V: Space> Candidate<V> {
+    /// All ground that it takes until its end and for braking after it: a rod.
+    pub fn held(&self) -> Rod {
+        let line = Rod { from: self.now.0.on_ground(), to: self.end.1.on_ground(), radius_m: 0.0 };
+        let off = line.distance(self.now.1.on_ground()).max(line.distance(self.end.0.on_ground()));
+        Rod { radius_m: self.plan.radius + off + self.swerve() + MARGIN, ..line }
+    }
+
+    /// A box around [`Candidate::held`].
+    pub fn bounds(&self) -> Bounds {
+        self.held().bounds()
+    }
+
+    /// How far the ends of its stop region come from the lines between where they are now and at its end (m).
+    fn swerve(&self) -> f32 {
+        self.length * self.length * (0.25 * self.plan.acceleration.length() + 0.125 * self.curve)
+    }
+}
+
+/// Violation of the rule between a plan and ground that somebody else holds; `None` if it holds. Who is on such ground
+/// already, as somebody who gives way to nobody has come, may leave it.
+pub(crate) fn violation_of_held<V: Space>(me: &Candidate<V>, ground: &Rod) -> Option<Violation<V>> {
+    let Rod { from, to, radius_m } = *ground;
+    let solid = Solid::Rod { from: V::over_ground(from), to: V::over_ground(to), radius: radius_m };
+    let (away, distance) = solid.away(me.now.0);
+    if distance < me.plan.radius {
+        let gained = solid.away(me.end.1).1 - distance;
+        return (gained < 0.0).then_some(Violation { away, depth: -gained });
+    }
+    violation_of_solid(me, &solid)
 }
 
 /// How far the ends of a stop region come from where the centre is now, within a time.
@@ -263,6 +299,20 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(3000))]
+
+        /// Until its end, and while it brakes at any time before.
+        #[test]
+        fn held_ground_holds_the_agent_whenever_it_brakes(me in plan::<Vec2>(0)) {
+            let candidate = Candidate::new(me);
+            let held = candidate.held();
+            for i in 0..=50 {
+                let (x, stop) = me.stop_region(candidate.length * i as f32 / 50.0);
+                for share in [0.0, 0.5, 1.0] {
+                    let beyond = held.distance(x + (stop - x) * share) + me.radius;
+                    prop_assert!(beyond <= 0.0, "{beyond} m beyond");
+                }
+            }
+        }
 
         #[test]
         fn stop_regions_of_discs_stay_apart(me in plan::<Vec2>(0), other in plan::<Vec2>(1)) {

@@ -46,6 +46,17 @@ pub trait Space:
     /// As a vector of the world; on the ground, its height is 0.
     fn to_world(self) -> Vec3;
 
+    /// Its x and z in the world.
+    fn on_ground(self) -> Vec2 {
+        let v = self.to_world();
+        Vec2::new(v.x, v.z)
+    }
+
+    /// From x and z of the world; in the air at height 0.
+    fn over_ground(v: Vec2) -> Self {
+        Self::from_world(Vec3::new(v.x, 0.0, v.y))
+    }
+
     /// A vector from its first coordinates; the third is ignored in 2-D.
     fn from_coordinates(c: [f32; 3]) -> Self;
 

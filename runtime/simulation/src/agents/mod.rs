@@ -16,6 +16,7 @@ use crate::scene::{HappeningConfig, Motion, NearConfig, point};
 use crate::{Event, Happened};
 use followers::Followers;
 use glam::{Vec2, Vec3};
+use throng_base::ground::Held;
 use throng_base::maths;
 use throng_base::{Result, Run};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
@@ -244,6 +245,20 @@ impl<V: Space> Kind for Agents<V> {
         self.recorded = recorded;
         done?;
         self.followers.iter_mut().try_for_each(|f| f.step(&self.crowd, tick))
+    }
+
+    /// Nobody in the air holds ground.
+    fn hold(&mut self, out: &mut Held) {
+        if V::DIMENSIONS == 2 {
+            for (body, ground) in self.ids.iter().filter_map(|&id| self.crowd.held(id)) {
+                out.bodies.push(body);
+                out.ground.push(ground);
+            }
+        }
+    }
+
+    fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
+        self.crowd.mind(others);
     }
 
     fn save(&self, out: &mut Vec<u8>) {

@@ -1,9 +1,11 @@
 //! Where everybody is, and how agents keep clear of each other.
 
 use super::obstacle::ObstacleConfig;
+use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use throng_crowd::{Field, Scheme};
+use throng_base::ground::{Held, Rod};
+use throng_crowd::{Field, Obstacle, Scheme};
 
 /// Where everybody is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,6 +22,36 @@ pub struct EnvironmentConfig {
     pub world: Option<PathBuf>,
     /// World file (TOML) that the world is stitched from where it is missing or older.
     pub world_config: Option<PathBuf>,
+}
+
+impl EnvironmentConfig {
+    /// All that stands on the ground, as lines with a thickness (none in the air).
+    pub(crate) fn walls(&self) -> Vec<Rod> {
+        let rod = |from, to, radius_m| Rod { from, to, radius_m };
+        let around = |corners: &[Vec2]| -> Vec<Rod> {
+            let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+            ends.map(|(&from, &to)| rod(from, to, 0.0)).collect()
+        };
+        let of = |obstacle: Obstacle<Vec2>| match obstacle {
+            Obstacle::Ball { centre, radius } => vec![rod(centre, centre, radius)],
+            Obstacle::Wall { from, to, radius } => vec![rod(from, to, radius)],
+            Obstacle::Polygon { corners } => around(&corners),
+            Obstacle::Box { min, max } => around(&[min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y)]),
+            _ => Vec::new(),
+        };
+        self.on_ground().flat_map(|o| o.obstacles::<Vec2>()).flat_map(of).collect()
+    }
+
+    /// What moves on the ground by itself, as it is at a time (none in the air).
+    pub(crate) fn movers(&self, time_s: f64, out: &mut Held) {
+        for mover in self.on_ground().filter_map(|o| o.mover.as_ref()) {
+            out.ahead(mover.at(time_s));
+        }
+    }
+
+    fn on_ground(&self) -> impl Iterator<Item = &ObstacleConfig> {
+        self.obstacles.iter().filter(|_| self.space == SpaceConfig::Ground)
+    }
 }
 
 /// Where agents move.

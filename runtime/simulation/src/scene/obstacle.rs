@@ -2,7 +2,9 @@
 
 use super::check::{Fault, check_corners, check_numbers, check_point, fault};
 use super::goal::scale;
+use glam::Vec2;
 use serde::{Deserialize, Serialize};
+use throng_base::ground::Outsider;
 use throng_crowd::{Obstacle, Space};
 
 /// An obstacle.
@@ -178,6 +180,20 @@ impl ObstacleConfig {
 }
 
 impl MoverConfig {
+    /// Where it is at a time, and how it moves.
+    pub(crate) fn at(&self, time_s: f64) -> Outsider {
+        let next = self.way.partition_point(|w| w.time_s <= time_s);
+        let place = |k: usize| point::<Vec2>(&self.way[k].at);
+        let (before, after) = (next.saturating_sub(1), next.min(self.way.len() - 1));
+        let whole_s = self.way[after].time_s - self.way[before].time_s;
+        let (mut at, mut velocity) = (place(before), Vec2::ZERO);
+        if whole_s > 0.0 {
+            velocity = (place(after) - at) / whole_s as f32;
+            at += velocity * (time_s - self.way[before].time_s) as f32;
+        }
+        Outsider { place: at, velocity, radius_m: self.radius_m }
+    }
+
     fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
         check_numbers(&[(&format!("{key}.radius_m"), self.radius_m, 0.01, 1000.0)])?;
         if self.way.is_empty() {

@@ -84,6 +84,11 @@ impl Sparring {
         &self.boxers
     }
 
+    /// To say what else is on the ground.
+    pub(crate) fn boxers_mut(&mut self) -> &mut PolicyCharacters {
+        &mut self.boxers
+    }
+
     /// The characters, row by row: blows, segments and choices.
     pub fn characters(&self) -> &Characters {
         self.boxers.characters()

@@ -103,7 +103,7 @@ motion = "blend"
 bundle = "GOLDEN"
 count = 9
 spaces = ["walks", "walks"]
-place = { block = { from = [-9.0, -5.0], to = [-3.0, 5.0] } }
+place = { block = { from = [-9.0, -45.0], to = [-3.0, -35.0] } }
 goal = { shift = { by = [2.5, 0.0] } }
 at_end = "leave"
 arrival_m = 1.0
@@ -111,25 +111,25 @@ arrival_m = 1.0
 [[groups]]
 motion = "none"
 count = 14
-place = { block = { from = [2.0, -6.0], to = [9.0, 6.0] } }
-goal = { wander = { from = [-9.0, -6.0], to = [9.0, 6.0] } }
+place = { block = { from = [2.0, -46.0], to = [9.0, -34.0] } }
+goal = { wander = { from = [-9.0, -46.0], to = [9.0, -34.0] } }
 
 [[environment.obstacles]]
-wall = { points = [[0.0, -1.5], [0.0, 1.5]], radius_m = 0.2 }
+wall = { points = [[0.0, -41.5], [0.0, -38.5]], radius_m = 0.2 }
 
 [[environment.obstacles]]
-mover = { radius_m = 0.4, way = [{ time_s = 0.0, at = [-15.0, 0.3] }, { time_s = 12.0, at = [12.0, 0.3] }] }
+mover = { radius_m = 0.4, way = [{ time_s = 0.0, at = [-15.0, -39.7] }, { time_s = 12.0, at = [12.0, -39.7] }] }
 
 [[happenings]]
 time_s = 1.0
-near = { at = [4.0, 0.0], radius_m = 4.0 }
-goal = { area = { from = [-9.0, -3.0], to = [-3.0, 3.0] } }
+near = { at = [4.0, -40.0], radius_m = 4.0 }
+goal = { area = { from = [-9.0, -43.0], to = [-3.0, -37.0] } }
 speed_mps = 2.0
 told_on = true
 
 [[happenings]]
 time_s = 2.5
-goal = { area = { from = [3.0, -3.0], to = [9.0, 3.0] } }
+goal = { area = { from = [3.0, -43.0], to = [9.0, -37.0] } }
 "#;
 
 pub const AIR: &str = r#"

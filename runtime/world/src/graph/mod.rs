@@ -233,10 +233,15 @@ impl WorldGraph {
         self.hierarchy.get_or_init(|| PathHierarchy::new(self))
     }
 
+    /// Lowest and highest corner of all that bodies reach in an instance, in its patch's frame (m).
+    pub(crate) fn reach(&self, instance: u32) -> [Vec3; 2] {
+        let p = &self.patches.patches[self.instance(instance).patch as usize];
+        [p.min, p.max].map(Vec3::from_array)
+    }
+
     /// Middle of all that bodies reach in an instance (m).
     pub(crate) fn centre(&self, instance: u32) -> Vec3 {
-        let r = self.instance(instance);
-        let p = &self.patches.patches[r.patch as usize];
-        r.placement.transform_point((Vec3::from_array(p.min) + Vec3::from_array(p.max)) * 0.5)
+        let [min, max] = self.reach(instance);
+        self.instance(instance).placement.transform_point((min + max) * 0.5)
     }
 }

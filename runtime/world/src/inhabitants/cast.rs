@@ -1,6 +1,7 @@
 //! Inhabitants as a cast: they enter, leave, take orders, are saved and loaded.
 
 use super::config::check_time;
+use super::reservations::OUTSIDER;
 use super::targets::check_place;
 use super::{Doing, Inhabitants, State, Wish, lay};
 use crate::plan::Target;
@@ -35,6 +36,7 @@ impl Inhabitants {
     fn check_free(&self, graph: &WorldGraph, who: Id, c: u32, instance: u32) -> Result<()> {
         match self.reservations.other(graph.resources(instance), c) {
             None => Ok(()),
+            Some(OUTSIDER) => Err(Error::Occupied { who, by: "somebody who does not live in this world".into() }),
             Some(other) => Err(Error::Occupied { who, by: self.roster.ids()[other as usize].to_string() }),
         }
     }

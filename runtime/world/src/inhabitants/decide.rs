@@ -4,6 +4,7 @@
 
 use super::chain::{self, MAX_CHAIN, MAX_OPENED, ToPath, ToSafety};
 use super::config::{Doing, Wish};
+use super::reservations::OUTSIDER;
 use super::{InhabitantEvent, Inhabitants, State, lay};
 use crate::plan::{Found, Target};
 use crate::{Step, World, WorldGraph};
@@ -79,7 +80,7 @@ impl Inhabitants {
                 let is_passed = impatient && i != target.instance();
                 match reservations.other(graph.resources(i), c as u32).filter(|_| is_passed) {
                     None => 0.0,
-                    Some(other) if states[other as usize].doing == Doing::Arrived => TOLL_OF_WHO_STAYS,
+                    Some(other) if other != OUTSIDER && states[other as usize].doing == Doing::Arrived => TOLL_OF_WHO_STAYS,
                     Some(_) => TOLL,
                 }
             };
@@ -247,12 +248,13 @@ impl Inhabitants {
     /// Behind a character that goes on, it waits, loses patience and makes a detour. If its place is taken by one that
     /// stays, or it lost patience too often, it waits and moves out of the way of others.
     fn refuse(&mut self, graph: &WorldGraph, c: usize, holder: usize) {
-        let is_blocked = self.states[holder].doing == Doing::Blocked;
-        let is_settled = is_blocked || self.stays(holder);
+        let is_inhabitant = holder != OUTSIDER as usize;
+        let is_blocked = is_inhabitant && self.states[holder].doing == Doing::Blocked;
+        let is_settled = is_blocked || is_inhabitant && self.stays(holder);
         let is_taken = is_settled && self.taken_by(graph, c).is_some();
         self.forget_tries(c);
         // Of two that bar each other's way, one gives way soon and the other one late.
-        let share = match self.needs_what_is_held(graph, holder, c) {
+        let share = match is_inhabitant && self.needs_what_is_held(graph, holder, c) {
             true if holder < c => GIVES_WAY,
             true => INSISTS,
             false => 1.0,
@@ -264,7 +266,9 @@ impl Inhabitants {
         if is_taken && !gives_up && self.try_another(graph, c) || gives_up && self.stay_near(graph, c) {
             return;
         }
-        self.states[holder].in_the_way |= is_blocked && !is_taken && !gives_up;
+        if is_blocked {
+            self.states[holder].in_the_way |= !is_taken && !gives_up;
+        }
         let state = &mut self.states[c];
         state.doing = if is_taken || gives_up { Doing::Blocked } else { Doing::Waiting };
         state.progress = 0;
@@ -408,7 +412,7 @@ impl Inhabitants {
     fn release(&mut self, graph: &WorldGraph, c: usize) {
         self.reservations.clear_marks();
         let reservations = &mut self.reservations;
-        needs(graph, &self.states[c], self.chains.of(c), |units| reservations.mark(units));
+        needs(graph, &self.states[c], self.chains.of(c), |instance| reservations.mark(graph.resources(instance)));
         reservations.release(c as u32);
     }
 
@@ -426,14 +430,14 @@ impl Inhabitants {
     }
 }
 
-/// Calls `visit` with the units that a character needs: of the present step and of those after it.
-pub(super) fn needs(graph: &WorldGraph, state: &State, chain: &[Step], mut visit: impl FnMut(&[u32])) {
-    state.through.iter().for_each(|&instance| visit(graph.resources(instance)));
-    visit(graph.resources(state.at.instance));
+/// Calls `visit` with the instances whose units a character needs: of the present step and of those after it.
+pub(super) fn needs(graph: &WorldGraph, state: &State, chain: &[Step], mut visit: impl FnMut(u32)) {
+    state.through.iter().for_each(|&instance| visit(instance));
+    visit(state.at.instance);
     for step in chain {
         if graph.link(step).is_some() {
-            visit(graph.resources(step.instance));
+            visit(step.instance);
         }
-        visit(graph.resources(step.to.instance));
+        visit(step.to.instance);
     }
 }

@@ -4,6 +4,7 @@ mod cast;
 mod chain;
 mod config;
 mod decide;
+mod ground;
 mod lay;
 mod offers;
 mod paths;
@@ -19,9 +20,11 @@ pub use scatter::scatter;
 use super::plan::{Plan, Planner};
 use super::{Node, Step, World};
 use chain::Chains;
+use ground::Grounds;
 use paths::Paths;
 use reservations::Reservations;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use throng_base::{Id, Result};
 use throng_core::characters::Characters;
 use throng_core::{Contacts, Planar, Roster};
@@ -106,6 +109,8 @@ pub struct Inhabitants {
     chains: Chains,
     paths: Paths,
     reservations: Reservations,
+    /// Ground of each instance, by its number; made when there are outsiders.
+    grounds: Option<Arc<Grounds>>,
     planner: Planner,
     /// Instances that offer each tag, by `tag - 1`.
     offers: Vec<Vec<u32>>,
@@ -133,6 +138,7 @@ impl Inhabitants {
             chains: Chains::new(capacity),
             paths: Paths::new(capacity, config.max_path),
             reservations: Reservations::new(graph.world().units.len(), capacity),
+            grounds: None,
             planner: Planner::new(graph),
             offers: offers::by_tag(graph),
             // In one step, one may find no way and another may arrive.

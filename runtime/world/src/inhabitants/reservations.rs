@@ -2,11 +2,16 @@
 
 use throng_core::patch::NONE;
 
+/// Stands for somebody whom something else moves, on whose ground a unit is.
+pub(super) const OUTSIDER: u32 = NONE - 1;
+
 /// Reservations of all units.
 #[derive(Clone, Debug)]
 pub(super) struct Reservations {
     /// Holder of each unit, or [`NONE`].
     holder: Vec<u32>,
+    /// Units on ground that outsiders hold.
+    barred: Vec<bool>,
     /// The unit after each one in its holder's list.
     next: Vec<u32>,
     /// First unit of each character.
@@ -20,6 +25,7 @@ impl Reservations {
     pub fn new(num_units: usize, num_characters: usize) -> Self {
         Self {
             holder: vec![NONE; num_units],
+            barred: vec![false; num_units],
             next: vec![NONE; num_units],
             first: vec![NONE; num_characters],
             marks: vec![0; num_units],
@@ -32,9 +38,21 @@ impl Reservations {
         Some(self.holder[unit as usize]).filter(|&c| c != NONE)
     }
 
-    /// Who else holds one of these units.
+    /// Who else holds one of these units; [`OUTSIDER`] where it is no inhabitant. What a character holds already is its
+    /// own, whoever comes.
     pub fn other(&self, units: &[u32], character: u32) -> Option<u32> {
-        units.iter().filter_map(|&u| self.of(u)).find(|&c| c != character)
+        let holder = |&u: &u32| self.of(u).or_else(|| self.barred[u as usize].then_some(OUTSIDER));
+        units.iter().filter_map(holder).find(|&c| c != character)
+    }
+
+    /// No unit is on the ground of outsiders.
+    pub fn open_all(&mut self) {
+        self.barred.fill(false);
+    }
+
+    /// These units are on the ground of outsiders.
+    pub fn bar(&mut self, units: &[u32]) {
+        units.iter().for_each(|&u| self.barred[u as usize] = true);
     }
 
     /// True where all units are free or held by the character.

@@ -77,7 +77,8 @@ impl Inhabitants {
             )?;
             new_chains.set(c, chain);
             let mut are_free = true;
-            needs(graph, state, chain, |units| {
+            needs(graph, state, chain, |instance| {
+                let units = graph.resources(instance);
                 are_free &= held.are_free(units, c as u32);
                 held.take(units, c as u32);
             });

@@ -1,5 +1,6 @@
 //! Where wishes lead: to places that exist and are free.
 
+use super::reservations::OUTSIDER;
 use super::{Doing, InhabitantEvent, Inhabitants, Wish};
 use crate::plan::Target;
 use crate::{Node, WorldGraph};
@@ -94,8 +95,8 @@ impl Inhabitants {
     /// Who stays where a character is to go and stay.
     pub(super) fn taken_by(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
         let target = self.paths.target(c).filter(|t| !matches!(t, Target::Tag { .. }))?;
-        let other = self.reservations.other(graph.resources(target.instance()), c as u32)? as usize;
-        self.stays(other).then_some(other)
+        let other = self.reservations.other(graph.resources(target.instance()), c as u32)?;
+        (other != OUTSIDER && self.stays(other as usize)).then_some(other as usize)
     }
 
     /// True for a character that has come to stay. One that came in this step may be told to go on before the next one.

@@ -14,7 +14,9 @@ use super::Characters;
 use super::block::Block;
 use super::motion_set::MotionSet;
 use super::pace;
-use crate::reserve::{Moving, Path, Reservations, Rod};
+use crate::reserve::{Held, Moving, Outsider, Path, Reservations, Rod};
+use crate::stops::BODY_RADIUS_M;
+use glam::Vec2;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use throng_base::Result;
@@ -31,11 +33,13 @@ pub struct AvoidConfig {
     pub horizon_s: f32,
     /// Room that is left between bodies where there is a choice (m, 0 to 10).
     pub room_m: f32,
+    /// Characters 2i and 2i + 1 take no notice of each other, as opponents do.
+    pub pairs: bool,
 }
 
 impl Default for AvoidConfig {
     fn default() -> Self {
-        Self { horizon_s: 2.0, room_m: 0.1 }
+        Self { horizon_s: 2.0, room_m: 0.1, pairs: false }
     }
 }
 
@@ -61,13 +65,15 @@ pub(crate) struct Avoiding {
     path: Path,
     /// Speed of those who walk (m/s).
     speed_mps: f32,
+    /// See [`AvoidConfig::pairs`].
+    pairs: bool,
     /// Paths follow from the state no more, as somebody was moved.
     is_stale: bool,
 }
 
 impl Avoiding {
     /// Room for so many characters.
-    pub fn new(motion_set: &MotionSet, capacity: usize) -> Self {
+    pub fn new(motion_set: &MotionSet, config: &AvoidConfig, capacity: usize) -> Self {
         let room = path::most_nodes(motion_set);
         let path = Path { nodes: Vec::with_capacity(room), ..Path::default() };
         Self {
@@ -75,6 +81,7 @@ impl Avoiding {
             due: BinaryHeap::with_capacity(capacity),
             path,
             speed_mps: walking_speed(motion_set),
+            pairs: config.pairs,
             is_stale: true,
         }
     }
@@ -89,6 +96,7 @@ impl Avoiding {
         let (b, lane) = (&blocks[at / LANES], at % LANES);
         path::of_state(b, lane, motion_set, &mut self.path);
         let elapsed_s = elapsed_s(b, lane, motion_set);
+        self.book.set_group(at, self.pairs.then_some(at as u32 / 2));
         let clear = self.book.meets_none(at, &Moving { nodes: &self.path.nodes, elapsed_s }, 0.0, -ROUNDING_M);
         self.book.set(at, &self.path, elapsed_s);
         clear
@@ -132,6 +140,50 @@ impl Characters {
         if let Some(avoiding) = &mut self.avoiding {
             avoiding.book.set_walls(walls);
         }
+    }
+
+    /// Whom others move, for characters that make way: nobody walks onto ground that these hold.
+    pub fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
+        if let Some(avoiding) = &mut self.avoiding {
+            avoiding.book.outsiders_mut().set(others);
+        }
+    }
+
+    /// Adds all bodies, and the ground that they hold: of those who make way, what they need for what they do and for the
+    /// stop after it.
+    pub fn hold_ground(&mut self, motion_set: &MotionSet, out: &mut Held) {
+        let n = self.num_characters;
+        if let Some(avoiding) = self.avoiding.as_mut().filter(|a| a.is_stale) {
+            avoiding.rebuild(&self.blocks, n, motion_set);
+        }
+        for at in 0..n {
+            let root = self.root(at);
+            let mut body = Outsider { place: Vec2::new(root.x, root.z), radius_m: BODY_RADIUS_M, ..Outsider::default() };
+            match &self.avoiding {
+                Some(avoiding) => {
+                    body.velocity = avoiding.book.velocity(at);
+                    avoiding.book.path(at).hold(&mut out.ground);
+                    out.bodies.push(body);
+                }
+                None => out.ahead(body),
+            }
+        }
+    }
+
+    /// Moves one over the ground as a whole, unless that is in another's way; see [`Characters::shift`].
+    pub(super) fn shift_aside(&mut self, motion_set: &MotionSet, at: usize, by: Vec2) -> Result<()> {
+        let is_stale = self.avoiding.as_ref().is_some_and(|a| a.is_stale);
+        self.shift(at, by)?;
+        if let Some(avoiding) = &mut self.avoiding {
+            // Nobody else was moved.
+            avoiding.is_stale = is_stale;
+            if !self.reserve(motion_set, at) {
+                self.shift(at, -by)?;
+                self.avoiding.iter_mut().for_each(|a| a.is_stale = false);
+                self.reserve(motion_set, at);
+            }
+        }
+        Ok(())
     }
 
     /// Choices in a row at which nothing was clear for a character that makes way (character < num_characters).

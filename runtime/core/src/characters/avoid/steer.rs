@@ -71,14 +71,11 @@ pub fn directions(chooser: &Chooser, book: &Reservations, config: &AvoidConfig) 
 fn gather(chooser: &Chooser, book: &Reservations, config: &AvoidConfig, out: &mut [Other; OTHERS]) -> usize {
     let reach = 2.0 * BODY_RADIUS_M + config.room_m + chooser.speed_mps * config.horizon_s;
     let mut num = 0;
-    book.near(chooser.number, &Bounds::about(chooser.place, reach), |other| {
-        let mut moving = book.path(other);
-        moving.elapsed_s -= chooser.ago_s;
-        let (now, velocity) = (moving.now(), book.velocity(other));
+    let mut add = |number: u32, now: Vec2, velocity: Vec2, radius_m: f32| {
         // Whoever stands by the target does not keep one from it.
         let most = if velocity == Vec2::ZERO { 0.95 * now.distance(chooser.target) } else { f32::INFINITY };
-        let reach_m = (2.0 * BODY_RADIUS_M + config.room_m).min(most);
-        let o = Other { number: other as u32, place: now - chooser.place, velocity, reach_m };
+        let reach_m = (BODY_RADIUS_M + radius_m + config.room_m).min(most);
+        let o = Other { number, place: now - chooser.place, velocity, reach_m };
         let key = |o: &Other| (o.place.length_squared(), o.number);
         if num < OTHERS {
             out[num] = o;
@@ -89,6 +86,16 @@ fn gather(chooser: &Chooser, book: &Reservations, config: &AvoidConfig, out: &mu
         {
             *farthest = o;
         }
+    };
+    let around = Bounds::about(chooser.place, reach);
+    book.near(chooser.number, &around, |other| {
+        let mut moving = book.path(other);
+        moving.elapsed_s -= chooser.ago_s;
+        add(other as u32, moving.now(), book.velocity(other), BODY_RADIUS_M);
+        true
+    });
+    book.outsiders().bodies_near(&around, |number, other| {
+        add(u32::MAX - number as u32, other.place, other.velocity, other.radius_m);
         true
     });
     num
