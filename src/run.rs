@@ -231,11 +231,10 @@ pub fn figures(r: &Figures) -> Vec<(&'static str, String)> {
         let deep = 100.0 * b.deep_fraction;
         rows.push(("penetration", format!("{:.3} m at most, deep {deep:.2} % of the time", b.max_penetration_m)));
     }
+    if let (Some(pairs), Some(deepest_m)) = (r.character_overlaps, r.deepest_overlap_m) {
+        rows.push(("overlaps", format!("{pairs} pair(s), {deepest_m:.2} m at most")));
+    }
     if let Some(w) = &r.world {
-        rows.push((
-            "people",
-            format!("{} time(s) in each other, {:.2} m at most", w.character_overlaps, w.deepest_overlap_m),
-        ));
         let units =
             format!("{} time(s) in a unit, {:.2} m at most", w.environment_penetrations, w.deepest_penetration_m);
         rows.push(("surroundings", units));

@@ -16,6 +16,8 @@ pub struct Present {
     pub number: usize,
     /// Where it stands (m).
     pub place: Vec2,
+    /// Of the disc that it takes on the ground; 0 for one who may be above or below others (m).
+    pub radius_m: f32,
     /// Hips, neck and middle of the head, for one with a body (m).
     pub trunk: Option<[Vec3; 3]>,
 }
@@ -26,13 +28,13 @@ impl Present {
         let Planar { x, z, .. } = body.root;
         let head = body.world(Joint::Head).transform_point3(skeleton.tips[0] * 0.5);
         let trunk = Some([body.position(Joint::Hips), body.position(Joint::Neck), head]);
-        Self { number, place: Vec2::new(x, z), trunk }
+        Self { number, place: Vec2::new(x, z), radius_m: BODY_RADIUS_M, trunk }
     }
 }
 
 /// Looks for overlaps from step to step.
 ///
-/// Two overlap where the discs of [`BODY_RADIUS_M`] about their roots do, or the capsules of trunk and head.
+/// Two overlap where the discs about their roots do, or the capsules of trunk and head.
 #[derive(Clone, Debug, Default)]
 pub struct OverlapMeter {
     pairs: HashSet<(usize, usize)>,
@@ -42,6 +44,11 @@ pub struct OverlapMeter {
 impl OverlapMeter {
     /// Looks at all who are there at one time.
     pub fn observe(&mut self, all: &[Present]) {
+        self.observe_but(all, |_, _| false);
+    }
+
+    /// As [`Self::observe`], but for pairs of numbers that may be near each other.
+    pub fn observe_but(&mut self, all: &[Present], may_meet: impl Fn(usize, usize) -> bool) {
         let cell = |p: Vec2| (p / CELL_M).floor().to_array().map(|v| v as i32);
         let mut cells: HashMap<[i32; 2], Vec<usize>> = HashMap::new();
         for (i, a) in all.iter().enumerate() {
@@ -49,7 +56,7 @@ impl OverlapMeter {
             for near in (-1..=1).flat_map(|dx| (-1..=1).map(move |dz| [x + dx, z + dz])) {
                 for &j in cells.get(&near).map_or(&[][..], Vec::as_slice) {
                     let depth = depth(a, &all[j]);
-                    if depth > 0.0 {
+                    if depth > 0.0 && !may_meet(a.number, all[j].number) {
                         self.pairs.insert((all[j].number.min(a.number), all[j].number.max(a.number)));
                         self.deepest_m = self.deepest_m.max(depth);
                     }
@@ -72,34 +79,59 @@ impl OverlapMeter {
 
 /// How deep two are in each other; negative where they are apart (m).
 pub fn depth(a: &Present, b: &Present) -> f32 {
-    let discs = 2.0 * BODY_RADIUS_M - a.place.distance(b.place);
+    let on_ground = a.radius_m > 0.0 && b.radius_m > 0.0;
+    let discs = if on_ground { a.radius_m + b.radius_m - a.place.distance(b.place) } else { f32::NEG_INFINITY };
     let (Some([hips_a, neck_a, head_a]), Some([hips_b, neck_b, head_b])) = (a.trunk, b.trunk) else { return discs };
     let (trunk_a, trunk_b) = ([hips_a, neck_a], [hips_b, neck_b]);
-    let trunks = 2.0 * TRUNK_RADIUS_M - between(trunk_a, trunk_b);
+    let trunks = 2.0 * TRUNK_RADIUS_M - segment_distance(trunk_a, trunk_b);
     let heads = 2.0 * HEAD_RADIUS_M - head_a.distance(head_b);
-    let head_trunk = between([head_a; 2], trunk_b).min(between([head_b; 2], trunk_a));
+    let head_trunk = segment_distance([head_a; 2], trunk_b).min(segment_distance([head_b; 2], trunk_a));
     discs.max(trunks).max(heads).max(TRUNK_RADIUS_M + HEAD_RADIUS_M - head_trunk)
 }
 
-/// Least distance of two lines (Ericson 2005, Real-Time Collision Detection, section 5.1.9).
-fn between(a: [Vec3; 2], b: [Vec3; 2]) -> f32 {
-    let (u, v, w) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
-    let (uu, uv, vv, uw, vw) = (u.dot(u), u.dot(v), v.dot(v), u.dot(w), v.dot(w));
-    let (uu, vv) = (uu.max(1e-12), vv.max(1e-12));
-    let across = uu * vv - uv * uv;
-    let s = if across > 1e-9 { ((uv * vw - vv * uw) / across).clamp(0.0, 1.0) } else { 0.0 };
-    let t = ((uv * s + vw) / vv).clamp(0.0, 1.0);
-    let s = ((uv * t - uw) / uu).clamp(0.0, 1.0);
-    (w + u * s - v * t).length()
+/// Distance between two segments (Ericson, *Real-Time Collision Detection*, 2005, section 5.1.9).
+fn segment_distance([p1, q1]: [Vec3; 2], [p2, q2]: [Vec3; 2]) -> f32 {
+    let (d1, d2, r) = (q1 - p1, q2 - p2, p1 - p2);
+    let (a, e, f) = (d1.length_squared(), d2.length_squared(), d2.dot(r));
+    let (c, b) = (d1.dot(r), d1.dot(d2));
+    let clamp = |v: f32| v.clamp(0.0, 1.0);
+    if a < 1e-12 || e < 1e-12 {
+        let s = if a < 1e-12 { 0.0 } else { clamp(-c / a) };
+        let t = if e < 1e-12 { 0.0 } else { clamp((f + s * b) / e) };
+        return (p1 + d1 * s - p2 - d2 * t).length();
+    }
+    let parallel = a * e - b * b;
+    let mut s = if parallel > 1e-12 { clamp((b * f - c * e) / parallel) } else { 0.0 };
+    let mut t = (b * s + f) / e;
+    if !(0.0..=1.0).contains(&t) {
+        t = clamp(t);
+        s = clamp((b * t - c) / a);
+    }
+    (p1 + d1 * s - p2 - d2 * t).length()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    fn upright(number: usize, x: f32, y: f32) -> Present {
+        let trunk = Some([Vec3::new(x, y + 0.95, 0.0), Vec3::new(x, y + 1.4, 0.0), Vec3::new(x, y + 1.6, 0.0)]);
+        Present { number, place: Vec2::new(x, 0.0), radius_m: 0.0, trunk }
+    }
+
+    #[test]
+    fn people_on_two_floors_do_not_meet() {
+        let mut meter = OverlapMeter::default();
+        meter.observe(&[upright(0, 0.0, 0.0), upright(1, 0.0, 2.1)]);
+        assert_eq!(meter.pairs(), 0);
+        meter.observe(&[upright(0, 0.0, 0.0), upright(1, 0.2, 0.0)]);
+        assert_eq!(meter.pairs(), 1);
+    }
 
     #[test]
     fn discs_trunks_and_heads_overlap_as_drawn_by_hand() {
-        let at = |number, x: f32| Present { number, place: Vec2::new(x, 0.0), trunk: None };
+        let at = |number, x: f32| Present { number, place: Vec2::new(x, 0.0), radius_m: 0.25, trunk: None };
         let mut meter = OverlapMeter::default();
         meter.observe(&[at(0, 0.0), at(1, 0.4), at(2, 5.0)]);
         meter.observe(&[at(0, 0.0), at(1, 0.6), at(2, 0.45)]);
@@ -112,5 +144,18 @@ mod tests {
         };
         assert!(depth(&body(0.0, 0.0), &body(0.6, 0.0)) < 0.0);
         assert!((depth(&body(0.0, 0.3), &body(0.6, 0.0)) - (0.25 - 0.12)).abs() < 1e-6);
+    }
+
+    proptest! {
+        #[test]
+        fn segments_are_as_far_apart_as_their_nearest_samples(v in prop::array::uniform12(-2.0f32..2.0)) {
+            let p = |i: usize| Vec3::new(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
+            let (a, b) = ([p(0), p(1)], [p(2), p(3)]);
+            let at = |s: [Vec3; 2], i: u32| s[0].lerp(s[1], i as f32 / 60.0);
+            let pairs = (0..=60).flat_map(|i| (0..=60).map(move |j| (i, j)));
+            let sampled = pairs.map(|(i, j)| (at(a, i) - at(b, j)).length()).fold(f32::INFINITY, f32::min);
+            let exact = segment_distance(a, b);
+            prop_assert!(exact <= sampled + 1e-4 && sampled <= exact + 0.12, "{exact} {sampled}");
+        }
     }
 }

@@ -55,7 +55,16 @@ impl Setup {
     }
 
     fn fault(&self, e: Error) -> Error {
-        self.scene.fault(&self.key, e)
+        match e {
+            Error::Occupied { who, .. } => {
+                let why = format!(
+                    "character {who} starts where another one or an obstacle is, or on the way there; enlarge \
+                     `place.grid.spacing_m`, or move its `centre`"
+                );
+                self.scene.fault(&self.key, why)
+            }
+            e => self.scene.fault(&self.key, e),
+        }
     }
 }
 
@@ -287,6 +296,10 @@ macro_rules! of_cast {
 
         fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
             self.$cast.boxers_mut().mind(others);
+        }
+
+        fn settle(&mut self) {
+            self.$cast.boxers_mut().settle();
         }
 
         fn num_characters(&self) -> usize {

@@ -31,6 +31,9 @@ macro_rules! kinds {
             fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
                 match self { $(Self::$name(k) => k.mind(others)),* }
             }
+            fn settle(&mut self) {
+                match self { $(Self::$name(k) => k.settle()),* }
+            }
             fn save(&self, out: &mut Vec<u8>) {
                 match self { $(Self::$name(k) => k.save(out)),* }
             }

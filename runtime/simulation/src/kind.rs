@@ -35,6 +35,9 @@ pub trait Kind {
     /// What all others hold: before the next step, nobody else moves. Kinds that give way to nobody take no notice.
     fn mind<'a>(&mut self, _others: impl Iterator<Item = &'a Held>) {}
 
+    /// Begins anew, before the first step, on ground that nobody else holds, as far as that can be.
+    fn settle(&mut self) {}
+
     /// Appends all that the next steps depend on: versioned, with a checksum.
     fn save(&self, out: &mut Vec<u8>);
 

@@ -12,7 +12,7 @@ use crate::wander::Wanderers;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 use std::time::Instant;
-use throng_base::ground::{Bounds, Held, Outsiders};
+use throng_base::ground::{Held, Outsiders};
 use throng_base::limits::STEP_S;
 use throng_base::{Bytes, Inline, Result, Run, SnapshotKind, StateHash};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
@@ -155,7 +155,7 @@ impl Simulation {
         if sim.casts.len() > 1 || !minds_own && !moves_itself.bodies.is_empty() {
             sim.held = vec![Held::default(); sim.casts.len() + 1];
         }
-        sim.check_starts()?;
+        sim.settle()?;
         sim.step_to(0.0, &Inline)?;
         Ok(sim)
     }
@@ -226,25 +226,41 @@ impl Simulation {
         self.scene.scene().environment.movers(self.time_s, itself);
     }
 
-    /// Nobody starts in another group's place, but for those who walk on whoever is in their way.
-    fn check_starts(&mut self) -> Result<()> {
-        self.hold_all();
-        let gives_way = |c: usize| !matches!(self.casts.get(c), Some(GroupCast::Paths(_)) | None);
-        for (c, held) in self.held.iter().enumerate().filter(|(c, _)| gives_way(*c)) {
-            let mut others = Outsiders::default();
-            others.set(self.held.iter().enumerate().filter(|(o, _)| *o < c && gives_way(*o)).map(|(_, held)| held));
-            for body in &held.bodies {
-                let mut taken = false;
-                others.bodies_near(&Bounds::about(body.place, body.radius_m), |_, other| {
-                    taken |= other.place.distance(body.place) < other.radius_m + body.radius_m;
-                    !taken
-                });
-                if taken {
-                    let number = self.groups.iter().find(|g| g.cast == c).map_or(0, |g| g.number);
-                    let Vec2 { x, y: z } = body.place;
-                    let why = format!("somebody starts at {x:.2}, {z:.2}, where one of another group is; move its `place`");
-                    return Err(self.scene.scene().fault(&format!("groups[{number}]"), why));
+    /// Lets casts begin one after the other on ground that none before it holds. Those who give way to nobody have no say.
+    fn settle(&mut self) -> Result<()> {
+        if self.held.is_empty() {
+            return Ok(());
+        }
+        let mut before = Vec::new();
+        // Policies can wait for room in any pose, so that they come last.
+        for waits in [false, true] {
+            for (c, cast) in self.casts.iter_mut().enumerate() {
+                let may_wait = matches!(cast, GroupCast::Policy(_) | GroupCast::Sparring(_));
+                if may_wait != waits || matches!(cast, GroupCast::Paths(_) | GroupCast::Air(_)) {
+                    continue;
                 }
+                cast.mind(before.iter());
+                cast.settle();
+                let (mut held, mut others) = (Held::default(), Outsiders::default());
+                cast.hold(&mut held);
+                others.set(before.iter());
+                for ground in &held.ground {
+                    let mut taken = false;
+                    others.held_near(&ground.bounds(), |other| {
+                        taken = other.meets(ground);
+                        !taken
+                    });
+                    if taken {
+                        let number = self.groups.iter().find(|g| g.cast == c).map_or(0, |g| g.number);
+                        let Vec2 { x, y: z } = ground.from;
+                        let why = format!(
+                            "somebody starts at {x:.2}, {z:.2}, on ground that one of another group needs; move its \
+                             place, or enlarge the spacing"
+                        );
+                        return Err(self.scene.scene().fault(&format!("groups[{number}]"), why));
+                    }
+                }
+                before.push(held);
             }
         }
         Ok(())

@@ -39,7 +39,7 @@ pub(super) fn inhabited_sheet(
         "{:.0} s: {} overlap(s) of people, {} penetration(s), {} stuck; {:.1} wishes fulfilled and {:.0} m travelled a \
          minute and character; planted feet slip {:.0} mm/s (95th percentile)",
         figures.simulated_s,
-        f.character_overlaps,
+        figures.character_overlaps.unwrap_or(0),
         f.environment_penetrations,
         figures.stuck.unwrap_or(0),
         f.fulfilled_per_minute,

@@ -20,6 +20,13 @@ pub struct Figures {
     /// Steps of all characters per second of wall time on one thread: choices, control, poses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps_per_second: Option<f64>,
+    /// Pairs of characters, or of a character and an agent, that were in each other at any time: discs about their roots,
+    /// or capsules of trunk and head. Opponents are not counted, nor discs in worlds of several floors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub character_overlaps: Option<usize>,
+    /// The deepest of these overlaps (m).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deepest_overlap_m: Option<f64>,
     /// Of characters with policies.
     #[serde(flatten)]
     pub blows: Option<BlowFigures>,
@@ -67,10 +74,6 @@ pub struct BlowFigures {
 /// What was measured of characters in worlds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct InhabitedFigures {
-    /// Times at which the trunks of two characters came into each other.
-    pub character_overlaps: u64,
-    /// Deepest that two were in each other (m).
-    pub deepest_overlap_m: f64,
     /// Times at which a character entered a unit by more than a few centimetres.
     pub environment_penetrations: u64,
     /// Deepest penetration of a unit (m).

@@ -5,14 +5,17 @@ mod world;
 
 use super::figures::{BlowFigures, Figures, PathFigures};
 use super::report::LOOK_HZ;
+use crate::overlap::{OverlapMeter, Present};
 use crate::slip::SlipMeter;
 use glam::{Vec2, Vec3};
 use throng_motion::error::BuildError;
 use throng_runtime::blend::HeightField;
 use throng_runtime::simulation::scene::engine;
 use throng_runtime::simulation::{GroupCast, Motion, Simulation};
+use throng_runtime::skeleton::Skeleton;
 use throng_runtime::sparring::Tally;
-use throng_runtime::{Joint, NUM_JOINTS};
+use throng_runtime::stops::BODY_RADIUS_M;
+use throng_runtime::{Body, Joint, NUM_JOINTS};
 use world::WorldWatch;
 
 pub(super) use agents::AgentWatch;
@@ -35,6 +38,9 @@ pub(crate) struct Watch {
     paths: PathWatch,
     worlds: Vec<WorldWatch>,
     agents: Option<AgentsMeter>,
+    overlaps: OverlapMeter,
+    present: Vec<Present>,
+    skeletons: Vec<Option<Skeleton>>,
 }
 
 impl Watch {
@@ -47,6 +53,13 @@ impl Watch {
             paths: PathWatch::default(),
             worlds: Vec::new(),
             agents: AgentsMeter::of_groups(sim, |g| groups.contains(&g)),
+            overlaps: OverlapMeter::default(),
+            present: Vec::new(),
+            skeletons: sim
+                .groups()
+                .iter()
+                .map(|g| Some(sim.compiled().bundle(g.number).ok()?.skeleton().clone()))
+                .collect(),
         };
         for c in (0..sim.casts().len()).filter(|&c| matches!(sim.casts()[c], GroupCast::Patches(_))) {
             let of_cast = groups.iter().map(|&g| &sim.groups()[g]).filter(|g| g.cast == c);
@@ -74,6 +87,7 @@ impl Watch {
             }
         }
         if due(LOOK_S) {
+            self.look_for_overlaps(sim);
             self.worlds.iter_mut().for_each(|w| w.look(sim));
         }
         if let Some(agents) = &mut self.agents {
@@ -82,6 +96,45 @@ impl Watch {
             }
             agents.observe_bodies(sim);
         }
+    }
+
+    /// Agents alone have a meter of their own.
+    fn look_for_overlaps(&mut self, sim: &Simulation) {
+        let groups = || self.groups.iter().map(|&g| &sim.groups()[g]);
+        let is_agents = |cast: &GroupCast| matches!(cast, GroupCast::Ground(_) | GroupCast::Air(_));
+        self.present.clear();
+        if groups().all(|g| is_agents(&sim.casts()[g.cast])) {
+            return;
+        }
+        for g in groups() {
+            for who in g.characters.clone() {
+                let Some(root) = sim.root(who) else { continue };
+                let (cast, member) = sim.locate(who);
+                let mut one = match (sim.pose(who), &self.skeletons[g.number]) {
+                    (Some(pose), Some(skeleton)) if !is_agents(cast) => {
+                        Present::with_body(who, &Body { root, model: pose }, skeleton)
+                    }
+                    _ => {
+                        Present { number: who, place: Vec2::new(root.x, root.z), radius_m: BODY_RADIUS_M, trunk: None }
+                    }
+                };
+                match cast {
+                    GroupCast::Patches(_) => one.radius_m = 0.0,
+                    GroupCast::Ground(agents) => {
+                        if let Some(disc) = agents.disc(member) {
+                            (one.place, one.radius_m) = (Vec2::new(disc.centre.x, disc.centre.z), disc.radius);
+                        }
+                    }
+                    _ => {}
+                }
+                self.present.push(one);
+            }
+        }
+        let are_opponents = |a: usize, b: usize| match (sim.locate(a), sim.locate(b)) {
+            ((GroupCast::Sparring(_), i), (GroupCast::Sparring(_), j)) => a.abs_diff(b) == 1 && i / 2 == j / 2,
+            _ => false,
+        };
+        self.overlaps.observe_but(&self.present, are_opponents);
     }
 
     /// Where things were seen that should not be: time, character, what (s).
@@ -110,6 +163,8 @@ impl Watch {
                 .map(|n| self.fights.figures(sim, &self.groups, n, seconds)),
             world: (!self.worlds.is_empty()).then(|| WorldWatch::figures(&self.worlds, sim, seconds)),
             paths: number(&|_, c| matches!(c, GroupCast::Paths(_))).map(|_| self.paths.figures()),
+            character_overlaps: characters.map(|_| self.overlaps.pairs()),
+            deepest_overlap_m: characters.map(|_| f64::from(self.overlaps.deepest_m())),
             foot_slip_mean_mps: has_feet.then(|| self.feet.mean_mps()),
             foot_slip_p95_mps: has_feet.then(|| self.feet.p95_mps()),
             ..Figures::default()

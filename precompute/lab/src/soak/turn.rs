@@ -182,7 +182,7 @@ fn overlaps(figures: &Figures, name: &str, report: &mut SoakReport) {
     let worst: &mut Worst = &mut report.worst;
     worst.foot_slip_p95_mps = worst.foot_slip_p95_mps.max(figures.foot_slip_p95_mps.unwrap_or(0.0));
     if let Some(world) = &figures.world {
-        worst.people_overlap_m = worst.people_overlap_m.max(world.deepest_overlap_m);
+        worst.people_overlap_m = worst.people_overlap_m.max(figures.deepest_overlap_m.unwrap_or(0.0));
         worst.penetration_m = worst.penetration_m.max(world.deepest_penetration_m);
     }
     if let Some(crowd) = &figures.crowd {

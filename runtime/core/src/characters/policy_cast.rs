@@ -178,6 +178,12 @@ impl PolicyCharacters {
         self.characters.mind(others);
     }
 
+    /// Lets all who have just come find room anew: who has none for the stop from its state is held in it until there is
+    /// some.
+    pub fn settle(&mut self) {
+        self.characters.reserve_all(&self.motion_set);
+    }
+
     /// Adds all bodies and the ground that they hold, see [`Characters::hold_ground`].
     pub fn hold_ground(&mut self, out: &mut Held) {
         self.characters.hold_ground(&self.motion_set, out);

@@ -8,8 +8,8 @@ mod path;
 
 use glam::Vec2;
 pub use path::{Moving, PathNode};
-pub use throng_base::ground::{Bounds, Held, Outsider, Outsiders, Rod};
 use throng_base::ground::BoxGrid;
+pub use throng_base::ground::{Bounds, Held, Outsider, Outsiders, Rod};
 
 const NONE: u32 = u32::MAX;
 

@@ -80,7 +80,9 @@ impl Inhabitants {
                 let is_passed = impatient && i != target.instance();
                 match reservations.other(graph.resources(i), c as u32).filter(|_| is_passed) {
                     None => 0.0,
-                    Some(other) if other != OUTSIDER && states[other as usize].doing == Doing::Arrived => TOLL_OF_WHO_STAYS,
+                    Some(other) if other != OUTSIDER && states[other as usize].doing == Doing::Arrived => {
+                        TOLL_OF_WHO_STAYS
+                    }
                     Some(_) => TOLL,
                 }
             };

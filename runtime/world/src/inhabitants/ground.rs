@@ -1,7 +1,7 @@
 //! Those who do not live in the world: their ground is not entered, and that of inhabitants is told.
 
-use super::decide::needs;
 use super::Inhabitants;
+use super::decide::needs;
 use crate::WorldGraph;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;

@@ -1,7 +1,6 @@
-//! Watches characters of a world: overlaps, penetrations, progress.
+//! Watches characters of a world: penetrations, progress.
 
 use crate::run::figures::InhabitedFigures;
-use crate::run::meter::TrunkMeter;
 use crate::run::report::{fault, geometry};
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -32,7 +31,6 @@ pub(super) struct WorldWatch {
     characters: Vec<usize>,
     body: Body,
     geometry: PlacedGeometry,
-    trunks: TrunkMeter,
     /// Penetrations: time, character, what (s).
     pub faults: Vec<(f32, usize, String)>,
     /// Characters and the units that they are in now.
@@ -55,7 +53,6 @@ impl WorldWatch {
             cast,
             body: Body::new(bundle.skeleton()),
             geometry: geometry(sim.compiled(), group)?,
-            trunks: TrunkMeter::default(),
             faults: Vec::new(),
             inside: BTreeSet::new(),
             penetrations: 0,
@@ -75,7 +72,6 @@ impl WorldWatch {
         let trunk = |p: [Vec3; NUM_JOINTS]| [p[Joint::Hips.index()], p[Joint::Neck.index()]];
         let trunks: Vec<[Vec3; 2]> =
             self.characters.iter().filter_map(|&c| sim.joint_positions(c)).map(trunk).collect();
-        self.trunks.observe(&trunks);
         self.look_around(sim);
         for (k, trunk) in trunks.iter().enumerate() {
             let (_, number) = sim.locate(self.characters[k]);
@@ -126,8 +122,6 @@ impl WorldWatch {
             let of = |c: &usize| people.state(sim.locate(*c).1).num_fulfilled;
             fulfilled += w.characters.iter().map(of).sum::<u32>();
             (travelled_m, waiting, looks) = (travelled_m + w.travelled_m, waiting + w.waiting, looks + w.looks);
-            f.character_overlaps += w.trunks.count();
-            f.deepest_overlap_m = f.deepest_overlap_m.max(f64::from(w.trunks.deepest_m()));
             f.environment_penetrations += w.penetrations;
             f.deepest_penetration_m = f.deepest_penetration_m.max(f64::from(w.deepest_m));
         }

@@ -158,7 +158,8 @@ impl Characters {
         }
         for at in 0..n {
             let root = self.root(at);
-            let mut body = Outsider { place: Vec2::new(root.x, root.z), radius_m: BODY_RADIUS_M, ..Outsider::default() };
+            let mut body =
+                Outsider { place: Vec2::new(root.x, root.z), radius_m: BODY_RADIUS_M, ..Outsider::default() };
             match &self.avoiding {
                 Some(avoiding) => {
                     body.velocity = avoiding.book.velocity(at);
