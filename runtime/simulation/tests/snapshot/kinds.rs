@@ -98,16 +98,16 @@ fn a_group_that_starts_in_another_is_refused_by_name() {
     let group = r#"
 [[groups]]
 motion = "none"
-count = 20
-place = { block = { from = [59.0, -3.0], to = [62.0, 3.0] } }
+count = 1
+place = { block = { from = [60.9, 0.9], to = [61.1, 1.1] } }
 goal = { shift = { by = [9.0, 0.0] } }
 "#;
     let refused = |text: &str| {
         let sim = Simulation::new(&scenes::compile(text, &scenes::boxing(0.0)));
         sim.err().map(|e| e.to_string()).unwrap_or_default()
     };
-    let in_another = refused(&[scenes::POLICY, group].concat());
+    let in_another = refused(&[&scenes::POLICY.replace("spacing_m = 4.0", "spacing_m = 2.0"), group].concat());
     assert!(in_another.contains("`groups[0]`: somebody starts at "), "{in_another}");
-    let too_near = refused(&scenes::POLICY.replace("spacing_m = 4.0", "spacing_m = 0.3"));
+    let too_near = refused(&scenes::POLICY.replace("spacing_m = 4.0", "spacing_m = 1.0"));
     assert!(too_near.contains("`groups[0]`: character ") && too_near.contains("spacing_m"), "{too_near}");
 }
