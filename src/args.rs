@@ -125,7 +125,7 @@ pub fn parse_point(text: &str) -> Result<[f32; 2], String> {
 }
 
 /// Simulated time where nothing else is said (s).
-const SECONDS: f32 = 15.0;
+const SECONDS: f32 = 20.0;
 
 /// Number of characters, time, seed and choice of a run.
 #[derive(clap::Args)]
@@ -133,7 +133,7 @@ pub struct CrowdArgs {
     /// Number of characters; 1000, or what the scene says, where absent.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::CHARACTERS))]
     characters: Option<usize>,
-    /// Simulated time; 15, or what the scene says, where absent.
+    /// Simulated time; 20, or what the scene says, where absent.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f32>(&limits::SECONDS))]
     seconds: Option<f32>,
     /// Steps a simulated second.

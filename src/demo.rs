@@ -9,7 +9,7 @@ use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::report::BuildReport;
 use throng_precompute::synth::{SynthConfig, SynthSet};
-use throng_precompute::trial::{self, TrialReport};
+use throng_precompute::trial::{self, TrialConfig, TrialReport};
 use throng_precompute::{pipeline, synth};
 
 /// Synthesise motion, bake it, run 1000 characters, draw a picture.
@@ -48,7 +48,8 @@ pub fn run(args: &Args) -> Outcome {
     output::warnings(&built.skipped, &built.warnings);
     eprintln!("running the crowd ...");
     let tables = crate::args::open(&args.bundle)?;
-    let trial_config = args.crowd.trial();
+    // Farther than most targets of a run, so that many pass each other.
+    let trial_config = TrialConfig { streams: true, distances: [7.0, 8.0], ..args.crowd.trial() };
     let (report, record) = trial::run(&tables, &trial_config)?;
     run::draw(&tables, &trial_config, &report, &record, &args.out)?;
     if args.json {

@@ -28,6 +28,9 @@ pub struct TrialConfig {
     pub seed: u64,
     /// Nearest and farthest a target stands at the start (m).
     pub distances: [f32; 2],
+    /// Targets stand to the left and to the right by turns, so that two streams walk through each other; otherwise in any
+    /// direction.
+    pub streams: bool,
     /// A target counts as reached within this distance (m).
     pub reach_m: f32,
     /// When the crowd is drawn: while many are still on their way (s).
@@ -42,10 +45,11 @@ impl Default for TrialConfig {
     fn default() -> Self {
         Self {
             characters: 1000,
-            seconds: 15.0,
+            seconds: 20.0,
             step_hz: 60.0,
             seed: 1,
             distances: [2.0, 6.0],
+            streams: false,
             reach_m: 0.5,
             snapshot_s: 3.5,
             recorded: Some(0),
@@ -189,15 +193,18 @@ pub(crate) fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCh
     let middle = (side as f32 - 1.0) * 0.5;
     let [near, far] = config.distances;
     let mut cast = PolicyCharacters::with_capacity(tables, config.characters, config.motion)?;
+    cast.gather();
     let (mut targets, mut taken) = (Vec::new(), HashMap::new());
     for i in 0..config.characters {
         let place = |k: usize| (k as f32 - middle) * SPACING_M;
         let (x, z) = (place(i % side), place(i / side));
         let mut jitter = || rng.random_range(-JITTER_M..JITTER_M);
         let (x, z) = (x + jitter(), z + jitter());
-        let root = Planar::new(x, z, rng.random_range(0.0..TAU));
+        let ahead = if rng.random_range(0..2) == 0 { 0.25 * TAU } else { 0.75 * TAU };
+        let root = Planar::new(x, z, if config.streams { ahead } else { rng.random_range(0.0..TAU) });
         let mut draw = || {
-            let (angle, distance) = (rng.random_range(0.0..TAU), near + (far - near) * rng.random_range(0.0..1.0f32));
+            let angle = if config.streams { ahead + rng.random_range(-0.1..0.1) } else { rng.random_range(0.0..TAU) };
+            let distance = near + (far - near) * rng.random_range(0.0..1.0f32);
             Vec2::new(x + distance * angle.sin(), z + distance * angle.cos())
         };
         let is_free = |p: &Vec2| around(*p).all(|c| taken.get(&c).is_none_or(|o: &Vec2| o.distance(*p) >= APART_M));
@@ -209,6 +216,7 @@ pub(crate) fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCh
         cast.order(id, Order::aim(0, target))?;
         targets.push(target);
     }
+    cast.settle();
     Ok((cast, targets))
 }
 

@@ -97,6 +97,7 @@ impl Bouts {
         let (starts, _) = places(compiled, group)?;
         let config = SparringConfig { characters: characters(compiled, group), ..SparringConfig::default() };
         let mut sparring = Sparring::with_capacity(bundle, starts.len() / 2, config).map_err(|e| setup.fault(e))?;
+        sparring.boxers_mut().gather();
         sparring.boxers_mut().set_walls(&compiled.scene().environment.walls());
         for pair in starts.as_chunks().0 {
             let first = sparring.spawn(*pair).map_err(|e| setup.fault(e))?;
@@ -104,6 +105,7 @@ impl Bouts {
                 sparring.order(id, order).map_err(|e| setup.fault(e))?;
             }
         }
+        sparring.boxers_mut().settle();
         let regions = hit_regions(bundle, &numbers);
         match sparring.heads().first() {
             Some(first) if !sparring.heads().iter().any(|h| is_reached(&regions, h.y, HALF_HEAD_M)) => {
@@ -144,11 +146,13 @@ impl Practice {
         let mut config = PracticeConfig { characters: characters(compiled, group), ..PracticeConfig::default() };
         config.target.radius_m = own.target.radius_m as f32;
         let made = TargetPractice::with_capacity(bundle, starts.len(), config).and_then(|mut practice| {
+            practice.boxers_mut().gather();
             practice.boxers_mut().set_walls(&compiled.scene().environment.walls());
             for (start, home) in starts.into_iter().zip(&homes) {
                 let id = practice.spawn(start)?;
                 practice.order(id, order.around(*home))?;
             }
+            practice.boxers_mut().settle();
             Ok(practice)
         });
         let (practice, is_dragged) = (made.map_err(|e| setup.fault(e))?, !own.target.drag.is_empty());

@@ -17,6 +17,8 @@ use throng_runtime::Planar;
 pub enum Arrival {
     /// Still walking, or has no target.
     OnTheWay,
+    /// Still walking, the other way.
+    OnTheWayBack,
     /// Within reach of its target now, or has been.
     Reached,
 }
@@ -49,8 +51,9 @@ pub struct CrowdView<'a> {
     pub characters: &'a [CrowdCharacter<'a>],
     /// Radius around a target within which it is reached; drawn as a ring (m).
     pub reach_m: f32,
-    /// What the two colours stand for: [`Arrival::Reached`], [`Arrival::OnTheWay`]. The legend leaves an empty one out.
-    pub names: [&'a str; 2],
+    /// What the colours stand for: [`Arrival::Reached`], [`Arrival::OnTheWay`], [`Arrival::OnTheWayBack`]. The legend leaves
+    /// empty ones out.
+    pub names: [&'a str; 3],
     /// What else the legend says.
     pub remark: &'a str,
     /// Index of a character that is ringed and named, for instance the one a strip shows.
@@ -104,6 +107,7 @@ fn on_ground(p: Vec2) -> Vec3 {
 fn colour_of(arrival: Arrival) -> Colour {
     match arrival {
         Arrival::OnTheWay => colour::ON_THE_WAY,
+        Arrival::OnTheWayBack => colour::RIGHT,
         Arrival::Reached => colour::REACHED,
     }
 }
@@ -149,7 +153,7 @@ fn draw_ground(panel: &mut Picture, camera: &Camera, unit: f32, characters: &[&C
     for c in characters {
         let Some(target) = c.target.filter(|t| t.is_finite()) else { continue };
         let (at, tint) = (camera.project(on_ground(target)), colour_of(c.arrival));
-        let waits = c.arrival == Arrival::OnTheWay;
+        let waits = c.arrival != Arrival::Reached;
         panel.stroke_oval(at, ring, 1.2 * unit, tint.alpha(if waits { 0.7 } else { 0.3 }));
         if !waits {
             continue;
@@ -226,14 +230,13 @@ fn draw_mark(panel: &mut Picture, camera: &Camera, unit: f32, character: &CrowdC
 }
 
 fn draw_legend(page: &mut Picture, unit: f32, view: &CrowdView<'_>) {
-    let reached = view.characters.iter().filter(|c| c.arrival == Arrival::Reached).count();
-    let counts = [reached, view.characters.len() - reached];
-    let entries: Vec<(Colour, String)> = [colour::REACHED, colour::ON_THE_WAY]
-        .into_iter()
-        .zip(view.names.into_iter().zip(counts))
-        .filter(|(_, (name, _))| !name.is_empty())
-        .map(|(tint, (name, count))| (tint, format!("{name}: {count}")))
-        .collect();
+    let kinds = [Arrival::Reached, Arrival::OnTheWay, Arrival::OnTheWayBack];
+    let entry = |(kind, name): (Arrival, &str)| {
+        let count = view.characters.iter().filter(|c| c.arrival == kind).count();
+        (colour_of(kind), format!("{name}: {count}"))
+    };
+    let named = kinds.into_iter().zip(view.names).filter(|(_, name)| !name.is_empty());
+    let entries: Vec<(Colour, String)> = named.map(entry).collect();
     let area = Area::new(0.0, 0.0, page.width() as f32 - 16.0 * unit, 84.0 * unit);
     legend(page, area, unit, &entries, view.remark);
 }
@@ -256,7 +259,7 @@ mod tests {
             size: (320, 200),
             characters,
             reach_m: 0.5,
-            names: ["here", "there"],
+            names: ["here", "there", ""],
             remark: "r",
             marked: Some((0, "A")),
             focus: None,

@@ -72,7 +72,7 @@ fn overview(group: &GroupConfig, record: &FightRecord, poses: &[Pose], title: &s
         size: (1600, if few { 620 } else { 1000 }),
         characters: &characters,
         reach_m: group.target.radius_m as f32,
-        names: if is_pairs { ["the first of a pair", "the second"] } else { ["characters", ""] },
+        names: if is_pairs { ["the first of a pair", "the second", ""] } else { ["characters", "", ""] },
         remark: if is_pairs { "at the end" } else { "at the end; ring: target" },
         marked: None,
         focus: few.then_some(Focus { centre, width_m: 6.0 }),

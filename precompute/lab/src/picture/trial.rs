@@ -19,22 +19,23 @@ const NEAR_M: f32 = 13.0;
 /// Draws a trial: the crowd from above, the middle of it from near, and the recorded character's poses where it
 /// walks most, side by side and along its way.
 pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, record: &TrialRecord) -> Picture {
-    let characters = characters(record);
-    let title = format!(
-        "{}: {} characters, each with a target of its own, after {:.1} s",
-        tables.meta().name,
-        report.characters,
-        record.snapshot_s
-    );
+    let characters = characters(record, config.streams);
+    let what = if config.streams { "in two streams that pass each other" } else { "each with a target of its own" };
+    let title =
+        format!("{}: {} characters, {what}, after {:.1} s", tables.meta().name, report.characters, record.snapshot_s);
     let subtitle = format!(
-        "{:.1} % came within {} m of it in {:.0} s{}; planted feet slip {:.0} mm/s (95th percentile)",
+        "{:.1} % came within {} m of their targets in {:.0} s{}; {} pair(s) were in each other; planted feet slip {:.0} mm/s (95th percentile)",
         100.0 * report.reached_fraction,
         config.reach_m,
         report.simulated_s,
         report.mean_arrival_s.map_or(String::new(), |s| format!(", after {s:.1} s on average")),
+        report.character_overlaps,
         1000.0 * report.foot_slip_p95_mps
     );
-    let remark = format!("ring: target, within {:.2} m   line: where the root went", config.reach_m);
+    let mut remark = String::from("line: where the root went");
+    if !config.streams {
+        remark = format!("ring: target, within {:.2} m   {remark}", config.reach_m);
+    }
     let marked = config.recorded.filter(|&c| c < record.roots.len()).map(|c| (c, "A"));
     let overview = CrowdView {
         title: &title,
@@ -42,7 +43,7 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
         size: (1600, 1000),
         characters: &characters,
         reach_m: config.reach_m,
-        names: ["at its target", "on its way"],
+        names: if config.streams { ["", "to the right", "to the left"] } else { ["at its target", "on its way", ""] },
         remark: &remark,
         marked,
         focus: None,
@@ -76,14 +77,15 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
     sheet(&pictures[..drawn].iter().collect::<Vec<_>>())
 }
 
-fn characters(record: &TrialRecord) -> Vec<CrowdCharacter<'_>> {
+fn characters(record: &TrialRecord, streams: bool) -> Vec<CrowdCharacter<'_>> {
     let one = |(c, &root): (usize, &Planar)| CrowdCharacter {
         root,
         figure: record.poses.get(c).map(Figure::from_positions),
         trail: record.trails.get(c).map_or(&[], Vec::as_slice),
-        target: record.targets.get(c).map(|t| Vec2::new(t.x, t.z)),
-        arrival: match record.arrivals_s.get(c) {
-            Some(&t) if t <= record.snapshot_s => Arrival::Reached,
+        target: record.targets.get(c).map(|t| Vec2::new(t.x, t.z)).filter(|_| !streams),
+        arrival: match (record.arrivals_s.get(c), record.targets.get(c), record.trails.get(c).and_then(|t| t.first())) {
+            (_, Some(to), Some(from)) if streams && to.x < from.x => Arrival::OnTheWayBack,
+            (Some(&t), ..) if !streams && t <= record.snapshot_s => Arrival::Reached,
             _ => Arrival::OnTheWay,
         },
     };

@@ -55,6 +55,8 @@ pub struct PolicyCharacters {
     pub(super) orders: Vec<Order>,
     roots: Vec<Planar>,
     events: Vec<(Id, Blow)>,
+    /// See [`PolicyCharacters::gather`].
+    pub(super) gathers: bool,
 }
 
 impl PolicyCharacters {
@@ -76,6 +78,7 @@ impl PolicyCharacters {
             orders: Vec::with_capacity(capacity),
             roots: Vec::with_capacity(capacity),
             events: Vec::with_capacity(characters.most_blows()),
+            gathers: false,
             characters,
         })
     }
@@ -178,9 +181,16 @@ impl PolicyCharacters {
         self.characters.mind(others);
     }
 
-    /// Lets all who have just come find room anew: who has none for the stop from its state is held in it until there is
-    /// some.
+    /// Whoever enters from now on stands still until [`PolicyCharacters::settle`], so that many can enter near each other,
+    /// in any order.
+    pub fn gather(&mut self) {
+        self.gathers = true;
+    }
+
+    /// Lets all who have come since [`PolicyCharacters::gather`] begin, those who make way one after the other: who has no
+    /// room for the stop from its state is held in it until there is some.
     pub fn settle(&mut self) {
+        self.gathers = false;
         self.characters.reserve_all(&self.motion_set);
     }
 
@@ -275,7 +285,11 @@ impl Cast for PolicyCharacters {
         let id = self.roster.enter()?;
         self.characters.enter(&self.motion_set, Start { root: start.root, state }, &self.arrivals, name(id));
         let at = self.characters.num_characters() - 1;
-        if !self.characters.reserve_start(&self.motion_set, at) {
+        let has_room = match self.gathers {
+            true => self.characters.reserve_held(&self.motion_set, at),
+            false => self.characters.reserve_start(&self.motion_set, at),
+        };
+        if !has_room {
             self.characters.leave(at);
             self.roster.leave(id)?;
             return Err(in_the_way(id));

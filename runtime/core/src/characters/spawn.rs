@@ -57,10 +57,15 @@ impl Characters {
     /// Reserves the path of one that has come; where there is no room for the stop from its state, it is held in it.
     /// False where not even its place is free (at < num_characters, always true without avoidance).
     pub(super) fn reserve_start(&mut self, motion_set: &MotionSet, at: usize) -> bool {
-        if self.reserve(motion_set, at) {
-            return true;
+        self.reserve(motion_set, at) || self.reserve_held(motion_set, at)
+    }
+
+    /// Holds one that has come, and reserves its place; false where that is another's (at < num_characters, always true
+    /// without avoidance).
+    pub(super) fn reserve_held(&mut self, motion_set: &MotionSet, at: usize) -> bool {
+        if self.avoiding.is_some() {
+            self.hold(at, true);
         }
-        self.hold(at, true);
         self.reserve(motion_set, at)
     }
 
