@@ -12,7 +12,7 @@ use throng_runtime::simulation::GroupCast;
 use throng_viewer::command::{Command, SceneCommand};
 use throng_viewer::document::{SceneChoice, SceneDocument};
 use throng_viewer::panels::PANELS;
-use throng_viewer::run::Run;
+use throng_viewer::run::{Run, RunConfig};
 use throng_viewer::settings::PanelKind;
 
 fn scene(v: &Viewing) -> &SceneDocument {
@@ -103,6 +103,9 @@ fn a_run_that_is_scrubbed_back_shows_the_same_step_again() {
 #[test]
 fn a_target_dragged_in_the_view_is_walked_to() {
     let mut v = Viewing::of(&golden());
+    // So few that none is in its way for long.
+    let config = RunConfig { characters: 6, ..v.model().settings.run };
+    v.apply(Command::Configure(config));
     v.apply(Command::SelectCharacter(Some(0)));
     v.apply(Command::Play(false));
     v.harness.run_steps(2);

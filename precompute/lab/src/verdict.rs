@@ -60,8 +60,14 @@ pub fn try_out(tables: &Bundle) -> Result<Option<(TrialReport, Verdict)>, BuildE
     }
     // What the motion can do shows where nobody is in the way.
     let motion = CharactersConfig::default();
-    let config =
-        TrialConfig { characters: CHARACTERS, seconds: 15.0, step_hz: 30.0, recorded: None, motion, ..TrialConfig::default() };
+    let config = TrialConfig {
+        characters: CHARACTERS,
+        seconds: 15.0,
+        step_hz: 30.0,
+        recorded: None,
+        motion,
+        ..TrialConfig::default()
+    };
     let (report, _) = trial::run(tables, &config)?;
     let verdict = Verdict::new(tables, &report);
     Ok(Some((report, verdict)))

@@ -162,7 +162,7 @@ impl Own<'_> {
                     speed_mps: avoiding.speed_mps,
                     ago_s: self.ago_s,
                 };
-                steer::directions(&chooser, &avoiding.book, step.avoid)
+                steer::directions(&chooser, &avoiding.turns, &avoiding.book, step.avoid)
             }
             _ => [0.0; NUM_DIRECTIONS],
         };

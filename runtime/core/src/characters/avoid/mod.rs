@@ -65,6 +65,7 @@ pub(crate) struct Avoiding {
     path: Path,
     /// Speed of those who walk (m/s).
     speed_mps: f32,
+    turns: steer::Turns,
     /// See [`AvoidConfig::pairs`].
     pairs: bool,
     /// Paths follow from the state no more, as somebody was moved.
@@ -81,6 +82,7 @@ impl Avoiding {
             due: BinaryHeap::with_capacity(capacity),
             path,
             speed_mps: walking_speed(motion_set),
+            turns: steer::turns(),
             pairs: config.pairs,
             is_stale: true,
         }

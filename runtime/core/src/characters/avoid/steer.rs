@@ -41,17 +41,29 @@ struct Other {
     reach_m: f32,
 }
 
+/// [`TURNS`], with the sine and cosine of each.
+pub type Turns = [(f32, Vec2); TURNS.len()];
+
+/// All directions that are weighed.
+pub fn turns() -> Turns {
+    TURNS.map(|turn| (turn, Vec2::new(maths::sin(turn), maths::cos(turn))))
+}
+
 /// Turns from the target to try, best first (rad); the first is 0 where nobody is in the way.
-pub fn directions(chooser: &Chooser, book: &Reservations, config: &AvoidConfig) -> [f32; NUM_DIRECTIONS] {
+pub fn directions(
+    chooser: &Chooser,
+    turns: &Turns,
+    book: &Reservations,
+    config: &AvoidConfig,
+) -> [f32; NUM_DIRECTIONS] {
     let way = chooser.target - chooser.place;
     let distance = way.length();
-    let mut costs = TURNS.map(|turn| (turn.abs() + if turn > 0.0 { RIGHT } else { 0.0 }, turn));
+    let mut costs = turns.map(|(turn, _)| (turn.abs() + if turn > 0.0 { RIGHT } else { 0.0 }, turn));
     if distance > NEAR_M && config.horizon_s > 0.0 {
         let others = &mut [Other::default(); OTHERS];
         let num = gather(chooser, book, config, others);
         let horizon = config.horizon_s.min(distance / chooser.speed_mps);
-        for (cost, turn) in &mut costs {
-            let (sin, cos) = (maths::sin(*turn), maths::cos(*turn));
+        for ((cost, _), (_, Vec2 { x: sin, y: cos })) in costs.iter_mut().zip(turns) {
             // To the left is towards +X where +Z is ahead.
             let ahead = Vec2::new(way.x * cos + way.y * sin, way.y * cos - way.x * sin) / distance;
             let velocity = ahead * chooser.speed_mps;
