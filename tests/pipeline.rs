@@ -142,15 +142,20 @@ fn segments_lead_from_state_to_state() {
     }
 }
 
-/// A crowd reaches its targets on feet that stand.
-fn assert_crowd_arrives(bundle: &Path) {
+/// A crowd reaches its targets on feet that stand; so do `making_way` of those who make way, and none is ever in another.
+fn assert_crowd_arrives(bundle: &Path, making_way: f64) {
     let tables = Bundle::open(bundle).expect("the bundle opens");
-    let config = TrialConfig { characters: 100, seconds: 20.0, recorded: None, ..TrialConfig::default() };
+    let config = TrialConfig { characters: 100, recorded: None, ..TrialConfig::default() };
+    let (report, _) = trial::run(&tables, &config).expect("a trial");
+    assert!(report.reached_fraction > making_way && report.character_overlaps == 0, "{report:?}");
+    assert!(report.foot_slip_p95_mps < 0.15, "{report:?}");
+    let motion = CharactersConfig { avoid: None, ..config.motion };
+    let config = TrialConfig { seconds: 15.0, motion, ..config };
     let (report, record) = trial::run(&tables, &config).expect("a trial");
     assert!(report.reached_fraction > 0.95, "{report:?}");
     assert!(report.foot_slip_p95_mps < 0.15, "{report:?}");
     // What the report says, counted again: all that arrived have covered the way.
-    let arrived = record.arrivals_s.iter().filter(|t| **t <= 20.0).count();
+    let arrived = record.arrivals_s.iter().filter(|t| **t <= 15.0).count();
     assert_eq!(arrived as f64 / 100.0, report.reached_fraction);
     for (trail, target) in record.trails.iter().zip(&record.targets) {
         let way = trail[0].distance(glam::Vec2::new(target.x, target.z));
@@ -167,7 +172,7 @@ fn a_synthetic_crowd_reaches_its_targets() {
     config.resample.mirror = true;
     config.policy.compare_samples = 100;
     build(&config, &out, &Cache::none());
-    assert_crowd_arrives(&out);
+    assert_crowd_arrives(&out, 0.95);
 }
 
 #[test]
@@ -181,7 +186,8 @@ fn a_crowd_of_recorded_walkers_reaches_its_targets() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("snu.throng");
     build(&config, &out, &Cache::none());
-    assert_crowd_arrives(&out);
+    // In this motion a stop takes 2.5 s and 2.7 m.
+    assert_crowd_arrives(&out, 0.9);
 }
 
 #[test]
@@ -226,7 +232,7 @@ fn an_adaptive_policy_goes_from_the_config_to_queries() {
 }
 
 #[test]
-fn an_unchanged_build_only_hashes_and_writes() {
+fn an_unchanged_build_only_hashes_finds_stops_and_writes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
     write_clips(&clips, 0.6);
@@ -240,18 +246,18 @@ fn an_unchanged_build_only_hashes_and_writes() {
     assert_eq!(stages(&first), ["clips", "graph", "hash", "import", "policy", "retarget", "stops", "write"]);
     let made = bytes();
     let second = build(&config, &out, &cache);
-    assert_eq!((stages(&second), second.cached), (vec!["hash", "write"], vec!["motion", "graph", "policy"]));
+    assert_eq!((stages(&second), second.cached), (vec!["hash", "stops", "write"], vec!["motion", "graph", "policy"]));
     assert!(bytes() == made, "the second build wrote other bytes");
     assert_eq!((second.states, second.policies.len()), (first.states, 1));
 
     config.behaviours[0].scale = Some(2.0);
     let other = build(&config, &out, &cache);
-    assert_eq!((stages(&other), other.cached), (vec!["hash", "policy", "write"], vec!["motion", "graph"]));
+    assert_eq!((stages(&other), other.cached), (vec!["hash", "policy", "stops", "write"], vec!["motion", "graph"]));
     assert!(bytes() != made, "another behaviour left the bundle as it was");
 
     config.graph.branching = 8.0;
     let other = build(&config, &out, &cache);
-    let ran = vec!["graph", "hash", "policy", "write"];
+    let ran = vec!["graph", "hash", "policy", "stops", "write"];
     assert_eq!((stages(&other), other.cached), (ran, vec!["motion"]));
 
     let clip = clips.join("walk_00.bvh");

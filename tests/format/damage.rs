@@ -89,7 +89,7 @@ fn values_as_large_as_the_checks_allow_stay_steppable() {
     parts.edit::<FrameRow>(tags::FRAMES, |rows| {
         for (i, row) in rows.iter_mut().enumerate() {
             row.planar = if i % 2 == 0 { [9e3; 3] } else { [-9e3; 3] };
-            row.height = 9e5;
+            row.height = 900.0;
         }
     });
     parts.edit::<SkeletonRecord>(tags::SKELETON, |s| s[0].offsets.iter_mut().for_each(|o| *o = [900.0; 3]));

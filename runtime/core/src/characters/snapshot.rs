@@ -85,7 +85,10 @@ impl Characters {
     /// One of those who are to make way whose path meets another's, if there is any
     /// (blocks: n / 8, rounded up, sound).
     pub(super) fn meeting(&self, motion_set: &MotionSet, blocks: &[Block], n: usize) -> Option<usize> {
-        self.avoiding.clone().and_then(|mut a| a.rebuild(blocks, n, motion_set))
+        let mut avoiding = self.avoiding.clone()?;
+        // Those whom others move are where they are at another time.
+        avoiding.book.outsiders_mut().set(std::iter::empty());
+        avoiding.rebuild(blocks, n, motion_set)
     }
 
     /// State of all characters, eight to a block; unused lanes are zero.
