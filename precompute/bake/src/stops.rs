@@ -1,6 +1,7 @@
 //! Stop tables: the area that each segment sweeps, and the cheapest way to a stand from every state.
 
 use crate::graph::{MotionGraph, SegmentId};
+use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -77,6 +78,10 @@ pub fn find(clips: &ClipSet, graph: &MotionGraph) -> (Stops, StopsReport) {
     let found = Found { graph, rate, rests, sweeps: out.sweeps.clone(), on_both: on_both(clips, &starts, graph) };
     let choices = found.cheapest();
     out.stops = choices;
+    for (stop, frame) in out.stops.iter_mut().zip(&graph.states) {
+        let c = starts.partition_point(|&f| f <= frame.0) - 1;
+        stop.pose_radius = radius(clips, c, (frame.0 - starts[c]) as usize, 0) + SWEEP_TOLERANCE_M;
+    }
     spread_radii(graph, &out.sweeps, &mut out.stops);
     let report = report(&out.stops, &found, &ways);
     (out, report)
@@ -197,7 +202,8 @@ impl Found<'_> {
         let mut into: Vec<Vec<(u32, SegmentId)>> = vec![Vec::new(); n];
         let mut best: Vec<(f64, StopRecord)> = Vec::with_capacity(n);
         for state in 0..n {
-            let mut slow = (f64::INFINITY, StopRecord { segment: 0, kind: SLOW_DOWN, frames: 0, radius: 0.0 });
+            let mut slow =
+                (f64::INFINITY, StopRecord { segment: 0, kind: SLOW_DOWN, frames: 0, ..StopRecord::zeroed() });
             for a in actions(graph, state) {
                 let s = &graph.segments[a.segment.0 as usize];
                 let end = s.end.0 as usize;
@@ -209,7 +215,9 @@ impl Found<'_> {
                 }
             }
             best.push(match self.rests[state] {
-                Some(segment) => (0.0, StopRecord { segment: segment.0, kind: REST, frames: 0, radius: 0.0 }),
+                Some(segment) => {
+                    (0.0, StopRecord { segment: segment.0, kind: REST, frames: 0, ..StopRecord::zeroed() })
+                }
                 None => slow,
             });
         }
@@ -226,7 +234,7 @@ impl Found<'_> {
                 if total < best[from as usize].0 {
                     let frames = stop.frames + graph.segments[segment.0 as usize].num_frames;
                     best[from as usize] =
-                        (total, StopRecord { segment: segment.0, kind: WALK_ON, frames, radius: 0.0 });
+                        (total, StopRecord { segment: segment.0, kind: WALK_ON, frames, ..StopRecord::zeroed() });
                     open.push(Reverse((total.to_bits(), from)));
                 }
             }
@@ -235,7 +243,7 @@ impl Found<'_> {
     }
 }
 
-/// The largest radius from each state on: that of its segment and of all that follow.
+/// The largest radius from each state on: that of its pose, its segment and all that follow.
 fn spread_radii(graph: &MotionGraph, sweeps: &[SweepRecord], stops: &mut [StopRecord]) {
     let mut changed = true;
     while changed {
@@ -246,7 +254,7 @@ fn spread_radii(graph: &MotionGraph, sweeps: &[SweepRecord], stops: &mut [StopRe
                 SLOW_DOWN => 0.0,
                 _ => stops[graph.segments[stop.segment as usize].end.0 as usize].radius,
             };
-            let radius = sweeps[stop.segment as usize].radius.max(after);
+            let radius = sweeps[stop.segment as usize].radius.max(after).max(stop.pose_radius);
             changed |= radius != stop.radius;
             stops[s].radius = radius;
         }

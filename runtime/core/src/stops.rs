@@ -52,6 +52,8 @@ pub struct StopRecord {
     pub frames: u32,
     /// Largest radius of the disc that holds trunk and head, from here on (m).
     pub radius: f32,
+    /// That of the state's own pose, from which one goes over into an action's (m, at most `radius`).
+    pub pose_radius: f32,
 }
 
 /// One stands here: the segment is played in place and ends in a state of the same kind, for as long as one likes.
@@ -80,7 +82,8 @@ impl StopTables {
         &self.nodes[s.first_node as usize..][..s.num_nodes as usize]
     }
 
-    /// Most nodes that the sweeps of all segments on the way from any state to a stand have together.
+    /// Most nodes that the sweeps of all segments on the way from any state to a stand have together, and one more for each
+    /// segment.
     pub fn most_nodes(&self, segments: &[MotionSegment]) -> usize {
         let mut of_state = vec![0; self.stops.len()];
         let mut order: Vec<usize> = (0..self.stops.len()).collect();
@@ -90,8 +93,8 @@ impl StopTables {
             let sweep = self.sweeps[stop.segment as usize].num_nodes as usize;
             of_state[s] = match stop.kind {
                 REST => 0,
-                SLOW_DOWN => sweep,
-                _ => sweep + of_state[segments[stop.segment as usize].end as usize],
+                SLOW_DOWN => sweep + 1,
+                _ => sweep + 1 + of_state[segments[stop.segment as usize].end as usize],
             };
         }
         of_state.into_iter().max().unwrap_or(0)

@@ -85,6 +85,13 @@ proptest! {
                 prop_assert!(beside <= sweep.radius);
             }
         }
+        // So is the pose that one comes from.
+        for (s, frame) in graph.states.iter().enumerate() {
+            let joints = clip.joint_transforms(&clips.skeleton, frame.0 as usize);
+            let (root, neck) = (joints[0].0, joints[Joint::Neck.index()].0);
+            let beside = Vec2::new(neck.x - root.x, neck.z - root.z).length() + TRUNK_RADIUS_M;
+            prop_assert!((beside..=found.stops[s].radius).contains(&found.stops[s].pose_radius));
+        }
         // By brute force: costs settle after as many rounds as there are states.
         let lean = |a: SegmentId| f64::from(found.sweeps[a.0 as usize].radius - BODY_RADIUS_M);
         let way = |a: SegmentId| f64::from(segment(a).displacement.x.hypot(segment(a).displacement.z));

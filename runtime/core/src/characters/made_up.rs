@@ -76,7 +76,7 @@ pub fn bytes(hits: &[HitRecord], adaptive: bool) -> Vec<u8> {
     out.section(tags::SWEEPS, &[0, 1, 2, 3].map(sweeps));
     let nodes: Vec<SweepNode> = segments.iter().flat_map(|s| (0..=20).map(|f| node(s, f))).collect();
     out.section(tags::SWEEP_NODES, &nodes);
-    let stop = |segment| StopRecord { segment, kind: SLOW_DOWN, frames: 40, radius: 0.3 };
+    let stop = |segment| StopRecord { segment, kind: SLOW_DOWN, frames: 40, radius: 0.3, pose_radius: 0.3 };
     out.section(tags::STOPS, &[1, 0, 3, 2].map(stop));
     let grid = TargetGrid::polar(4, 8, 6.0, 1.0, 1.0).unwrap();
     let policy = PolicyRecord {

@@ -49,7 +49,7 @@ pub fn stops(t: &Bundle) -> Result<(), FormatError> {
         if !g.segments_of(i as u32).contains(&stop.segment) {
             return wrong("its segment is no action of the state");
         }
-        if !(0.01..100.0).contains(&stop.radius) {
+        if !(0.01..100.0).contains(&stop.radius) || !(0.01..=stop.radius).contains(&stop.pose_radius) {
             return wrong("its radius cannot be");
         }
         let segment = &g.segments[stop.segment as usize];

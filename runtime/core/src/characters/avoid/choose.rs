@@ -96,7 +96,7 @@ fn one(avoiding: &mut Avoiding, blocks: &mut [Block], passed: &mut [PassedHits],
             // Nothing to play: it is held where it is.
             let plan = Plan { segment: b.segment[lane], pace: pace::HELD, bend: 0.0 };
             if !is_held {
-                path::of_plan(plan, root, motion_set, &mut avoiding.path);
+                path::of_plan(plan, None, root, motion_set, &mut avoiding.path);
                 avoiding.book.set(at, &avoiding.path, 0.0);
                 b.pace[lane] = pace::HELD;
                 b.time[lane] = b.length[lane] as f32;
@@ -106,7 +106,7 @@ fn one(avoiding: &mut Avoiding, blocks: &mut [Block], passed: &mut [PassedHits],
         }
         None => {
             let plan = path::stop_of(state, motion_set);
-            path::of_plan(plan, root, motion_set, &mut avoiding.path);
+            path::of_plan(plan, Some(state), root, motion_set, &mut avoiding.path);
             plan
         }
     };
@@ -219,7 +219,7 @@ impl Own<'_> {
 
     /// True where the ground of a plan is clear; its path is left in `avoiding.path`.
     fn is_clear(&self, plan: Plan, avoiding: &mut Avoiding, motion_set: &MotionSet) -> bool {
-        path::of_plan(plan, self.root, motion_set, &mut avoiding.path);
+        path::of_plan(plan, Some(self.state), self.root, motion_set, &mut avoiding.path);
         avoiding.book.is_clear(self.at, &avoiding.path, self.ago_s)
     }
 

@@ -14,13 +14,16 @@ const PACE_NODES: usize = 16;
 /// Furthest that the root is beside the path, for rounding and for what nodes leave out of slowing (m).
 const MARGIN_M: f32 = 0.005;
 
+/// Time in which the pose that one comes from has nearly gone over into an action's (s).
+const CHANGE_S: f32 = 0.3;
+
 /// Most nodes of the path of an action and the stop after it.
 pub fn most_nodes(motion_set: &MotionSet) -> usize {
     let (graph, stops) = (&motion_set.graph, &motion_set.stops);
     let bent = |s: &crate::graph::MotionSegment| (s.num_frames / bent::PIECE_FRAMES) as usize;
     let longest = stops.sweeps.iter().map(|s| s.num_nodes as usize).max().unwrap_or(0);
     let longest = longest + graph.segments.iter().map(bent).max().unwrap_or(0);
-    longest + stops.most_nodes(&graph.segments) + 2 * (PACE_NODES + 2)
+    longest + stops.most_nodes(&graph.segments) + 2 * (PACE_NODES + 2) + 1
 }
 
 /// How a segment is to be played.
@@ -36,18 +39,20 @@ pub struct Plan {
 
 /// The path of a segment from a place on, and of the stop after it.
 ///
+/// - `from`: state that one comes from, if it is known.
 /// - `root`: at its first frame.
-pub fn of_plan(plan: Plan, root: Planar, motion_set: &MotionSet, out: &mut Path) {
+pub fn of_plan(plan: Plan, from: Option<u32>, root: Planar, motion_set: &MotionSet, out: &mut Path) {
     let end = motion_set.graph.segments[plan.segment as usize].end;
     let mut laying = Laying::begin(motion_set, root, out);
     match plan.pace {
         pace::HELD => laying.stay(motion_set.stops.stops[end as usize].radius),
         pace::IN_PLACE => {
             let sweep = motion_set.stops.sweeps[plan.segment as usize].radius;
-            laying.stay(sweep.max(motion_set.stops.stops[end as usize].radius));
+            let pose = from.map_or(0.0, |s| motion_set.stops.stops[s as usize].pose_radius);
+            laying.stay(sweep.max(motion_set.stops.stops[end as usize].radius).max(pose));
         }
         _ => {
-            laying.segment(plan);
+            laying.segment(plan, from);
             let way = Vec2::new(laying.root.x - root.x, laying.root.z - root.z);
             laying.out.velocity = way / laying.time_s;
             match plan.pace {
@@ -67,14 +72,17 @@ pub fn of_state(b: &Block, lane: usize, motion_set: &MotionSet, out: &mut Path) 
     }
     let plan = Plan { segment: b.segment[lane], pace: b.pace[lane], bend: b.bend[lane] };
     match plan.pace {
-        pace::HELD => of_plan(plan, b.end(lane, motion_set), motion_set, out),
+        pace::HELD => of_plan(plan, None, b.end(lane, motion_set), motion_set, out),
         // One who has not begun is where its segment ends.
         pace::NORMAL if b.choice_state[lane] == NO_STATE && b.time[lane] >= b.length[lane] as f32 => {
             let mut laying = Laying::begin(motion_set, b.end(lane, motion_set), out);
             laying.time_s = b.time[lane] / motion_set.rate_hz;
             laying.stop(motion_set.graph.segments[plan.segment as usize].end);
         }
-        _ => of_plan(plan, b.choice_root(lane), motion_set, out),
+        _ => {
+            let from = Some(b.choice_state[lane]).filter(|&s| s != NO_STATE);
+            of_plan(plan, from, b.choice_root(lane), motion_set, out);
+        }
     }
 }
 
@@ -88,17 +96,20 @@ struct Laying<'a> {
     root: Planar,
     /// Of the disc from here on (m).
     radius_m: f32,
+    /// Of the disc about the pose that one comes from, and until when it counts (m, s).
+    pose: (f32, f32),
 }
 
 impl<'a> Laying<'a> {
     fn begin(motion_set: &'a MotionSet, root: Planar, out: &'a mut Path) -> Self {
         out.nodes.clear();
         out.velocity = Vec2::ZERO;
-        Self { motion_set, out, time_s: 0.0, root, radius_m: 0.0 }
+        Self { motion_set, out, time_s: 0.0, root, radius_m: 0.0, pose: (0.0, 0.0) }
     }
 
     /// Stands from here on.
     fn stay(&mut self, radius_m: f32) {
+        self.pose = (0.0, 0.0);
         self.radius_m = radius_m + MARGIN_M;
         self.node(0.0, Vec2::ZERO);
     }
@@ -106,7 +117,17 @@ impl<'a> Laying<'a> {
     /// Adds a node at a time after `time_s`, where a point as seen from the root is.
     fn node(&mut self, after_frames: f32, local: Vec2) {
         let time_s = self.time_s + after_frames / self.motion_set.rate_hz;
-        let node = PathNode::new(time_s, self.root.transform_point(local), self.radius_m);
+        let (pose_m, until_s) = self.pose;
+        let place = self.root.transform_point(local);
+        let is_changing = pose_m > self.radius_m && time_s < until_s;
+        let node = PathNode::new(time_s, place, if is_changing { pose_m } else { self.radius_m });
+        if pose_m > self.radius_m
+            && let Some(last) = self.out.nodes.last().filter(|n| n.time_s < until_s && until_s < time_s)
+        {
+            let share = (until_s - last.time_s) / (time_s - last.time_s);
+            let place = last.place.lerp(place, share);
+            self.out.nodes.push(PathNode::new(until_s, place, self.radius_m));
+        }
         match self.out.nodes.last_mut() {
             // The end of one segment is the beginning of the next.
             Some(last) if time_s <= last.time_s => *last = node,
@@ -114,9 +135,11 @@ impl<'a> Laying<'a> {
         }
     }
 
-    /// Adds a segment, and goes on to its end.
-    fn segment(&mut self, plan: Plan) {
+    /// Adds a segment that one comes to from a state, and goes on to its end.
+    fn segment(&mut self, plan: Plan, from: Option<u32>) {
         let motion_set = self.motion_set;
+        let pose = from.map_or(0.0, |s| motion_set.stops.stops[s as usize].pose_radius + MARGIN_M);
+        self.pose = (pose, self.time_s + CHANGE_S);
         let segment = &motion_set.graph.segments[plan.segment as usize];
         let (nodes, length) = (motion_set.stops.nodes_of(plan.segment), segment.num_frames as f32);
         let place = |n: &SweepNode| Vec2::new(n.x, n.z);
@@ -160,9 +183,9 @@ impl<'a> Laying<'a> {
         let (graph, stops) = (&self.motion_set.graph, &self.motion_set.stops.stops);
         loop {
             let (stop, plan) = (&stops[state as usize], stop_of(state, self.motion_set));
-            state = graph.segments[stop.segment as usize].end;
+            let from = std::mem::replace(&mut state, graph.segments[stop.segment as usize].end);
             if stop.kind != REST {
-                self.segment(plan);
+                self.segment(plan, Some(from));
             }
             match stop.kind {
                 REST => return self.stay(stop.radius),
