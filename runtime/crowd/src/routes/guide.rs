@@ -122,7 +122,8 @@ impl<V: Space> Guide<'_, V> {
     fn delay_beyond(&self, at: Vec2, along: Vec2) -> f32 {
         let (place, direction) = (over_ground::<V>(at) * self.grid.per_m(), over_ground::<V>(along));
         let opposed = (1..=BEYOND).map(|k| self.grid.square(place + direction * k as f32).opposed(direction));
-        self.steering.beyond_cost_m * opposed.sum::<f32>()
+        // One is left out: it may be the agent itself.
+        self.steering.beyond_cost_m * (opposed.sum::<f32>() - 1.0).max(0.0)
     }
 
     /// True where somebody comes along a straight way.

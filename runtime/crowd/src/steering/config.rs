@@ -231,7 +231,7 @@ SteeringConfig {
     patience_in_jams_s: f64 = 3.0, 0.0, 1000.0;
     /// Share of those that do so at a time (0 to 1).
     jam_share: f32 = 0.3, 0.0, 1.0;
-    /// For how long (s, 0.1 to 100).
+    /// How long a turn of stepping back lasts; then others are chosen (s, 0.1 to 100).
     jam_turn_s: f64 = 2.0, 0.1, 100.0;
     /// Share of its desired speed with which an agent steps back. Half of it, or all, make no difference (0 to 1).
     retreat_speed: f32 = 0.84, 0.0, 1.0;
