@@ -132,8 +132,7 @@ impl<V: Space> Decider<'_, V> {
         self.update(&mut state, &old, position, velocity);
         let mut walker = self.walker(&state, &old, position, velocity);
         state.intent = if state.is_there { V::default() } else { walker.desired };
-        self.give_way(&state, &mut walker);
-        if walker.retreats {
+        if self.give_way(agent, &state, &mut walker) {
             // Regaining the ground it yielded counts as progress.
             state.least_left = state.least_left.max(walker.left);
         }
@@ -219,7 +218,7 @@ impl<V: Space> Decider<'_, V> {
         let mut state = self.states[agent as usize];
         self.update(&mut state, &plan, position, velocity);
         let mut walker = self.walker(&state, &plan, position, velocity);
-        self.give_way(&state, &mut walker);
+        self.give_way(agent, &state, &mut walker);
         let at = self.cells.coordinates(position);
         state.cell = self.cells.number(at);
         self.look_around((agent, at), &walker, &state, None, scratch);
@@ -289,19 +288,28 @@ impl<V: Space> Decider<'_, V> {
         }
     }
 
-    /// Makes a blocked agent step back if others can only pass then.
-    fn give_way(&self, state: &AgentState<V>, walker: &mut Walker<V>) {
+    /// Makes a blocked agent step back if others can only pass then, or by chance; true where it yields its ground to others.
+    fn give_way(&self, agent: u32, state: &AgentState<V>, walker: &mut Walker<V>) -> bool {
         let (waited, steering) = (self.time - state.progressed_at, &self.scenery.steering);
         if waited < steering.patience_on_left_s || state.is_there {
-            return;
+            return false;
         }
         let walls = self.scenery.walls(self.cells.number(self.cells.coordinates(walker.position)));
-        let between = between_walls(&self.scenery.solids, walls, walker.position, walker.desired.right(), steering);
+        let between = between_walls(
+            &self.scenery.solids,
+            walls,
+            (walker.position, walker.radius),
+            walker.desired.right(),
+            steering,
+        );
         let half = between.filter(|b| b.at_hand).map(|b| if b.place < 0.0 { Half::Left } else { Half::Right });
         let blocked = Blocked { position: walker.position, ahead: walker.desired, waited, half };
-        if let Some(way) = blocked.retreat(self.grid, steering) {
+        let way = blocked.retreat(self.grid, steering);
+        let yields = way.is_some();
+        if let Some(way) = way.or_else(|| blocked.retreat_by_chance((agent, self.time), self.grid, steering)) {
             *walker = Walker { desired: way, speed: steering.retreat_speed * state.speed, retreats: true, ..*walker };
         }
+        yields
     }
 
     /// Finds the neighbours that an agent reacts to; for a new plan also all others in its own and the neighbouring

@@ -6,10 +6,14 @@
 //! there or come toward it, as the density grid tells. So the shortest way is taken where nobody is, the whole width of
 //! a bend or a row of doors where many are, and those who come the other way are left room. (Least expected time: Hoogendoorn
 //! and Bovy 2004, with what an agent sees in place of an equilibrium.)
+//!
+//! An agent that sees its goal compares too, if many come: else all would leave the outer half of a bend as soon as they see
+//! along it, and walk across those who come. The straight way then is one of the ways, by the place where it crosses the
+//! line at a corner.
 
 use crate::Space;
 use crate::routes::path::{Cursor, Path};
-use crate::routes::streets::{MOST_CORNERS, Streets};
+use crate::routes::streets::{Corner, MOST_CORNERS, Streets};
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::far_field::coming;
@@ -24,6 +28,10 @@ pub(crate) struct Guide<'a, V> {
 
 /// Most places that are compared at a corner.
 const PLACES: usize = 8;
+/// Squares beyond a place within which those count who come.
+const BEYOND: u32 = 4;
+/// Nearer than this to the ends of the line at a corner counts as on it (m).
+const EDGE_M: f32 = 1.0;
 
 impl<V: Space> Guide<'_, V> {
     /// Looks for the way of an agent at `x`.
@@ -33,7 +41,9 @@ impl<V: Space> Guide<'_, V> {
         (cursor.aim, cursor.rest) = (target, rest);
         let Some((streets, costs)) = self.streets.zip(path.costs(cursor.leg)) else { return };
         let (from, to) = (x.to_world(), target.to_world());
-        if streets.sees_place(from.xz(), to.xz(), radius.min(costs.near)) {
+        let sees_it = streets.sees_place(from.xz(), to.xz(), radius.min(costs.near));
+        let straight_way = to.xz() - from.xz();
+        if sees_it && !self.is_anybody_coming(x, straight_way) {
             return;
         }
         let (goal, rest) = path.subgoal(cursor.leg);
@@ -42,9 +52,9 @@ impl<V: Space> Guide<'_, V> {
         let longer = self.steering.detour_m;
         let num = streets.corners_ahead((from.xz(), radius, longer), (goal.xz(), costs), &mut corners);
         let ahead = Space::unit_and_length(corners[0].map_or(Vec2::ZERO, |c| c.next - from.xz())).0;
-        let direction = V::from_world(Vec3::new(ahead.x, 0.0, ahead.y));
-        let coming = coming(self.grid, x, direction, f32::INFINITY, self.steering)[0].min(1.0);
+        let coming = coming(self.grid, x, over_ground(ahead), f32::INFINITY, self.steering)[0].min(1.0);
         let mut best = (f32::INFINITY, Vec2::ZERO, 0.0);
+        let mut straight_on = f32::INFINITY;
         for corner in corners[..num].iter().flatten() {
             let straight = from.xz().distance(corner.at) + corner.at.distance(corner.next);
             // The way past the corner, along which others count that go it or come.
@@ -56,13 +66,22 @@ impl<V: Space> Guide<'_, V> {
             let leads_left = (corner.at - from.xz()).dot(Space::right(ahead)) < 0.0;
             let is_right = corner.out.dot(Space::right(along)) > 0.0;
             let half = 0.5 * corner.free;
+            let on_the_left = |out: f32| {
+                let in_left_half = if is_right { half - out } else { out - half };
+                let left = if leads_left { self.steering.pass_left_m } else { 0.0 };
+                coming * (left + self.steering.left_half_cost * in_left_half.max(0.0))
+            };
+            if sees_it {
+                let Some((at, out)) = crossing(from.xz(), straight_way, corner) else { continue };
+                let cost = straight_way.length() + on_the_left(out) + self.delay(from.xz(), at, along);
+                straight_on = straight_on.min(cost);
+            }
+            let beyond = if sees_it { 0.0 } else { 1.0 };
             for k in 0..num {
                 let at = corner.at + corner.out * (step * k as f32);
                 let longer = from.xz().distance(at) + at.distance(corner.next) - straight;
-                let in_left_half = if is_right { half - step * k as f32 } else { step * k as f32 - half };
-                let left = if leads_left { self.steering.pass_left_m } else { 0.0 };
-                let left = left + self.steering.left_half_cost * in_left_half.max(0.0);
-                let mut cost = corner.way + longer + coming * left + self.delay(from.xz(), at, along);
+                let delay = self.delay(from.xz(), at, along) + beyond * self.delay_beyond(at, along);
+                let mut cost = corner.way + longer + on_the_left(step * k as f32) + delay;
                 if at.distance(before.to_world().xz()) < step {
                     cost -= self.steering.keep_aim_m;
                 }
@@ -71,8 +90,8 @@ impl<V: Space> Guide<'_, V> {
                 }
             }
         }
-        let (_, at, left) = best;
-        if num > 0 {
+        let (cost, at, left) = best;
+        if cost < straight_on {
             let all = (from.xz().distance(at) + left).max(1e-3);
             let height = from.y + (goal.y - from.y) * (from.xz().distance(at) / all);
             cursor.aim = V::from_world(Vec3::new(at.x, height, at.y));
@@ -84,7 +103,7 @@ impl<V: Space> Guide<'_, V> {
     fn delay(&self, from: Vec2, at: Vec2, along: Vec2) -> f32 {
         let steering = self.steering;
         let (toward, distance) = Space::unit_and_length(at - from);
-        let direction = V::from_world(Vec3::new(along.x, 0.0, along.y));
+        let direction = over_ground(along);
         let mut cost = 0.0;
         for k in 0..3 {
             let back = k as f32 / self.grid.per_m();
@@ -92,10 +111,37 @@ impl<V: Space> Guide<'_, V> {
                 break;
             }
             let p = at - toward * back;
-            let square = self.grid.square(V::from_world(Vec3::new(p.x, 0.0, p.y)) * self.grid.per_m());
+            let square = self.grid.square(over_ground::<V>(p) * self.grid.per_m());
             let opposed = square.opposed(direction);
             cost += steering.oncoming_cost_m * opposed + steering.crowd_cost_m * (square.num() - opposed);
         }
         cost
     }
+
+    /// What those cost who come toward a place from beyond it: a door that others stream out of is left to them (m).
+    fn delay_beyond(&self, at: Vec2, along: Vec2) -> f32 {
+        let (place, direction) = (over_ground::<V>(at) * self.grid.per_m(), over_ground::<V>(along));
+        let opposed = (1..=BEYOND).map(|k| self.grid.square(place + direction * k as f32).opposed(direction));
+        // One is left out: it may be the agent itself.
+        self.steering.beyond_cost_m * (opposed.sum::<f32>() - 1.0).max(0.0)
+    }
+
+    /// True where somebody comes along a straight way.
+    fn is_anybody_coming(&self, x: V, way: Vec2) -> bool {
+        let (ahead, length) = Space::unit_and_length(way);
+        coming(self.grid, x, over_ground(ahead), length, self.steering)[0] > 0.0
+    }
+}
+
+fn over_ground<V: Space>(v: Vec2) -> V {
+    V::from_world(Vec3::new(v.x, 0.0, v.y))
+}
+
+/// Where a straight way crosses the line at a corner, and how far out that is; None where it does not.
+fn crossing(from: Vec2, way: Vec2, corner: &Corner) -> Option<(Vec2, f32)> {
+    let (off, across) = (corner.at - from, way.perp_dot(corner.out));
+    let (share, out) = (off.perp_dot(corner.out) / across, off.perp_dot(way) / across);
+    let is_ahead = share > 0.0 && share < 1.0;
+    // The line begins and ends where a centre may be; some are nearer to what stands.
+    (is_ahead && out > -EDGE_M && out < corner.free + EDGE_M).then(|| (from + way * share, out))
 }

@@ -107,10 +107,14 @@ SteeringConfig {
     oncoming_cost_m: f32 = 1.0, 0.0, 100.0;
     /// The same for each that goes the same way (m, 0 to 100).
     crowd_cost_m: f32 = 0.3, 0.0, 100.0;
+    /// The same for each that comes toward a place from beyond it, so that who comes to a row of doors takes one that others
+    /// do not stream out of (m, 0 to 100).
+    beyond_cost_m: f32 = 0.5, 0.0, 100.0;
     /// Way that is worth going not to pass something on its left, where many come (m, 0 to 100).
     pass_left_m: f32 = 4.0, 0.0, 100.0;
-    /// Way that is worth going for each metre that a place is in the left half, where many come (0 to 100).
-    left_half_cost: f32 = 1.0, 0.0, 100.0;
+    /// Way that is worth going for each metre that a place is in the left half, where many come: to go round the outside of a
+    /// bend takes up to two metres for each (0 to 100).
+    left_half_cost: f32 = 2.0, 0.0, 100.0;
     /// By how much another place has to be better than the one that an agent aims at (m, 0 to 100).
     keep_aim_m: f32 = 0.5, 0.0, 100.0;
 
@@ -203,9 +207,9 @@ SteeringConfig {
     /// The same in the left half of the way between walls. With 0.7 s narrow corridors take a tenth longer, with 0.2 s
     /// those of 3 m and more do (s, 0 to 100).
     patience_on_left_s: f64 = 0.4, 0.0, 100.0;
-    /// How far an agent looks for agents against it and behind it. With 1, hardly anything is gained; with 6,
-    /// many step back where streams cross that need not (squares, 0 to 100).
-    retreat_squares: u32 = 3, 0.0, 100.0;
+    /// How far an agent looks for agents against it and behind it. With 3, three times as many of those who cross each other
+    /// at a junction of three ways stand for 10 s (squares, 0 to 100).
+    retreat_squares: u32 = 6, 0.0, 100.0;
     /// The same between walls, where whole columns have to back out. Of 300 agents in a corridor of 2 m, 118 get through
     /// within 300 s with 12 and 196 with 18; with 32 corridors of 3 m take longer (squares, 0 to 100).
     retreat_squares_between_walls: u32 = 18, 0.0, 100.0;
@@ -222,6 +226,13 @@ SteeringConfig {
     /// Rightward part of it: more, as the others keep to their own right and leave room. Straight back, wide corridors
     /// with 8 agents take a third longer (-1 to 1).
     retreat_right: f32 = 0.8, -1.0, 1.0;
+    /// Time without progress after which an agent may step back by chance, whoever is in its way. Without it, two side by
+    /// side in a door of twice their width stay there for good (s, 0 to 1000).
+    patience_in_jams_s: f64 = 3.0, 0.0, 1000.0;
+    /// Share of those that do so at a time (0 to 1).
+    jam_share: f32 = 0.3, 0.0, 1.0;
+    /// How long a turn of stepping back lasts; then others are chosen (s, 0.1 to 100).
+    jam_turn_s: f64 = 2.0, 0.1, 100.0;
     /// Share of its desired speed with which an agent steps back. Half of it, or all, make no difference (0 to 1).
     retreat_speed: f32 = 0.84, 0.0, 1.0;
 

@@ -138,7 +138,7 @@ mod tests {
         let directions = Vec2::X.fan();
         let far = Far { position: place(grid, Vec2::ZERO), directions: &directions, speed: 1.3, left };
         let side = directions.map(|d| d.dot(Vec2::X.right()));
-        let field = Field::default();
+        let field = Field { lanes: 0.08, ..Field::default() };
         let coming = coming(grid, far.position, Vec2::X, left, &SteeringConfig::DEFAULT).iter().sum();
         far.prefer(
             &field,

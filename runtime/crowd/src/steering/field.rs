@@ -84,7 +84,7 @@ impl Field {
         keeping: 0.125,
         right: 0.15,
         crowding: 0.05,
-        lanes: 0.08,
+        lanes: 0.02,
         evading: 0.6,
         crowd_speed: 0.0,
         headway_s: 0.3,

@@ -60,7 +60,9 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
     }
     let [coming, farther] = coming(grid, me.position, me.desired, me.left, steering);
     let looks_out = coming + farther > 0.0 && !walls.is_empty();
-    let between = looks_out.then(|| between_walls(solids, walls, me.position, me.desired.right(), steering)).flatten();
+    let between = looks_out
+        .then(|| between_walls(solids, walls, (me.position, me.radius), me.desired.right(), steering))
+        .flatten();
     let to_the_right = if me.retreats { 0.0 } else { keeps_right(coming, between, steering) };
     let evades = if between.is_some() { 0.0 } else { evades(field, coming + farther, steering) };
     let lean = Lean { coming, to_the_right, evades };

@@ -7,8 +7,8 @@ use crate::steering::config::SteeringConfig;
 /// Where an agent is between the walls beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Between {
-    /// -1 at the one on its left, 1 at the one on its right, 0 in the middle; where there is one alone, that says in which
-    /// half it is.
+    /// Of its left side: below 0 as long as a part of it is in the left half, -1 at the wall on its left. Where there is one
+    /// wall alone, that says in which half it is.
     pub place: f32,
     /// Whether the nearer one is within [`SteeringConfig::wall_at_hand_m`].
     pub at_hand: bool,
@@ -33,10 +33,11 @@ pub(crate) fn is_wall_within<V: Space>(solid: &Solid<V>, steering: &SteeringConf
 ///
 /// - `walls`: numbers of all solids that are so near, and maybe of others.
 /// - `right`: unit vector to its right.
+/// - `radius`: its own.
 pub(crate) fn between_walls<V: Space>(
     solids: &[Solid<V>],
     walls: &[u32],
-    position: V,
+    (position, radius): (V, f32),
     right: V,
     steering: &SteeringConfig,
 ) -> Option<Between> {
@@ -55,7 +56,12 @@ pub(crate) fn between_walls<V: Space>(
         }
     }
     let place = match (on_left < f32::INFINITY, on_right < f32::INFINITY) {
-        (true, true) => (on_left - on_right) / (on_left + on_right).max(1e-6),
+        (true, true) => {
+            // Two who meet pass only if each is wholly in its half; where that is too narrow, not at all.
+            let half = 0.5 * (on_left + on_right).max(1e-6);
+            let aside = if half >= 2.0 * radius { radius } else { 0.0 };
+            ((0.5 * (on_left - on_right) - aside) / half).max(-1.0)
+        }
         (true, false) => -1.0,
         (false, true) => 1.0,
         (false, false) => return None,
@@ -85,7 +91,7 @@ mod tests {
         let right = Vec2::X.right();
         let both = [wall(2.0 * right.y), wall(-2.0 * right.y)];
         let at = |to_the_right: f32, ahead: Vec2, walls: &[u32]| {
-            between_walls(&both, walls, right * to_the_right + Vec2::X, ahead.right(), &steering)
+            between_walls(&both, walls, (right * to_the_right + Vec2::X, 0.0), ahead.right(), &steering)
         };
         let place = |p, at_hand| Some(Between { place: p, at_hand });
         assert_eq!(at(0.0, Vec2::X, &[0, 1]), place(0.0, false));
@@ -94,10 +100,20 @@ mod tests {
         assert_eq!((at(-1.7, Vec2::X, &[1]), at(1.7, Vec2::X, &[0])), (place(-1.0, true), place(1.0, true)));
         assert_eq!((at(1.0, Vec2::Y, &[0, 1]), at(1.0, Vec2::X, &[])), (None, None), "no wall is beside it");
         assert_eq!(at(30.0, Vec2::X, &[0, 1]), None, "they are far away");
+        let side = |to_the_right: f32, radius: f32| {
+            between_walls(&both, &[0, 1], (right * to_the_right, radius), right, &steering)
+                .map_or(f32::NAN, |b| b.place)
+        };
+        assert!(side(0.2, 0.3) < 0.0 && side(0.4, 0.3) > 0.0, "a part of it is in the left half, or none");
+        assert!(side(0.2, 1.1) > 0.0, "two have no room there");
         let post = Solid::Ball { centre: right * 3.0, radius: 0.1 };
-        assert_eq!(between_walls(&[post], &[0], Vec2::ZERO, right, &steering), None, "a post is no wall");
+        assert_eq!(between_walls(&[post], &[0], (Vec2::ZERO, 0.0), right, &steering), None, "a post is no wall");
         let below = Solid::Ball { centre: Vec3::Y * -2.0, radius: 1.0 };
-        assert_eq!(between_walls(&[below], &[0], Vec3::ZERO, Vec3::Y, &steering), None, "birds go above or below");
+        assert_eq!(
+            between_walls(&[below], &[0], (Vec3::ZERO, 0.0), Vec3::Y, &steering),
+            None,
+            "birds go above or below"
+        );
     }
 
     #[test]

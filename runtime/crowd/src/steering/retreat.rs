@@ -4,6 +4,9 @@ use crate::Space;
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
 
+/// Agents on a square and the next one from which on it is dense there.
+const JAM: f32 = 4.0;
+
 /// A half of the way between walls, as seen along the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Half {
@@ -55,8 +58,40 @@ impl<V: Space> Blocked<V> {
         };
         // One who just stands counts as half, and nobody steps back from that one alone.
         let is_weaker = against >= 1.0 && against > stronger * along + more;
-        is_weaker.then(|| (ahead * -steering.retreat_back + ahead.right() * steering.retreat_right).unit_and_length().0)
+        is_weaker.then(|| self.back(1.0, steering))
     }
+
+    /// The same by chance, for those that have waited for long in a dense crowd: of equal groups that block each other, or of
+    /// two side by side in a door, nobody is the weaker. Some step back, now these, now those, and what was locked comes loose.
+    pub fn retreat_by_chance(
+        &self,
+        (agent, time): (u32, f64),
+        grid: &DensityGrid<V>,
+        steering: &SteeringConfig,
+    ) -> Option<V> {
+        let at = self.position * grid.per_m();
+        let is_dense = || grid.square(at).num() + grid.square(at + self.ahead).num() >= JAM;
+        if self.waited < steering.patience_in_jams_s || !is_dense() {
+            return None;
+        }
+        let lot = lot(agent, (time / steering.jam_turn_s) as u32);
+        let side = if lot & 1 == 0 { 1.0 } else { -1.0 };
+        let share = (lot >> 8) as f32 / (u32::MAX >> 8) as f32;
+        (share < steering.jam_share).then(|| self.back(side, steering))
+    }
+
+    fn back(&self, side: f32, steering: &SteeringConfig) -> V {
+        let aside = self.ahead.right() * (side * steering.retreat_right);
+        (self.ahead * -steering.retreat_back + aside).unit_and_length().0
+    }
+}
+
+/// A number by chance, the same at any time and in any order of agents (Steele, Lea and Flood 2014, SplitMix).
+fn lot(agent: u32, turn: u32) -> u32 {
+    let mut x = (u64::from(agent) << 32 | u64::from(turn)).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    x = (x ^ x >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    x = (x ^ x >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((x ^ x >> 31) >> 32) as u32
 }
 
 #[cfg(test)]
@@ -87,6 +122,25 @@ mod tests {
             "the twelve do not"
         );
         assert_eq!(blocked(Vec2::Y * 20.0, Vec2::X).retreat(&grid, &SteeringConfig::DEFAULT), None, "an empty place");
+    }
+
+    #[test]
+    fn some_step_back_by_chance_after_a_long_wait() {
+        let steering = SteeringConfig::default();
+        let waits = |waited| Blocked { waited, ..blocked(Vec2::ZERO, Vec2::X) };
+        let mut grid = DensityGrid::new(1.2, Vec2::splat(60.0), 100);
+        let alone = waits(10.0);
+        assert!((0..1000).all(|agent| alone.retreat_by_chance((agent, 1.0), &grid, &steering).is_none()));
+        (0..4).for_each(|_| grid.add(Vec2::ZERO, Vec2::ZERO, Vec2::X));
+        let back = |agent, time, waited| waits(waited).retreat_by_chance((agent, time), &grid, &steering);
+        let ways: Vec<Vec2> = (0..1000).filter_map(|agent| back(agent, 1.0, 10.0)).collect();
+        assert!((ways.len() as f32 - 1000.0 * steering.jam_share).abs() < 50.0, "{}", ways.len());
+        let to_the_right = ways.iter().filter(|w| w.dot(Vec2::X.right()) > 0.0).count();
+        assert!(to_the_right * 10 > 4 * ways.len() && to_the_right * 10 < 6 * ways.len(), "{to_the_right}");
+        assert!(ways.iter().all(|w| w.x < 0.0));
+        assert!((0..1000).all(|agent| back(agent, 1.0, 1.0).is_none()), "not at once");
+        let turns = (0..100).filter(|i| back(7, 2.0 * f64::from(*i) + 1.0, 10.0).is_some()).count();
+        assert!((10..60).contains(&turns), "everybody at some time: {turns}");
     }
 
     #[test]
