@@ -388,7 +388,7 @@ fn busy_crowd(scheme: Scheme) -> Setup {
     let config = CrowdConfig { scheme, capacity: 210, ..CrowdConfig::default() };
     let mut setup = Setup { config, ..Setup::default() };
     for i in 0..200 {
-        let position = Vec3::new((i % 20) as f32, 0.0, (i / 20) as f32 * 1.1);
+        let position = Vec3::new((i % 20) as f32 * 0.7, 0.0, (i / 20) as f32 * 0.7);
         let at_end = [AtEnd::Stay, AtEnd::Leave, AtEnd::Again][i % 3];
         let subgoals =
             vec![position, Vec3::new(30.0 - position.x, 0.0, 5.0), Vec3::new(19.0 - position.x, 0.0, position.z)];

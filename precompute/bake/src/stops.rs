@@ -91,10 +91,7 @@ pub fn find(clips: &ClipSet, graph: &MotionGraph) -> (Stops, StopsReport) {
 fn way_of(clip: &Clip, first: usize, num_frames: usize) -> Vec<Vec2> {
     let planar = |f: usize| Planar::split(clip.root_positions[f], clip.frame_rotations(f)[0]).0;
     let origin = planar(first);
-    (first..=first + num_frames)
-        .map(|f| planar(f))
-        .map(|p| origin.inverse_transform_point(Vec2::new(p.x, p.z)))
-        .collect()
+    (first..=first + num_frames).map(planar).map(|p| origin.inverse_transform_point(Vec2::new(p.x, p.z))).collect()
 }
 
 /// Nodes of which the way is nowhere farther away than [`SWEEP_TOLERANCE_M`]: each as far from the one before as possible.

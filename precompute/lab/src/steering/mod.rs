@@ -8,6 +8,7 @@ pub use people::{GapFigures, HEADINGS, PeopleFigures, RingFigures, people, row};
 pub use trial::{SteeringFigures, run};
 
 use ground::{Ground, People, Points};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 use throng_runtime::crowd::Setup;
 
 /// A ground with a crowd on it.
@@ -45,7 +46,7 @@ pub const CASES: &[Case] = &[
         g.post([0.0, 0.0], 1.0);
         g
     }),
-    case("l", false, 120.0, |s| ground::bend(s, ALIKE, (10.0, 1.5708, 200))),
+    case("l", false, 120.0, |s| ground::bend(s, ALIKE, (10.0, FRAC_PI_2, 200))),
     case("x", false, 120.0, |s| ground::crossing(s, ALIKE, 4, 100)),
     case("doors_4x2", false, 120.0, |s| ground::doors(s, ALIKE, (4, 2.0), 150)),
     case("narrow_2m", false, 180.0, |s| ground::corridor(s, ALIKE, (2.0, 1.0, 150), Points::One)),
@@ -60,7 +61,7 @@ pub const CASES: &[Case] = &[
     case("corridor_4m", true, 120.0, |s| ground::corridor(s, MIXED, (4.0, 1.0, 150), Points::One)),
     case("t", true, 120.0, |s| ground::crossing(s, ALIKE, 3, 130)),
     case("s", true, 120.0, |s| ground::s_bend(s, ALIKE, 160)),
-    case("bend_45", true, 120.0, |s| ground::bend(s, MIXED, (6.0, 0.7854, 120))),
+    case("bend_45", true, 120.0, |s| ground::bend(s, MIXED, (6.0, FRAC_PI_4, 120))),
     case("bend_120", true, 120.0, |s| ground::bend(s, ALIKE, (8.0, 2.0944, 160))),
     case("posts", true, 120.0, |s| posts(s, MIXED)),
     case("doors_6x1.5", true, 120.0, |s| ground::doors(s, MIXED, (6, 1.5), 150)),
