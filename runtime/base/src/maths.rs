@@ -17,6 +17,8 @@ pub trait Real: Copy {
     fn atan2(y: Self, x: Self) -> Self;
     /// e to the power of x.
     fn exp(x: Self) -> Self;
+    /// Natural logarithm.
+    fn ln(x: Self) -> Self;
     /// 2 to the power of x.
     fn exp2(x: Self) -> Self;
     /// x to the power of y.
@@ -28,7 +30,7 @@ pub trait Real: Copy {
 }
 
 macro_rules! real {
-    ($float:ty: $sin:ident $cos:ident $sincos:ident $atan2:ident $exp:ident $exp2:ident $pow:ident $cbrt:ident $hypot:ident) => {
+    ($float:ty: $sin:ident $cos:ident $sincos:ident $atan2:ident $exp:ident $ln:ident $exp2:ident $pow:ident $cbrt:ident $hypot:ident) => {
         impl Real for $float {
             #[inline]
             fn sin(x: Self) -> Self {
@@ -51,6 +53,10 @@ macro_rules! real {
                 libm::$exp(x)
             }
             #[inline]
+            fn ln(x: Self) -> Self {
+                libm::$ln(x)
+            }
+            #[inline]
             fn exp2(x: Self) -> Self {
                 libm::$exp2(x)
             }
@@ -69,8 +75,8 @@ macro_rules! real {
         }
     };
 }
-real!(f32: sinf cosf sincosf atan2f expf exp2f powf cbrtf hypotf);
-real!(f64: sin cos sincos atan2 exp exp2 pow cbrt hypot);
+real!(f32: sinf cosf sincosf atan2f expf logf exp2f powf cbrtf hypotf);
+real!(f64: sin cos sincos atan2 exp log exp2 pow cbrt hypot);
 
 /// Sine (rad).
 #[inline]
@@ -100,6 +106,12 @@ pub fn atan2<R: Real>(y: R, x: R) -> R {
 #[inline]
 pub fn exp<R: Real>(x: R) -> R {
     R::exp(x)
+}
+
+/// Natural logarithm.
+#[inline]
+pub fn ln<R: Real>(x: R) -> R {
+    R::ln(x)
 }
 
 /// 2 to the power of x.

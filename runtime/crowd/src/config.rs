@@ -1,7 +1,7 @@
 //! What a crowd is made of.
 
 use crate::routes::streets::Streets;
-use crate::{Agent, Field, Interest, Obstacle, Route, SteeringConfig};
+use crate::{Agent, Field, Interest, Obstacle, Route, Senses, SteeringConfig};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
@@ -116,6 +116,8 @@ pub struct Setup<V = Vec3> {
     pub obstacles: Vec<Obstacle<V>>,
     /// What attracts or repels them.
     pub interests: Vec<Interest<V>>,
+    /// What agents may sense beside each other's bounds.
+    pub senses: Senses<V>,
     /// Finds the ways of orders round obstacles; without, agents go straight to where they are sent.
     pub streets: Option<Streets>,
     /// How the crowd is run.
@@ -131,6 +133,7 @@ impl<V> Default for Setup<V> {
             fields: vec![Field::default()],
             obstacles: Vec::new(),
             interests: Vec::new(),
+            senses: Senses::default(),
             streets: None,
             config: CrowdConfig::default(),
         }
@@ -160,6 +163,7 @@ impl<V> Setup<V> {
             fields: self.fields,
             obstacles: self.obstacles.into_iter().map(|o| o.map(&f)).collect(),
             interests: self.interests.into_iter().map(|i| i.map(&f)).collect(),
+            senses: self.senses.map(&f),
             streets: self.streets,
             config: self.config,
         }

@@ -7,7 +7,7 @@ use crate::routes::order::{Go, Status};
 use crate::safety::rule::Candidate;
 use crate::space::Space;
 use crate::space::plan::Plan;
-use crate::{Agent, AtEnd, Forces, Id, Route, Setup};
+use crate::{Agent, AtEnd, Forces, Id, Route, Sense, Setup};
 use glam::{Vec2, Vec3};
 use throng_base::Run;
 use throng_base::ground::{Held, Outsider, Rod};
@@ -96,6 +96,71 @@ impl Crowd {
     /// before it was seen.
     pub fn par_advance(&mut self, until_s: f64, run: &dyn Run, on_event: &mut impl FnMut(&Event)) -> Result<()> {
         self.advance_with(on_event, |crowd| crowd.run_parallel(until_s, run))
+    }
+
+    /// As [`Crowd::advance`], up to the first signal if there is one: what an agent senses, a timer, or an arrival, leaving or
+    /// being stuck of one that senses these. It is also told to `on_event`. The present is then its time, so that orders, senses
+    /// and timers can be changed before time goes on. Several signals of one time come one by one, in the order (time, kind,
+    /// agent): events of the engine, then what is sensed, then timers.
+    ///
+    /// # Errors
+    /// As [`Crowd::advance`].
+    pub fn advance_to_signal(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<Option<Event>> {
+        loop {
+            if let Some(signal) = each!(&mut self.engine, e => e.sensors.signals.pop_front()) {
+                return Ok(Some(signal));
+            }
+            each!(&mut self.engine, e => e.sensors.stops = true);
+            let done = self.run(until_s);
+            each!(&mut self.engine, e => e.sensors.stops = false);
+            if !matches!(done, Err(CrowdError::Other(_))) {
+                self.events().iter().for_each(&mut *on_event);
+            }
+            if done? && each!(&self.engine, e => e.sensors.signals.is_empty()) {
+                return Ok(None);
+            }
+        }
+    }
+
+    /// What an agent senses from now on, of what the crowd was made for ([`Setup::senses`]).
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`].
+    pub fn sense(&mut self, id: Id, sense: Sense) -> Result<()> {
+        each!(&mut self.engine, e => e.set_sense(id, sense))
+    }
+
+    /// Wakes an agent at a time, once, with [`crate::EventKind::Timer`]; `None` lets it sleep.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`], and [`throng_base::Error::Value`] for a time in the past.
+    pub fn set_timer(&mut self, id: Id, time_s: Option<f64>) -> Result<()> {
+        each!(&mut self.engine, e => e.set_timer(id, time_s))
+    }
+
+    /// Desired speed of an agent from its next event on; its order stays (m/s, up to the largest of the config).
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`], and [`throng_base::Error::Value`] for a speed out of range.
+    pub fn set_speed(&mut self, id: Id, speed_mps: f32) -> Result<()> {
+        each!(&mut self.engine, e => e.set_speed(id, speed_mps))
+    }
+
+    /// Opens an obstacle of the setup, as if it were not there, or closes it again. Moving obstacles cannot be opened. Takes memory.
+    ///
+    /// # Errors
+    /// [`CrowdError::Inside`] with an agent that stands where it closes, or could not stop before it; nothing has changed then.
+    pub fn set_open(&mut self, obstacle: usize, open: bool) -> Result<()> {
+        each!(&mut self.engine, e => e.set_open(obstacle, open))
+    }
+
+    /// Lets an agent act as soon as it may, and not only at its next event: at once, or when the smallest interval since its last
+    /// event is over. Engines to compare with take no notice.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`].
+    pub fn wake(&mut self, id: Id) -> Result<()> {
+        each!(&mut self.engine, e => e.wake(id))
     }
 
     /// Runs the engine in stretches, and tells the events of each after it: the engine knows nothing of the caller's

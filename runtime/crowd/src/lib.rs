@@ -8,6 +8,7 @@
 //! - `routes`: where agents go.
 //! - `steering`: the force field, which says what an agent would do if it were safe.
 //! - `safety`: the rule by which no two agents ever overlap, and the pairs that are checked.
+//! - `senses`: whom agents meet, and the places and cells that they come to.
 //! - `scenery`: all that does not change while time passes.
 //! - `events`: the queue of events, and what an event does. The crowd itself is here.
 
@@ -19,6 +20,7 @@ mod events;
 mod routes;
 mod safety;
 mod scenery;
+mod senses;
 mod space;
 mod steering;
 #[cfg(test)]
@@ -31,6 +33,7 @@ pub use error::CrowdError;
 pub use events::event::{Counts, Event, EventKind};
 pub use routes::order::{Go, Status};
 pub use routes::route::{AtEnd, Route};
+pub use senses::{Sense, Senses, Zone};
 pub use routes::streets::{NoWay, Streets};
 pub use space::Space;
 pub use space::obstacle::{Interest, Obstacle};

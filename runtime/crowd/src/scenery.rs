@@ -29,6 +29,8 @@ pub(crate) struct Scenery<V> {
     /// Which of the solids are whose (obstacles.len()).
     ranges: Vec<std::ops::Range<usize>>,
     pub solids: Vec<Solid<V>>,
+    /// Which obstacles are open, as if they were not there (obstacles.len()).
+    pub is_open: Vec<bool>,
     /// Obstacle that each solid is a part of.
     pub owners: Vec<u32>,
     pub movers: Vec<Mover<V>>,
@@ -111,6 +113,7 @@ impl<V: Space> Scenery<V> {
             obstacles: setup.obstacles.clone(),
             ranges: Vec::new(),
             solids: Vec::new(),
+            is_open: vec![false; setup.obstacles.len()],
             owners: Vec::new(),
             movers: Vec::new(),
             interests: setup.interests.clone(),
@@ -138,13 +141,24 @@ impl<V: Space> Scenery<V> {
         for (agent, m) in setup.agents.iter().enumerate() {
             scenery.check_place(Id::first(agent), m.position)?;
         }
-        if !scenery.solids.is_empty() {
-            let (near, walls) =
-                (scenery.list(&cells, |_| Some(0.0)), scenery.list(&cells, |s| is_wall_within(s, &config.steering)));
-            scenery.first = near.0.into_iter().zip(walls.0).map(<[u32; 2]>::from).collect();
-            (scenery.near, scenery.walls) = (near.1, walls.1);
-        }
+        scenery.list_solids(&cells);
         Ok((scenery, cells, grid))
+    }
+
+    /// Lists the solids of all obstacles that are not open by cells. Takes memory.
+    pub fn list_solids(&mut self, cells: &Cells<V>) {
+        if self.solids.is_empty() {
+            return;
+        }
+        let (near, walls) =
+            (self.list(cells, |_| Some(0.0)), self.list(cells, |s| is_wall_within(s, &self.steering)));
+        self.first = near.0.into_iter().zip(walls.0).map(<[u32; 2]>::from).collect();
+        (self.near, self.walls) = (near.1, walls.1);
+    }
+
+    /// Solids of an obstacle.
+    pub fn solids_of(&self, obstacle: usize) -> &[Solid<V>] {
+        &self.solids[self.ranges[obstacle].clone()]
     }
 
     /// Side of the cells: within the shortest plan, and half as long again, every agent has to be able to stop within half
@@ -213,8 +227,10 @@ impl<V: Space> Scenery<V> {
 
     /// An agent's centre is in no polygon; of these, only the sides are solids.
     pub fn check_place(&self, agent: Id, position: V) -> Result<(), CrowdError> {
-        let inside = |o: &Obstacle<V>| matches!(o, Obstacle::Polygon { corners } if is_inside(corners, position));
-        self.obstacles.iter().position(inside).map_or(Ok(()), |obstacle| Err(CrowdError::Inside { agent, obstacle }))
+        let inside = |(o, is_open): (&Obstacle<V>, &bool)| {
+            matches!(o, Obstacle::Polygon { corners } if !is_open && is_inside(corners, position))
+        };
+        self.obstacles.iter().zip(&self.is_open).position(inside).map_or(Ok(()), |obstacle| Err(CrowdError::Inside { agent, obstacle }))
     }
 
     /// Prefetches where the lists of a cell are.
@@ -251,7 +267,8 @@ impl<V: Space> Scenery<V> {
     fn list(&self, cells: &Cells<V>, within: impl Fn(&Solid<V>) -> Option<f32>) -> (Vec<u32>, Vec<u32>) {
         let mut pairs = Vec::new();
         for (number, solid) in (0u32..).zip(&self.solids) {
-            let Some(within) = within(solid) else { continue };
+            let is_open = self.is_open[self.owners[number as usize] as usize];
+            let Some(within) = within(solid).filter(|_| !is_open) else { continue };
             let (min, max) = solid.extents();
             let side = V::from_coordinates([cells.side() + within; 3]);
             let (low, high) = (cells.coordinates(min - side), cells.coordinates(max + side));
@@ -283,6 +300,7 @@ impl<V: Space> Scenery<V> {
 /// Every setting within its limits.
 fn check_settings<V: Space>(setup: &Setup<V>) -> Result<(), CrowdError> {
     setup.config.check()?;
+    setup.senses.check()?;
     setup.fields.iter().enumerate().try_for_each(|(n, field)| field.check(n))?;
     for (n, interest) in setup.interests.iter().enumerate() {
         let good = interest.position.is_finite() && interest.strength.is_finite();

@@ -81,6 +81,15 @@ impl Source {
         self.error(span, why)
     }
 
+    /// An error at a byte of the text that a key's value holds, such as an expression in quotes; otherwise as [`Source::at`].
+    pub fn within(&self, key: &str, byte: usize, why: String) -> Error {
+        let Some(table) = self.table() else { return self.error(0..0, why) };
+        match value(&table, key) {
+            Some(span) => self.error(span.start + 1 + byte..span.end, why),
+            None => self.at(key, why),
+        }
+    }
+
     /// The text as a table; `None` where it is none.
     pub fn table(&self) -> Option<DeTable<'_>> {
         Some(DeTable::parse(&self.text).ok()?.into_inner())
@@ -101,6 +110,23 @@ fn find(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
     match value.get_ref() {
         DeValue::Table(inner) if !rest.is_empty() => Some(find(inner, rest).unwrap_or(span)),
         _ => Some(span),
+    }
+}
+
+/// Bytes of the value of a key, if all of the key is there.
+fn value(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
+    let (first, rest) = key.split_once('.').unwrap_or((key, ""));
+    let mut parts = first.split('[');
+    let name = parts.next()?;
+    let mut value = table.iter().find(|(k, _)| k.get_ref() == name)?.1;
+    for index in parts {
+        let DeValue::Array(items) = value.get_ref() else { return None };
+        value = items.get(index.trim_end_matches(']').parse::<usize>().ok()?)?;
+    }
+    match value.get_ref() {
+        DeValue::Table(inner) if !rest.is_empty() => self::value(inner, rest),
+        _ if rest.is_empty() => Some(value.span()),
+        _ => None,
     }
 }
 

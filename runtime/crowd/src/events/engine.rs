@@ -9,9 +9,10 @@ use crate::events::schemes::{REGISTRATION, SchemeRef};
 use crate::events::watchdog::Watchdog;
 use crate::routes::path::Path;
 use crate::scenery::Scenery;
+use crate::senses::Sensors;
 use crate::space::cells::Cells;
 use crate::steering::density_grid::DensityGrid;
-use crate::{AtEnd, Id, NONE, Setup, Space};
+use crate::{AtEnd, Id, NONE, Sense, Setup, Space};
 use throng_base::ground::Outsiders;
 
 /// Most agents of a crowd that is taken to fit the processor's caches; in tests, none does. With 8000 it costs 4 to 8 %
@@ -50,6 +51,7 @@ pub(crate) struct Engine<V> {
     #[cfg(feature = "baselines")]
     pub baseline: Option<crate::events::baselines::Baseline<V>>,
     pub scratch: Scratch<V>,
+    pub sensors: Sensors<V>,
     pub watchdog: Watchdog,
     /// Hash of all that a snapshot is meaningless without.
     pub setup_hash: u128,
@@ -69,6 +71,7 @@ impl<V: Space> Engine<V> {
         let mut engine = Self {
             watchdog: Watchdog::new(capacity, scenery.interval, setup.config.scheme.most_events()),
             scratch: Scratch::new(capacity, scenery.movers.len()),
+            sensors: Sensors::new(&setup.senses, capacity),
             #[cfg(feature = "baselines")]
             baseline: crate::events::baselines::Baseline::new(&setup.config, &cells, capacity),
             setup_hash: Self::hash_setup(&setup, &scenery, &cells),
@@ -78,7 +81,8 @@ impl<V: Space> Engine<V> {
             own_routes: vec![NONE; capacity],
             spare: Vec::new(),
             room: setup.config.capacity,
-            queue: Calendar::new(capacity),
+            // Events of agents, what they sense, and their timers.
+            queue: Calendar::new(3 * capacity),
             prefetcher: Prefetcher::default(),
             free: (0..capacity as u32).rev().collect(),
             grid,
@@ -110,7 +114,8 @@ impl<V: Space> Engine<V> {
         };
         #[cfg(not(feature = "baselines"))]
         let result = self.run_registration(until_s);
-        let is_done = result?;
+        // A signal has to be answered before time goes on.
+        let is_done = result? && self.sensors.signals.is_empty();
         if is_done {
             self.now = until_s;
         }
@@ -124,17 +129,21 @@ impl<V: Space> Engine<V> {
             }
             self.refresh_grid_until(time);
             self.now = time;
-            if self.states.len() - self.free.len() > FEW {
-                self.prefetch();
+            if agent as usize >= self.states.len() {
+                self.process_sense(agent);
+            } else {
+                if self.states.len() - self.free.len() > FEW {
+                    self.prefetch();
+                }
+                self.process_event(agent)?;
             }
-            self.process_event(agent)?;
         }
         Ok(true)
     }
 
-    /// True where events have to be told before there are more.
+    /// True where events have to be told before there are more, or a signal has to be answered.
     pub fn is_full(&self) -> bool {
-        self.events.len() >= FULL
+        self.events.len() >= FULL || !self.sensors.signals.is_empty()
     }
 
     pub fn check_time(&self, until_s: f64) -> Result<(), CrowdError> {
@@ -159,6 +168,7 @@ impl<V: Space> Engine<V> {
         self.queue.remove(index);
         state.cell = NONE;
         state.generation = state.generation.wrapping_add(1);
+        self.forget_senses(index);
     }
 
     /// When the grid is filled next: times do not depend on calls.
@@ -240,6 +250,8 @@ impl<V: Space> Engine<V> {
         if decision.leaves {
             self.tell(agent, EventKind::Left);
             self.take_out(agent);
+        } else if self.sensors.of[agent as usize].sense != Sense::default() {
+            self.look_about(agent, false);
         }
         decision.leaves
     }
@@ -263,7 +275,11 @@ impl<V: Space> Engine<V> {
     /// Counts and notes an event of an agent at this time.
     pub fn tell(&mut self, agent: u32, kind: EventKind) {
         self.counts.add(kind);
-        self.events.push(Event { time: self.now, agent: self.id(agent), kind });
+        let event = Event { time: self.now, agent: self.id(agent), kind };
+        self.events.push(event);
+        if self.sensors.stops && kind.is_signal(self.sensors.of[agent as usize].sense.arrivals) {
+            self.sensors.signals.push_back(event);
+        }
     }
 
     /// Shows an event of an agent to the watchdog.

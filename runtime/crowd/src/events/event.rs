@@ -42,6 +42,31 @@ pub enum EventKind {
         /// Number in [`crate::Setup::obstacles`].
         obstacle: usize,
     },
+    /// It and another one, one of whom tells what the other hears, have come near each other; told once, of the one with the
+    /// smaller number. See [`crate::Senses::meet_m`].
+    Met {
+        /// The other one.
+        other: Id,
+    },
+    /// It has come to a zone.
+    CameTo {
+        /// Number in [`crate::Senses::zones`].
+        zone: usize,
+    },
+    /// It has gone from a zone.
+    WentFrom {
+        /// Number in [`crate::Senses::zones`].
+        zone: usize,
+    },
+    /// It has crossed the side of a cell of [`crate::Senses::cell_m`]: coordinates of the one that it left, and of the new one.
+    Crossed {
+        /// Where it was.
+        from: [i32; 2],
+        /// Where it is.
+        to: [i32; 2],
+    },
+    /// It is the time that [`crate::Crowd::set_timer`] named.
+    Timer,
     /// It has made no progress for some time, see [`crate::SteeringConfig::stuck_after_s`].
     Stuck,
 }
@@ -82,6 +107,10 @@ pub struct Counts {
     pub struck: u64,
     /// See [`EventKind::Stuck`].
     pub stuck: u64,
+    /// What agents sensed beside each other's bounds; each meeting counts once.
+    pub sensed: u64,
+    /// See [`EventKind::Timer`].
+    pub timers: u64,
     /// Times that an agent took a new plan.
     pub decisions: u64,
     /// Fixed steps that were taken, parts of one each for itself (`Scheme::Fixed`).
@@ -92,13 +121,25 @@ pub struct Counts {
     pub overlaps: u64,
 }
 
+impl EventKind {
+    /// True for what ends [`crate::Crowd::advance_to_signal`]: what is sensed, timers, and for those who want it how far they
+    /// have come.
+    pub(crate) fn is_signal(self, arrivals: bool) -> bool {
+        match self {
+            Self::Met { .. } | Self::CameTo { .. } | Self::WentFrom { .. } | Self::Crossed { .. } | Self::Timer => true,
+            Self::Arrived | Self::Left | Self::Stuck => arrivals,
+            _ => false,
+        }
+    }
+}
+
 impl Counts {
     /// True where each of them is.
     pub(crate) fn is_below(&self, most: u64) -> bool {
         let Self { resetting, colliding, meeting, entering, leaving, contacting, separating, .. } = *self;
-        let Self { arrived, left, struck, stuck, decisions, steps, undone, overlaps, .. } = *self;
+        let Self { arrived, left, struck, stuck, sensed, timers, decisions, steps, undone, overlaps, .. } = *self;
         let of_events = [resetting, colliding, meeting, entering, leaving, contacting, separating];
-        let others = [arrived, left, struck, stuck, decisions, steps, undone, overlaps];
+        let others = [arrived, left, struck, stuck, sensed, timers, decisions, steps, undone, overlaps];
         of_events.iter().chain(&others).all(|&count| count < most)
     }
 
@@ -116,6 +157,10 @@ impl Counts {
             EventKind::Left => &mut self.left,
             EventKind::Struck { .. } => &mut self.struck,
             EventKind::Stuck => &mut self.stuck,
+            EventKind::Met { .. } | EventKind::CameTo { .. } | EventKind::WentFrom { .. } | EventKind::Crossed { .. } => {
+                &mut self.sensed
+            }
+            EventKind::Timer => &mut self.timers,
         } += 1;
     }
 }

@@ -93,6 +93,9 @@ impl<V: Space> Engine<V> {
         if self.baseline.is_some() {
             return self.run(until_s);
         }
+        if self.sensors.is_on() {
+            return self.run(until_s);
+        }
         self.check_time(until_s)?;
         self.events.clear();
         let mut windows = std::mem::take(&mut self.windows);

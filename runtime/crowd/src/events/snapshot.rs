@@ -8,6 +8,7 @@ use crate::events::engine::Engine;
 use crate::routes::path::{KnownCosts, Path};
 use crate::safety::kept;
 use crate::scenery::Scenery;
+use crate::senses::Sensing;
 use crate::space::cells::Cells;
 use crate::space::plan::Plan;
 use crate::steering::density_grid::DensityGrid;
@@ -17,7 +18,7 @@ use std::collections::HashMap;
 use throng_base::{Error, Hash128, SnapshotKind, StateHash};
 
 /// Grows by one with every change of what is kept.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// All that time changes.
 #[derive(Serialize, Deserialize)]
@@ -33,6 +34,10 @@ struct Saved<V> {
     plans: Vec<Plan<V>>,
     grid: DensityGrid<V>,
     refreshes: u64,
+    /// Obstacles that are open.
+    is_open: Vec<bool>,
+    /// Of those who sense anything.
+    sensing: Vec<(u32, Sensing)>,
     #[cfg(feature = "baselines")]
     baseline: Option<Baseline<V>>,
 }
@@ -57,7 +62,7 @@ impl<V: Space> Engine<V> {
         let sizes = [*radius, *speed, *stopping, cells.side(), V::DIMENSIONS as f32];
         let capacity = setup.config.capacity.max(setup.agents.len());
         let clearance = setup.streets.as_ref().map(|s| s.clearance());
-        let all = (fields, obstacles, interests, setup.config, sizes, cells.num_cells(), capacity, clearance);
+        let all = (fields, obstacles, (interests, &setup.senses), setup.config, sizes, cells.num_cells(), capacity, clearance);
         let config = bincode::config::standard().with_fixed_int_encoding();
         // Writing to memory what can be written cannot fail.
         Hash128::of(&bincode::serde::encode_to_vec(all, config).unwrap_or_default())
@@ -76,6 +81,8 @@ impl<V: Space> Engine<V> {
             plans: self.cells.plans(),
             grid: self.grid.clone(),
             refreshes: self.refreshes,
+            is_open: self.scenery.is_open.clone(),
+            sensing: self.sensors.saved(),
             #[cfg(feature = "baselines")]
             baseline: self.baseline.clone(),
         };
@@ -87,8 +94,29 @@ impl<V: Space> Engine<V> {
     /// # Errors
     /// [`Error::Snapshot`]; nothing has changed then.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), CrowdError> {
-        let refused = |why: String| Err(Error::Snapshot { what: "crowd", why }.into());
         let saved: Saved<V> = self.snapshot_kind().read_all(bytes)?;
+        let was_open = self.scenery.is_open.clone();
+        if saved.is_open.len() != was_open.len() {
+            return Err(Error::Snapshot { what: "crowd", why: "it has other obstacles".to_owned() }.into());
+        }
+        // Agents are checked against what stood then.
+        self.set_all_open(&saved.is_open);
+        let loaded = self.load_checked(saved);
+        if loaded.is_err() {
+            self.set_all_open(&was_open);
+        }
+        loaded
+    }
+
+    fn set_all_open(&mut self, is_open: &[bool]) {
+        if self.scenery.is_open != is_open {
+            self.scenery.is_open.copy_from_slice(is_open);
+            self.scenery.list_solids(&self.cells);
+        }
+    }
+
+    fn load_checked(&mut self, saved: Saved<V>) -> Result<(), CrowdError> {
+        let refused = |why: String| Err(Error::Snapshot { what: "crowd", why }.into());
         if let Err(why) = self.check_saved(&saved) {
             return refused(why);
         }
@@ -126,6 +154,9 @@ impl<V: Space> Engine<V> {
             self.watchdog.forget(plan.index);
             self.queue.set(plan.index, plan.end);
         }
+        self.sensors.of.fill(Sensing::default());
+        saved.sensing.iter().for_each(|(m, own)| self.sensors.of[*m as usize] = *own);
+        self.relink_senses();
         #[cfg(feature = "baselines")]
         {
             self.baseline = saved.baseline;
@@ -160,6 +191,9 @@ impl<V: Space> Engine<V> {
             if is_own.get_mut(route as usize).is_none_or(|own| std::mem::replace(own, true)) {
                 return Err(format!("route {route} is of two agents, or of none"));
             }
+        }
+        if !self.sensors.may_be(&saved.sensing, saved.now, |m| saved.states[m as usize].cell != NONE) {
+            return Err("somebody senses what cannot be".to_owned());
         }
         let num_there = saved.states.iter().filter(|m| m.cell != NONE).count();
         for &number in &saved.free {

@@ -229,6 +229,62 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
+    /// Opens an obstacle, or closes it.
+    ///
+    /// # Errors
+    /// [`CrowdError::Inside`] with an agent that stands where it closes, or could not stop before it; nothing has changed then.
+    pub fn set_open(&mut self, obstacle: usize, open: bool) -> Result<(), CrowdError> {
+        check_index("obstacle", None, obstacle, self.scenery.obstacles.len())?;
+        if self.scenery.is_open[obstacle] == open {
+            return Ok(());
+        }
+        if !open {
+            for agent in (0..self.states.len() as u32).filter(|&m| self.states[m as usize].cell != NONE) {
+                let plan = self.cells.plan(agent);
+                let is_clear = |s| crate::safety::kept::is_clear_of(&plan, s, self.now);
+                if !self.scenery.solids_of(obstacle).iter().all(is_clear) {
+                    return Err(CrowdError::Inside { agent: self.id(agent), obstacle });
+                }
+            }
+        }
+        self.scenery.is_open[obstacle] = open;
+        self.scenery.list_solids(&self.cells);
+        Ok(())
+    }
+
+    /// Desired speed of an agent from its next event on.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], [`Error::Value`].
+    pub fn set_speed(&mut self, id: Id, speed: f32) -> Result<(), CrowdError> {
+        self.check_id(id)?;
+        let expected = "at least 0, and at most `largest_speed_mps` of the config";
+        throng_base::error::check("speed", Some(id), speed, (0.0..=self.scenery.speed).contains(&speed), expected)?;
+        self.states[id.index()].speed = speed;
+        Ok(())
+    }
+
+    /// Lets an agent act as soon as it may.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn wake(&mut self, id: Id) -> Result<(), CrowdError> {
+        self.check_id(id)?;
+        #[cfg(feature = "baselines")]
+        if self.baseline.is_some() {
+            return Ok(());
+        }
+        let plan = self.cells.plan(id.index);
+        let time = self.now.max(plan.start + f64::from(self.scenery.interval));
+        if time < plan.end {
+            let cell = self.states[id.index()].cell;
+            self.states[id.index()].cause = Cause::Region;
+            self.cells.set(cell, cell, &Plan { end: time, ..plan });
+            self.queue.set(id.index, time);
+        }
+        Ok(())
+    }
+
     /// A way leads from a place to a goal, as far as the crowd knows its streets.
     fn check_way(&self, id: Id, from: V, goal: V) -> Result<(), CrowdError> {
         let Some(streets) = &self.scenery.streets else { return Ok(()) };

@@ -140,3 +140,50 @@ fn every_flipped_bit_of_a_snapshot_is_refused() {
     assert!(Crowd::on_ground(setup.clone()).unwrap().load(&kept).is_err(), "of another setup");
     assert!(Crowd::in_air(setup).unwrap().load(&kept).is_err(), "of another space");
 }
+
+#[test]
+fn doors_open_and_close_and_never_on_anybody() {
+    let wall = |from: [f32; 2], to: [f32; 2]| Obstacle::Wall {
+        from: Vec3::new(from[0], 0.0, from[1]),
+        to: Vec3::new(to[0], 0.0, to[1]),
+        radius: 0.1,
+    };
+    // A room of 8 m by 6 m, with a door on its right side.
+    let obstacles = vec![
+        wall([-4.0, -3.0], [4.0, -3.0]),
+        wall([-4.0, 3.0], [4.0, 3.0]),
+        wall([-4.0, -3.0], [-4.0, 3.0]),
+        wall([4.0, -3.0], [4.0, -0.7]),
+        wall([4.0, 0.7], [4.0, 3.0]),
+        wall([4.0, -0.7], [4.0, 0.7]),
+    ];
+    let agents = (0..6).map(|i| Agent::at(Vec3::new(-2.0 + (i / 3) as f32, 0.0, (i % 3) as f32 - 1.0))).collect();
+    let mut crowd = Crowd::on_ground(Setup { agents, obstacles, ..Setup::default() }).unwrap();
+    let ids: Vec<Id> = crowd.ids().collect();
+    for &id in &ids {
+        crowd.order(id, Go::to(Vec3::new(9.0, 0.0, 0.0)).within(3.0)).unwrap();
+    }
+    crowd.advance(15.0, &mut |_| {}).unwrap();
+    let inside = |crowd: &Crowd| ids.iter().filter(|&&id| crowd.position(id, crowd.now()).unwrap().x < 3.9).count();
+    assert_eq!(inside(&crowd), 6, "nobody goes through a closed door");
+    crowd.set_open(5, true).unwrap();
+    let mut refused = 0;
+    let mut bytes = Vec::new();
+    while inside(&crowd) > 3 {
+        crowd.advance(crowd.now() + 0.1, &mut |_| {}).unwrap();
+        crowd.save(&mut bytes);
+        refused += usize::from(matches!(crowd.set_open(5, false), Err(CrowdError::Inside { obstacle: 5, .. })));
+        crowd.set_open(5, true).unwrap();
+        // A snapshot holds what was open.
+        crowd.load(&bytes).unwrap();
+        bytes.clear();
+    }
+    assert!(refused > 0, "somebody stood in it");
+    while crowd.set_open(5, false).is_err() {
+        crowd.advance(crowd.now() + 0.1, &mut |_| {}).unwrap();
+    }
+    let left = inside(&crowd);
+    crowd.advance(crowd.now() + 10.0, &mut |_| {}).unwrap();
+    assert_eq!(inside(&crowd), left);
+    assert!(crowd.set_open(6, true).is_err());
+}

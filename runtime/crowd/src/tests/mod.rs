@@ -4,6 +4,7 @@ pub(crate) mod drive;
 mod forged;
 mod interface;
 mod jams;
+mod senses;
 #[cfg(feature = "baselines")]
 mod schemes;
 

@@ -67,8 +67,20 @@ impl<V: Space> Engine<V> {
     pub(crate) fn run_steps(&mut self, fixed: &mut Fixed<V>, until_s: f64) -> Result<bool, CrowdError> {
         loop {
             let time = fixed.done as f64 * fixed.shortest_s;
+            // What is sensed within the last step, which is final now.
+            while let Some((sensed, entry)) = self.queue.first(time.min(until_s)) {
+                if self.is_full() {
+                    return Ok(false);
+                }
+                if (entry as usize) < self.states.len() {
+                    self.queue.remove(entry);
+                    continue;
+                }
+                self.now = sensed;
+                self.process_sense(entry);
+            }
             if time > until_s || self.is_full() {
-                return Ok(time > until_s);
+                return Ok(time > until_s && !self.is_full());
             }
             self.refresh_grid_until(time);
             self.now = time;
@@ -113,6 +125,7 @@ impl<V: Space> Engine<V> {
             }
         }
         self.counts.steps += 1;
+        self.look_about_all();
     }
 
     /// What an agent does if nothing but the forces moves it (Kim, Kim and Shin 2003b, eq. 14), no faster than any other scheme lets it.

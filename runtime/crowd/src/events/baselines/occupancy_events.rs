@@ -24,6 +24,10 @@ impl<V: Space> Engine<V> {
             }
             self.refresh_grid_until(time);
             self.now = time;
+            if agent as usize >= self.states.len() {
+                self.process_sense(agent);
+                continue;
+            }
             let plan = self.cells.plan(agent);
             let occupant = o.occupants[agent as usize];
             let cause = self.states[agent as usize].cause;

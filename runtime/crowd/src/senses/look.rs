@@ -1,0 +1,215 @@
+//! The engine's part: looking for what an agent senses next, and letting it happen.
+
+use super::crossing::{first_change, is_near, leaves_cell};
+use super::{Sense, Sensed, Sensing, swept};
+use crate::error::CrowdError;
+use crate::events::engine::Engine;
+use crate::space::plan::Plan;
+use crate::{EventKind, Id, NONE, Space};
+use throng_base::ground::Bounds;
+
+impl<V: Space> Engine<V> {
+    /// What an agent senses from now on.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`].
+    pub fn set_sense(&mut self, id: Id, sense: Sense) -> Result<(), CrowdError> {
+        self.check_id(id)?;
+        let own = &mut self.sensors.of[id.index()];
+        if (own.sense.tells, own.sense.hears) != (sense.tells, sense.hears) {
+            own.last = (-1.0, NONE);
+        }
+        own.sense = sense;
+        self.look_about(id.index, true);
+        Ok(())
+    }
+
+    /// Wakes an agent at a time, once; `None` lets it sleep.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`], and [`throng_base::Error::Value`] for a time in the past.
+    pub fn set_timer(&mut self, id: Id, time_s: Option<f64>) -> Result<(), CrowdError> {
+        self.check_id(id)?;
+        let time = time_s.unwrap_or(f64::INFINITY);
+        let expected = "not before the present, and at most 1e9";
+        let good = time >= self.now && (time <= 1e9 || time_s.is_none());
+        throng_base::error::check("time_s", Some(id), time, good, expected)?;
+        self.sensors.of[id.index()].timer = time;
+        self.queue_senses(id.index);
+        Ok(())
+    }
+
+    /// Forgets what an agent that has left sensed.
+    pub fn forget_senses(&mut self, agent: u32) {
+        self.sensors.of[agent as usize] = Sensing::default();
+        self.sensors.boxes.remove(agent as usize);
+        self.queue_senses(agent);
+    }
+
+    /// Puts what an agent senses next, and its timer, into the queue: after the events of the engine at the same time.
+    fn queue_senses(&mut self, agent: u32) {
+        let num = self.states.len() as u32;
+        let own = &self.sensors.of[agent as usize];
+        for (number, time) in [(num + agent, own.next.map_or(f64::INFINITY, |n| n.0)), (2 * num + agent, own.timer)] {
+            if time < 1e9 { self.queue.set(number, time) } else { self.queue.remove(number) }
+        }
+    }
+
+    /// Looks for what an agent with a new plan, or with new senses, senses next.
+    ///
+    /// - `level`: who is near is met now, if that is enough for one of them.
+    pub fn look_about(&mut self, agent: u32, level: bool) {
+        let sense = self.sensors.of[agent as usize].sense;
+        if sense == (Sense { arrivals: sense.arrivals, ..Sense::default() }) || self.states[agent as usize].cell == NONE {
+            if self.sensors.of[agent as usize].next.take().is_some() {
+                self.queue_senses(agent);
+            }
+            self.sensors.boxes.remove(agent as usize);
+            return;
+        }
+        let plan = self.cells.plan(agent);
+        let now = self.now.max(plan.start);
+        let bounds = swept(&plan, now);
+        let mut found: Option<(f64, u8, Sensed)> = None;
+        let mut take = |time: f64, rank: u8, what: Sensed| {
+            if found.is_none_or(|(t, r, w)| (time, rank, number(what)) < (t, r, number(w))) {
+                found = Some((time, rank, what));
+            }
+        };
+        let sensors = &self.sensors;
+        if sense.zones {
+            sensors.zones.near(&bounds, |z| {
+                let zone = &sensors.senses.zones[z];
+                let there = Plan { start: now, end: plan.end, position: zone.centre, moving: f32::INFINITY, ..Plan::default() };
+                let near = is_near(&plan, &there, zone.radius, now);
+                if let Some(at) = first_change(&plan, &there, zone.radius, now, plan.end, near) {
+                    let z = z as u32;
+                    if near { take(at, 0, Sensed::WentFrom(z)) } else { take(at, 1, Sensed::CameTo(z)) }
+                }
+                true
+            });
+        }
+        if sense.cells && sensors.senses.cell_m > 0.0 {
+            let cell = |at: V| sensors.cell(at);
+            if let Some(at) = leaves_cell(&plan, cell, sensors.senses.cell_m, now, plan.end) {
+                take(at, 2, Sensed::Crossed { from: cell(plan.at(now).0), to: cell(plan.at(at).0) });
+            }
+        }
+        let meet_m = sensors.senses.meet_m;
+        let mut partner_start = 0.0;
+        if meet_m > 0.0 && (sense.tells | sense.hears) != 0 {
+            self.sensors.boxes.set(agent as usize, bounds);
+            let sensors = &self.sensors;
+            sensors.boxes.near(&bounds.grown(meet_m), |o| {
+                let other = &sensors.of[o];
+                let (any, at_once) = sense.channels(&other.sense);
+                if o == agent as usize || any == 0 {
+                    return true;
+                }
+                if let Some(at) = self.meets(&plan, o as u32, now, level && at_once != 0) {
+                    take(at, 3, Sensed::Met(o as u32));
+                }
+                true
+            });
+        } else {
+            self.sensors.boxes.remove(agent as usize);
+        }
+        if let Some((_, _, Sensed::Met(other))) = found {
+            partner_start = self.cells.plan(other).start;
+        }
+        let own = &mut self.sensors.of[agent as usize];
+        own.next = found.map(|(time, _, what)| (time, what));
+        own.partner_start = partner_start;
+        self.queue_senses(agent);
+    }
+
+    /// When an agent and another one meet, until one of them takes a new plan.
+    fn meets(&self, plan: &Plan<V>, other: u32, now: f64, at_once: bool) -> Option<f64> {
+        let meet_m = self.sensors.senses.meet_m;
+        let theirs = self.cells.plan(other);
+        let until = plan.end.min(theirs.end);
+        let mut near = is_near(plan, &theirs, meet_m, now);
+        let mut from = now;
+        if near && at_once {
+            let (when, last) = self.sensors.of[plan.index as usize].last;
+            if when != now || last == NONE || other > last {
+                return Some(now);
+            }
+        }
+        // Apart first, and then together again.
+        loop {
+            from = first_change(plan, &theirs, meet_m, from, until, near)?;
+            near = !near;
+            if near {
+                return Some(from);
+            }
+        }
+    }
+
+    /// An entry of the queue that is no event of the engine: what an agent senses, or its timer.
+    pub fn process_sense(&mut self, entry: u32) {
+        let num = self.states.len() as u32;
+        let agent = entry % num;
+        if entry >= 2 * num {
+            self.sensors.of[agent as usize].timer = f64::INFINITY;
+            self.queue_senses(agent);
+            self.tell(agent, EventKind::Timer);
+            return;
+        }
+        let own = self.sensors.of[agent as usize];
+        let Some((time, what)) = own.next else { return self.queue.remove(entry) };
+        match what {
+            Sensed::Met(other) => {
+                let theirs = self.sensors.of[other as usize];
+                let is_there = self.states[other as usize].cell != NONE;
+                let is_same = is_there && self.cells.plan(other).start == own.partner_start;
+                if is_same && own.sense.channels(&theirs.sense).0 != 0 {
+                    self.sensors.of[agent as usize].last = (time, other);
+                    let (first, second) = (agent.min(other), agent.max(other));
+                    self.tell(first, EventKind::Met { other: self.id(second) });
+                    self.look_about(other, false);
+                }
+            }
+            Sensed::CameTo(zone) => self.tell(agent, EventKind::CameTo { zone: zone as usize }),
+            Sensed::WentFrom(zone) => self.tell(agent, EventKind::WentFrom { zone: zone as usize }),
+            Sensed::Crossed { from, to } => self.tell(agent, EventKind::Crossed { from, to }),
+        }
+        self.look_about(agent, false);
+    }
+
+    /// Looks for everybody, as after a step of everybody.
+    #[cfg(feature = "baselines")]
+    pub fn look_about_all(&mut self) {
+        for agent in 0..self.states.len() as u32 {
+            if self.sensors.of[agent as usize] != Sensing::default() {
+                self.look_about(agent, false);
+            }
+        }
+    }
+
+    /// Makes what is not saved, after a snapshot.
+    pub fn relink_senses(&mut self) {
+        self.sensors.boxes.clear();
+        self.sensors.signals.clear();
+        for agent in 0..self.states.len() as u32 {
+            let own = self.sensors.of[agent as usize];
+            if self.states[agent as usize].cell == NONE {
+                continue;
+            }
+            if (own.sense.tells | own.sense.hears) != 0 && self.sensors.senses.meet_m > 0.0 {
+                let plan = self.cells.plan(agent);
+                let bounds: Bounds = swept(&plan, plan.start);
+                self.sensors.boxes.set(agent as usize, bounds);
+            }
+            self.queue_senses(agent);
+        }
+    }
+}
+
+/// Order of what is sensed at one time.
+fn number(what: Sensed) -> i64 {
+    match what {
+        Sensed::Met(n) | Sensed::CameTo(n) | Sensed::WentFrom(n) => i64::from(n),
+        Sensed::Crossed { .. } => 0,
+    }
+}

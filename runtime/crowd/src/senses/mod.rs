@@ -1,0 +1,201 @@
+//! What agents sense beside each other's bounds: whom they meet, to which places they come, cells that they cross; and timers.
+//!
+//! All of it comes in the engine's queue, at the time at which it happens. Between two of its own events, the motion of an
+//! agent is known, so that these times are found and not polled. Each agent has one entry: the first that it senses in its
+//! plan. Whoever takes a new plan looks anew, at everybody whose swept box its own touches; an entry about a plan that its
+//! partner no longer follows is only looked for again.
+
+pub(crate) mod crossing;
+mod look;
+
+use crate::space::plan::Plan;
+use crate::{NONE, Space};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use throng_base::Result;
+use throng_base::error::check;
+use throng_base::ground::{Bounds, BoxGrid};
+
+/// What agents of a crowd may sense.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Senses<V = Vec3> {
+    /// Two agents meet where their middles are so near; 0 for never (m, 0 to 1000).
+    pub meet_m: f32,
+    /// Places, by number.
+    pub zones: Vec<Zone<V>>,
+    /// Side of the square cells, over the ground, that agents cross; 0 for none (m, 0 or 0.1 to 1e5).
+    pub cell_m: f32,
+}
+
+/// A disc or ball that agents come to and go from: their middles do.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Zone<V = Vec3> {
+    /// Its middle (m).
+    pub centre: V,
+    /// (m, 0.001 to 1e5)
+    pub radius: f32,
+}
+
+/// What one agent senses. Two agents meet where one tells what the other hears.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Sense {
+    /// Channels on which it tells.
+    pub tells: u32,
+    /// Channels on which it hears.
+    pub hears: u32,
+    /// Of those on which it hears: only coming near counts. On the others, whoever is near is met at once when it begins to
+    /// tell or to hear.
+    pub once: u32,
+    /// It senses zones.
+    pub zones: bool,
+    /// It senses cells.
+    pub cells: bool,
+    /// Its arrivals, leavings and being stuck are signals.
+    pub arrivals: bool,
+}
+
+impl Sense {
+    /// Channels on which one of two hears the other: on any, and on those where being near is enough.
+    fn channels(&self, other: &Self) -> (u32, u32) {
+        let (there, back) = (self.tells & other.hears, other.tells & self.hears);
+        (there | back, there & !other.once | back & !self.once)
+    }
+}
+
+impl<V> Default for Senses<V> {
+    fn default() -> Self {
+        Self { meet_m: 0.0, zones: Vec::new(), cell_m: 0.0 }
+    }
+}
+
+impl<V> Senses<V> {
+    /// The same in another space.
+    pub fn map<W>(self, f: impl Fn(V) -> W) -> Senses<W> {
+        let zones = self.zones.into_iter().map(|z| Zone { centre: f(z.centre), radius: z.radius });
+        Senses { meet_m: self.meet_m, zones: zones.collect(), cell_m: self.cell_m }
+    }
+}
+
+impl<V: Space> Senses<V> {
+    /// Every number within its limits.
+    pub(crate) fn check(&self) -> Result<()> {
+        let good = (0.0..=1000.0).contains(&self.meet_m);
+        check("senses.meet_m", None, self.meet_m, good, "between 0 and 1000")?;
+        let good = self.cell_m == 0.0 || (0.1..=1e5).contains(&self.cell_m);
+        check("senses.cell_m", None, self.cell_m, good, "0, or between 0.1 and 100000")?;
+        for zone in &self.zones {
+            let good = (1e-3..=1e5).contains(&zone.radius) && zone.centre.is_finite();
+            check("senses.zones.radius", None, zone.radius, good, "between 0.001 and 100000, about a finite centre")?;
+        }
+        Ok(())
+    }
+}
+
+/// What an agent senses next.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Sensed {
+    Met(u32),
+    CameTo(u32),
+    WentFrom(u32),
+    Crossed { from: [i32; 2], to: [i32; 2] },
+}
+
+/// What is known of one agent that senses.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Sensing {
+    pub sense: Sense,
+    /// What it senses next, if anything, and when (s).
+    pub next: Option<(f64, Sensed)>,
+    /// Start of the plan of the partner that it meets next (s).
+    pub partner_start: f64,
+    /// Whom it met last for being near, and when: of several at one time, each once, in the order of their numbers.
+    pub last: (f64, u32),
+    /// When it is woken (s).
+    pub timer: f64,
+}
+
+impl Default for Sensing {
+    fn default() -> Self {
+        Self { sense: Sense::default(), next: None, partner_start: 0.0, last: (-1.0, NONE), timer: f64::INFINITY }
+    }
+}
+
+/// All that is sensed in a crowd.
+#[derive(Clone, Debug)]
+pub(crate) struct Sensors<V> {
+    pub senses: Senses<V>,
+    /// By agent.
+    pub of: Vec<Sensing>,
+    /// Swept boxes of all who tell or hear.
+    pub boxes: BoxGrid,
+    zones: BoxGrid,
+    /// Events at which the engine stops are noted.
+    pub stops: bool,
+    /// Those that were noted, in their order.
+    pub signals: std::collections::VecDeque<crate::Event>,
+}
+
+impl<V: Space> Sensors<V> {
+    pub fn new(senses: &Senses<V>, capacity: usize) -> Self {
+        let mut zones = BoxGrid::with_capacity(senses.zones.len());
+        for (number, zone) in senses.zones.iter().enumerate() {
+            zones.set(number, Bounds::about(zone.centre.on_ground(), zone.radius));
+        }
+        Self {
+            senses: senses.clone(),
+            of: vec![Sensing::default(); capacity],
+            boxes: BoxGrid::with_capacity(capacity),
+            zones,
+            stops: false,
+            signals: std::collections::VecDeque::with_capacity(64),
+        }
+    }
+
+    /// What snapshots keep: of those who sense anything, or are woken.
+    pub fn saved(&self) -> Vec<(u32, Sensing)> {
+        (0u32..).zip(&self.of).filter(|(_, own)| **own != Sensing::default()).map(|(m, own)| (m, *own)).collect()
+    }
+
+    /// True for what a snapshot of this crowd may hold.
+    pub fn may_be(&self, saved: &[(u32, Sensing)], now: f64, is_there: impl Fn(u32) -> bool) -> bool {
+        let num = self.of.len() as u32;
+        let is_sensed = |what: Sensed| match what {
+            Sensed::Met(other) => other < num && self.senses.meet_m > 0.0,
+            Sensed::CameTo(zone) | Sensed::WentFrom(zone) => (zone as usize) < self.senses.zones.len(),
+            Sensed::Crossed { .. } => self.senses.cell_m > 0.0,
+        };
+        let is_next = |(time, what): (f64, Sensed)| (now..=1e10).contains(&time) && is_sensed(what);
+        saved.windows(2).all(|w| w[0].0 < w[1].0)
+            && saved.iter().all(|(m, own)| {
+                *m < num && is_there(*m) && own.timer >= now && own.next.is_none_or(is_next) && !own.partner_start.is_nan()
+            })
+    }
+
+    /// True where anybody can sense anything.
+    pub fn is_on(&self) -> bool {
+        self.of.iter().any(|own| own.sense != Sense::default() || own.timer.is_finite())
+    }
+
+    /// The cell, over the ground, of a place.
+    pub fn cell(&self, at: V) -> [i32; 2] {
+        let at = at.on_ground() / self.senses.cell_m;
+        [at.x.floor() as i32, at.y.floor() as i32]
+    }
+}
+
+/// A box, over the ground, around all of a plan from a time on.
+pub(crate) fn swept<V: Space>(plan: &Plan<V>, from: f64) -> Bounds {
+    let (first, last) = (plan.at(from).0.on_ground(), plan.at(plan.end).0.on_ground());
+    let mut bounds = Bounds { min: first.min(last), max: first.max(last) };
+    // Where a component of the velocity turns.
+    let (velocity, acceleration) = (plan.velocity.on_ground(), plan.acceleration.on_ground());
+    for axis in 0..2 {
+        let turn = -velocity[axis] / acceleration[axis];
+        if turn > (from - plan.start) as f32 && turn < ((plan.end - plan.start) as f32).min(plan.moving) {
+            let at = plan.after(turn).0.on_ground();
+            bounds = bounds.with(Bounds { min: at, max: at });
+        }
+    }
+    // More than rounding.
+    bounds.grown(1e-3)
+}
