@@ -1,5 +1,6 @@
 //! A scene with everything that it names, opened and checked.
 
+use crate::scenario::{Primitives, Scenario};
 use crate::scene::{GroupConfig, Motion, Scene, WishConfig};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,6 +15,8 @@ pub struct CompiledScene {
     scene: Arc<Scene>,
     /// Of each group that has one.
     bundles: Vec<Option<Bundle>>,
+    /// What agents live by, where it says more than goals.
+    scenario: Option<Arc<Scenario>>,
     /// Stitched worlds, each once.
     worlds: Vec<OpenWorld>,
     /// Of each group that has one: number of its world.
@@ -36,7 +39,15 @@ impl Scene {
     /// As [`Scene::check`], and [`throng_base::Error::Text`] for files that cannot be opened and for names that a bundle does not have, with those that
     /// it has.
     pub fn open(&self) -> Result<CompiledScene> {
-        self.compile_with(None)
+        self.compile_with(None, &Primitives::default())
+    }
+
+    /// As [`Scene::open`], with primitive behaviours of the application's own.
+    ///
+    /// # Errors
+    /// As [`Scene::open`].
+    pub fn open_with(&self, primitives: &Primitives) -> Result<CompiledScene> {
+        self.compile_with(None, primitives)
     }
 
     /// As [`Scene::open`], with a bundle in place of the scene's own; groups with bundles of their own keep theirs.
@@ -44,16 +55,17 @@ impl Scene {
     /// # Errors
     /// As [`Scene::open`].
     pub fn compile(&self, bundle: &Bundle) -> Result<CompiledScene> {
-        self.compile_with(Some(bundle))
+        self.compile_with(Some(bundle), &Primitives::default())
     }
 
-    fn compile_with(&self, own: Option<&Bundle>) -> Result<CompiledScene> {
+    fn compile_with(&self, own: Option<&Bundle>, primitives: &Primitives) -> Result<CompiledScene> {
         // Whoever has changed it since it was read may have given numbers that were never checked.
         self.check()?;
         let mut opened: Vec<(PathBuf, Bundle)> = Vec::new();
         let mut out = CompiledScene {
             scene: Arc::new(self.clone()),
             bundles: Vec::new(),
+            scenario: Scenario::new(self, primitives)?.map(Arc::new),
             worlds: Vec::new(),
             world_of: Vec::new(),
         };
@@ -100,6 +112,11 @@ impl CompiledScene {
     /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// What agents live by, where the scene says more than goals.
+    pub fn scenario(&self) -> Option<&Arc<Scenario>> {
+        self.scenario.as_ref()
     }
 
     /// The scene, for those who keep it.

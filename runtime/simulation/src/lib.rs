@@ -12,6 +12,7 @@ pub mod inhabited;
 mod kind;
 mod paths;
 mod pedestrians;
+pub mod scenario;
 pub mod scene;
 mod simulation;
 pub mod sparring;

@@ -1,16 +1,17 @@
 //! Bodies of the agents of a scene, blended from example motions.
 
+use super::stage::Outside;
 use super::troop::{SavedTroop, Troop};
 use super::{Agents, plan};
 use crate::compile::CompiledScene;
 use crate::kind::{Tick, refused};
 use crate::wander::skeletons;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::sync::Arc;
 use throng_base::Result;
 use throng_core::walkers::{Walkers, WalkersConfig};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
-use throng_crowd::{Crowd, Space};
+use throng_crowd::{Id, Space};
 
 /// Bodies of the agents of one group; those who have left stay where they were.
 #[derive(Clone, Debug)]
@@ -21,6 +22,7 @@ pub(super) struct Followers {
     /// Number of the first agent.
     first: usize,
     count: usize,
+    num_bodies: usize,
     /// Agents take them in turn, by their numbers in the crowd.
     troops: Vec<Troop>,
 }
@@ -33,7 +35,7 @@ impl Followers {
     pub fn new<V: Space>(compiled: &CompiledScene, group: usize, agents: &Agents<V>) -> Result<Self> {
         let (scene, bundle) = (compiled.shared(), compiled.bundle(group)?);
         let config = &scene.groups[group];
-        let first = agents.layout.groups.iter().position(|&g| g == group).unwrap_or(0);
+        let first = agents.layout().groups.iter().position(|&g| g == group).unwrap_or(0);
         let bodies = skeletons(&config.bodies(), bundle.skeleton(), scene.seed);
         let key = format!("groups[{group}]");
         let mut troops = Vec::with_capacity(config.spaces.len());
@@ -44,19 +46,36 @@ impl Followers {
             let made = Walkers::with_capacity(space, &bodies, WalkersConfig::default(), room).and_then(|walkers| {
                 let mut troop = Troop::new(walkers);
                 for m in numbers {
-                    let way = &agents.layout.ways[m];
+                    let Some(id) = agents.id(m) else { continue };
+                    let way = &agents.layout().ways[m];
                     let ahead = way.get(1).map_or(Vec2::Y, |&next| plan(next - way[0]));
-                    troop.enter(&agents.crowd, agents.id(m), ahead, bodies.len())?;
+                    troop.enter(agents.crowd(), id, ahead, bodies.len())?;
                 }
                 Ok(troop)
             });
             troops.push(made.map_err(|e| scene.fault(&key, e))?);
         }
-        Ok(Self { key, scene: Arc::clone(scene), first, count: config.count, troops })
+        Ok(Self { key, scene: Arc::clone(scene), first, count: config.count, num_bodies: bodies.len(), troops })
     }
 
     /// Moves all bodies on, to where their agents are.
-    pub fn step(&mut self, crowd: &Crowd, tick: &Tick<'_>) -> Result<()> {
+    pub fn step<V: Space>(&mut self, outside: &Outside<V>, tick: &Tick<'_>) -> Result<()> {
+        let crowd = &outside.crowd;
+        let num = self.troops.len();
+        for &agent in &outside.newcomers {
+            if let Some(id) = outside.ids[agent as usize].filter(|_| self.holds(agent as usize)) {
+                let entered = self.troops[agent as usize % num].enter(crowd, id, Vec2::Y, self.num_bodies);
+                entered.map_err(|e| self.scene.fault(&self.key, e))?;
+            }
+        }
+        if outside.is_minded {
+            for agent in self.first..self.first + self.count {
+                let (Some(id), Some(faces)) = (outside.ids[agent], outside.shown[agent].faces) else { continue };
+                if let Some(at) = crowd.position(id, crowd.now()) {
+                    self.troops[agent % num].face((agent - self.first) / num, (faces - at).xz());
+                }
+            }
+        }
         let done = self.troops.iter_mut().try_for_each(|t| t.step(crowd, tick.dt_s, tick.run));
         done.map_err(|e| self.scene.fault(&self.key, e))
     }
@@ -70,11 +89,18 @@ impl Followers {
     ///
     /// # Errors
     /// [`throng_base::Error::Snapshot`]; a part may have been loaded then.
-    pub fn load(&mut self, troops: &[SavedTroop]) -> Result<()> {
+    pub fn load(&mut self, troops: &[SavedTroop], ids: &[Option<Id>]) -> Result<()> {
         if troops.len() != self.troops.len() {
             return Err(refused("bodies", "it has other blend spaces"));
         }
-        self.troops.iter_mut().zip(troops).try_for_each(|(own, saved)| own.load(saved))
+        let num = self.troops.len();
+        for (t, (own, saved)) in self.troops.iter_mut().zip(troops).enumerate() {
+            let mine = (self.first..self.first + self.count).filter(|m| m % num == t);
+            own.agents.clear();
+            own.agents.extend(mine.filter_map(|m| ids[m]));
+            own.load(saved)?;
+        }
+        Ok(())
     }
 
     /// True where the body of an agent is among them.

@@ -2,12 +2,13 @@
 
 use super::places::places;
 use super::ways::RouteMap;
-use crate::scene::{AtEndConfig, GoalConfig, GroupConfig, Scene, point};
+use crate::scenario::{Scenario, hashed};
+use crate::scene::{AtEndConfig, GoalConfig, GroupConfig, PlaceConfig, Scene, SiteConfig, point};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
 use throng_base::Result;
-use throng_crowd::{Agent, AtEnd, CrowdConfig, Obstacle, Route, Setup, Space};
+use throng_crowd::{Agent, AtEnd, CrowdConfig, Obstacle, Route, Setup, Space, Zone};
 
 /// Where everybody starts and goes.
 #[derive(Clone, Debug)]
@@ -24,6 +25,11 @@ pub struct Layout<V> {
     pub(super) obstacle_keys: Vec<String>,
     /// Of each group of the scene: lowest and highest coordinates of its agents' starts (m).
     boxes: Vec<(V, V)>,
+    /// Number of the first door among the obstacles.
+    pub(super) first_door: usize,
+    /// What agents sense.
+    pub(super) senses_zones: bool,
+    pub(super) senses_cells: bool,
     pub(super) scene: Arc<Scene>,
     pub(super) map: RouteMap,
 }
@@ -35,7 +41,13 @@ impl<V: Space> Layout<V> {
     /// [`throng_base::Error::Text`] where a goal is in an obstacle, or what stands leaves no way to it; it names the group
     /// and the obstacle by their keys.
     pub fn new(scene: &Arc<Scene>) -> Result<Self> {
-        let (obstacles, obstacle_keys) = obstacles_of(scene);
+        let (mut obstacles, mut obstacle_keys) = obstacles_of(scene);
+        let first_door = obstacles.len();
+        for (i, door) in scene.environment.doors.iter().enumerate() {
+            let (from, to) = (point(&door.from), point(&door.to));
+            obstacles.push(Obstacle::Wall { from, to, radius: door.radius_m });
+            obstacle_keys.push(format!("environment.doors[{i}]"));
+        }
         let mut layout = Self {
             setup: Setup {
                 fields: vec![scene.agents.field],
@@ -48,6 +60,9 @@ impl<V: Space> Layout<V> {
             arrivals: Vec::new(),
             obstacle_keys,
             boxes: Vec::new(),
+            first_door,
+            senses_zones: false,
+            senses_cells: false,
             scene: scene.clone(),
             map: RouteMap::default(),
         };
@@ -64,7 +79,7 @@ impl<V: Space> Layout<V> {
         }
         layout.setup.config.largest_speed_mps = layout.largest_speed();
         if scene.agents.routes {
-            let map = RouteMap::new(&layout.setup.obstacles, layout.heights(), &scene.groups);
+            let map = RouteMap::new(&layout.setup.obstacles[..first_door], layout.heights(), &scene.groups);
             layout.map = map.map_err(|e| layout.explain(&e.into()))?;
             layout.setup.streets = layout.map.streets.clone();
         }
@@ -72,6 +87,40 @@ impl<V: Space> Layout<V> {
             layout.send(m, &mut rng)?;
         }
         Ok(layout)
+    }
+
+    /// What agents sense, as far as a scenario asks for it.
+    pub(super) fn sense(&mut self, scenario: &Scenario) {
+        let (agents, places) = (&self.scene.agents, &self.scene.places);
+        self.setup.senses.meet_m = if scenario.senses_meetings() { agents.telling_m } else { 0.0 };
+        (self.senses_zones, self.senses_cells) = (scenario.senses_zones, scenario.senses_cells);
+        let zone = |site: &SiteConfig| Zone { centre: point(&site.at), radius: site.radius_m };
+        self.setup.senses.zones = if self.senses_zones { places.iter().map(zone).collect() } else { Vec::new() };
+        self.setup.senses.cell_m = if self.senses_cells { agents.cell_m } else { 0.0 };
+        let most = self.setup.config.largest_speed_mps.max(scenario.largest_speed_mps());
+        self.setup.config.largest_speed_mps = most;
+    }
+
+    /// The scene.
+    pub(super) fn scene(&self) -> Arc<Scene> {
+        Arc::clone(&self.scene)
+    }
+
+    /// True for an agent that does not enter later.
+    pub(super) fn is_there_at_start(&self, m: usize) -> bool {
+        let g = self.groups[m];
+        let first = self.groups.partition_point(|&other| other < g);
+        self.scene.groups[g].source.as_ref().is_none_or(|s| m - first < s.start)
+    }
+
+    /// Where an agent may enter: another place for each try.
+    pub(super) fn entrance(&self, m: usize, tries: u32) -> V {
+        let group = &self.scene.groups[self.groups[m]];
+        let place = group.source.as_ref().and_then(|s| s.place.as_ref()).or(group.place.as_ref());
+        let Some(PlaceConfig::Block { from, to, .. }) = place else { return self.setup.agents[m].position };
+        let chance = |axis: u32| hashed(self.scene.seed ^ 0xE47E, m as u32, 4 * tries + axis) as f32;
+        let [low, high] = [point::<V>(from), point::<V>(to)].map(Space::coordinates);
+        V::from_coordinates(std::array::from_fn(|i| low[i] + (high[i] - low[i]) * chance(i as u32)))
     }
 
     /// Number of agents.

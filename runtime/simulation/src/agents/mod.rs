@@ -5,6 +5,7 @@ mod layout;
 mod message;
 mod places;
 mod snapshot;
+mod stage;
 pub(crate) mod troop;
 mod ways;
 
@@ -12,7 +13,8 @@ pub use layout::Layout;
 
 use crate::compile::CompiledScene;
 use crate::kind::{Kind, Tick};
-use crate::scene::{HappeningConfig, Motion, NearConfig, point};
+use crate::scenario::{Minds, Stage};
+use crate::scene::Motion;
 use crate::{Event, Happened};
 use followers::Followers;
 use glam::{Vec2, Vec3};
@@ -20,29 +22,16 @@ use throng_base::ground::Held;
 use throng_base::maths;
 use throng_base::{Result, Run};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
-use throng_crowd::{Crowd, CrowdError, Event as CrowdEvent, EventKind, Go, Id, Route, Space};
+use stage::Outside;
+use std::sync::Arc;
+use throng_crowd::{Crowd, CrowdError, Event as CrowdEvent, EventKind, Id, Space};
 
-/// Time between moments at which news are told on, whatever the times that are looked at (s).
-const NEWS_S: f64 = 1.0 / 30.0;
-
-/// All agents of a scene: their crowd, their ways, who knows of what, and the bodies that follow them.
+/// All agents of a scene: their crowd, their ways, their minds, and the bodies that follow them.
 #[derive(Clone, Debug)]
 pub struct Agents<V> {
-    pub(super) crowd: Crowd,
-    pub(super) layout: Layout<V>,
-    ids: Vec<Id>,
-    /// In the order of their times.
-    happenings: Vec<HappeningConfig>,
-    /// How many of them have happened.
-    pub(super) happened: usize,
-    /// Of each agent: the last happening that it knows of, from 1; 0 where it knows of none.
-    pub(super) knows: Vec<usize>,
-    /// Of each agent: how often it was given another way.
-    pub(super) sent: Vec<u32>,
-    /// (who is told, of which happening), since news were last told on.
-    pub(super) told: Vec<(usize, usize)>,
-    /// Moments at which news were told on.
-    pub(super) ticks: u64,
+    pub(super) outside: Outside<V>,
+    /// What they live by, where the scene says more than goals.
+    minds: Option<Minds>,
     /// Bodies of the groups that have any, in the order of groups.
     followers: Vec<Followers>,
     /// All events of the last step, where they are recorded.
@@ -56,34 +45,33 @@ impl<V: Space> Agents<V> {
     /// Puts everybody where they start.
     ///
     /// # Errors
-    /// As [`Layout::new`], and for impossible starts, with the names of their groups.
+    /// As [`Layout::new`], and for impossible starts, with the names of their groups; as [`Scenario::new`].
     pub fn new(compiled: &CompiledScene) -> Result<Self> {
         let scene = compiled.shared();
-        let layout = Layout::new(scene)?;
-        let setup = layout.setup.clone().map(V::to_world);
-        let crowd = if V::DIMENSIONS == 2 { Crowd::on_ground(setup) } else { Crowd::in_air(setup) };
-        let crowd = crowd.map_err(|e| layout.explain(&e))?;
-        let mut happenings = scene.happenings.clone();
-        happenings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-        let num = layout.num_agents();
-        let mut agents = Self {
-            ids: crowd.ids().collect(),
-            crowd,
-            happenings,
-            happened: 0,
-            knows: vec![0; num],
-            sent: vec![0; num],
-            told: Vec::with_capacity(4 * num),
-            ticks: 0,
-            followers: Vec::new(),
-            recorded: None,
-            layout,
-        };
+        let mut layout = Layout::new(scene)?;
+        if let Some(scenario) = compiled.scenario() {
+            layout.sense(scenario);
+        }
+        let mut outside = Outside::new(layout)?;
+        for (d, door) in scene.environment.doors.iter().enumerate() {
+            if door.open {
+                outside.set_open(d as u16, true)?;
+            }
+        }
+        let mut agents = Self { outside, minds: None, followers: Vec::new(), recorded: None };
         for (g, group) in scene.groups.iter().enumerate() {
             if group.is_of_agents() && group.motion == Motion::Blend {
                 let bodies = Followers::new(compiled, g, &agents)?;
                 agents.followers.push(bodies);
             }
+        }
+        if let Some(scenario) = compiled.scenario() {
+            let doors: Vec<bool> = scene.environment.doors.iter().map(|d| d.open).collect();
+            let mut minds = Minds::new(Arc::clone(scenario), scene.seed, &doors);
+            let speeds: Vec<f32> = agents.outside.layout.setup.agents.iter().map(|a| a.speed).collect();
+            agents.outside.is_minded = true;
+            minds.begin(&mut agents.outside, &speeds)?;
+            agents.minds = Some(minds);
         }
         Ok(agents)
     }
@@ -102,155 +90,124 @@ impl<V: Space> Agents<V> {
     /// on the way; all of it is told to `on_event` in its order.
     ///
     /// # Errors
-    /// [`throng_base::Error::Text`] where the engine does not get on, or a happening's goal cannot be reached.
+    /// [`throng_base::Error::Text`] where the engine does not get on, a goal cannot be reached, or rules run in a circle.
     pub fn advance(&mut self, until_s: f64, run: &dyn Run, on_event: &mut impl FnMut(&CrowdEvent)) -> Result<()> {
+        let Self { outside, minds, .. } = self;
+        let Some(minds) = minds else {
+            let done = advance(&mut outside.crowd, until_s, run, on_event);
+            return done.map_err(|e| outside.layout.explain(&e));
+        };
         loop {
-            let next = self.happenings.get(self.happened).map_or(f64::INFINITY, |h| h.time_s);
-            let tick = if self.is_told_on() { (self.ticks + 1) as f64 * NEWS_S } else { f64::INFINITY };
-            let stop = until_s.min(next).min(tick);
-            self.advance_engine(stop, run, on_event)?;
-            if stop == next {
-                self.happen()?;
-            } else if stop == tick {
-                self.ticks += 1;
-                self.tell_on()?;
+            let next = minds.next_external_s();
+            let stop = until_s.min(next);
+            let signal = outside.crowd.advance_to_signal(stop, on_event);
+            if let Some(event) = signal.map_err(|e| outside.layout.explain(&e))? {
+                if let Some(signal) = outside.signal(&event) {
+                    minds.signal(outside, event.time, signal)?;
+                }
+            } else if stop == next {
+                minds.external(outside, stop)?;
             } else {
                 return Ok(());
             }
         }
     }
 
-    fn is_told_on(&self) -> bool {
-        self.happenings[..self.happened].iter().any(|h| h.told_on)
-    }
-
-    fn advance_engine(&mut self, until_s: f64, run: &dyn Run, on_event: &mut impl FnMut(&CrowdEvent)) -> Result<()> {
-        let (knows, told, happenings) = (&self.knows, &mut self.told, &self.happenings);
-        let mut hear = |e: &CrowdEvent| {
-            on_event(e);
-            let EventKind::Colliding { other } = e.kind else { return };
-            let (a, b) = (e.agent.index(), other.index());
-            let (who, news) = if knows[a] < knows[b] { (a, knows[b]) } else { (b, knows[a]) };
-            if knows[who] < news && happenings[news - 1].told_on {
-                told.push((who, news));
-            }
-        };
-        advance(&mut self.crowd, until_s, run, &mut hear).map_err(|e| self.layout.explain(&e))
-    }
-
-    /// The next happening: those who are near hear of it.
-    fn happen(&mut self) -> Result<()> {
-        let happening = self.happenings[self.happened].clone();
-        self.happened += 1;
-        self.ticks = (happening.time_s / NEWS_S).floor() as u64;
-        for m in 0..self.num_agents() {
-            let Some(at) = self.position(m, happening.time_s) else { continue };
-            let is_near = |n: &NearConfig| (at - point(&n.at)).length() <= n.radius_m;
-            if happening.near.as_ref().is_none_or(is_near) {
-                self.learn(m, self.happened, happening.time_s)?;
-            }
+    /// Lets an event of the scene happen now.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Unknown`] with the events that there are, and as [`Agents::advance`].
+    pub fn raise(&mut self, event: &str) -> Result<()> {
+        let now = self.outside.crowd.now();
+        match &mut self.minds {
+            Some(minds) => minds.raise(&mut self.outside, now, event),
+            None => Err(throng_base::Error::Unknown { what: "event", name: event.into(), known: Vec::new() }),
         }
-        Ok(())
     }
 
-    /// Those who met somebody that knows more know it too.
-    fn tell_on(&mut self) -> Result<()> {
-        for i in 0..self.told.len() {
-            let (m, news) = self.told[i];
-            if self.knows[m] < news {
-                self.learn(m, news, self.crowd.now())?;
-            }
-        }
-        self.told.clear();
-        Ok(())
-    }
-
-    /// An agent knows of a happening, and takes the way to its goal.
-    fn learn(&mut self, m: usize, news: usize, time_s: f64) -> Result<()> {
-        self.knows[m] = news;
-        let Some(at) = self.position(m, time_s) else { return Ok(()) };
-        let h = &self.happenings[news - 1];
-        let route = self.layout.new_way(m, at, &h.goal, (h.arrival_m, h.at_end))?;
-        let speed = h.speed_mps.unwrap_or(self.layout.setup.agents[m].speed);
-        let Route { subgoals, arrival_radius, at_end } = route.map(V::to_world);
-        let order = Go::along(subgoals).within(arrival_radius).then(at_end).at_speed(speed);
-        let sent = self.crowd.order(self.ids[m], order);
-        self.sent[m] += 1;
-        sent.map_err(|e| self.layout.explain(&e))
+    /// What agents live by; `None` in a scene that says no more than goals.
+    pub fn minds(&self) -> Option<&Minds> {
+        self.minds.as_ref()
     }
 
     /// The engine.
     pub fn crowd(&self) -> &Crowd {
-        &self.crowd
+        &self.outside.crowd
     }
 
     /// Who is there.
     pub fn layout(&self) -> &Layout<V> {
-        &self.layout
+        &self.outside.layout
     }
 
     /// Number of agents that started.
     pub fn num_agents(&self) -> usize {
-        self.ids.len()
+        self.outside.layout.num_agents()
     }
 
-    /// Name of an agent in the engine (agent < num_agents).
-    pub fn id(&self, agent: usize) -> Id {
-        self.ids[agent]
+    /// Name of an agent in the engine; `None` before it has entered (agent < num_agents).
+    pub fn id(&self, agent: usize) -> Option<Id> {
+        self.outside.ids[agent]
     }
 
     /// Where an agent is at a time that the engine knows; `None` where it has left (agent < num_agents).
     pub fn position(&self, agent: usize, time_s: f64) -> Option<V> {
-        self.crowd.position(self.ids[agent], time_s).map(V::from_world)
+        self.crowd().position(self.id(agent)?, time_s).map(V::from_world)
     }
 
     /// How an agent moves (m/s, agent < num_agents).
     pub fn velocity(&self, agent: usize, time_s: f64) -> Option<V> {
-        self.crowd.velocity(self.ids[agent], time_s).map(V::from_world)
+        self.crowd().velocity(self.id(agent)?, time_s).map(V::from_world)
     }
 
     /// How an agent moves as a Kalman filter sees it (m/s, agent < num_agents).
     pub fn smooth_velocity(&self, agent: usize) -> Option<V> {
-        self.crowd.smooth_velocity(self.ids[agent]).map(V::from_world)
+        self.crowd().smooth_velocity(self.id(agent)?).map(V::from_world)
     }
 
-    /// True for a scene in which something happens from outside.
-    pub fn has_happenings(&self) -> bool {
-        !self.happenings.is_empty()
-    }
-
-    /// Number of happenings of which an agent knows, itself or from others (agent < num_agents).
-    pub fn knows(&self, agent: usize) -> usize {
-        self.knows[agent]
+    /// Number of events of which an agent knows, itself or from others (agent < num_agents).
+    pub fn knows(&self, agent: usize) -> u32 {
+        self.minds.as_ref().map_or(0, |m| m.num_known(agent))
     }
 
     /// How often an agent was given another way (agent < num_agents).
     pub fn times_sent(&self, agent: usize) -> u32 {
-        self.sent[agent]
+        self.outside.sent[agent]
+    }
+
+    /// True once the scene's end has come.
+    pub fn has_ended(&self) -> bool {
+        self.minds.as_ref().is_some_and(Minds::has_ended)
     }
 }
 
 impl<V: Space> Kind for Agents<V> {
     fn step(&mut self, tick: &Tick<'_>, events: &mut Vec<Event>) -> Result<()> {
         let first = tick.first;
-        // Taken out, so that the engine can be told to move on.
+        // Taken out, so that the engine can be told to move on. Whoever enters meanwhile is told of from the next step on.
+        let agent_of = std::mem::take(&mut self.outside.agents_told);
         let mut recorded = self.recorded.take();
         recorded.iter_mut().for_each(Vec::clear);
         let mut tell = |e: &CrowdEvent| {
             recorded.iter_mut().for_each(|all| all.push(*e));
-            let who = first + e.agent.index();
+            let Some(&agent) = agent_of.get(e.agent.index()) else { return };
+            let who = first + agent as usize;
             events.extend(happened(e.kind).map(|happened| Event { time_s: e.time, who, happened }));
         };
         let done = self.advance(tick.until_s, tick.run, &mut tell);
         self.recorded = recorded;
+        self.outside.agents_told = agent_of;
+        self.outside.agents_told.clone_from(&self.outside.agent_of);
         done?;
-        self.followers.iter_mut().try_for_each(|f| f.step(&self.crowd, tick))
+        self.followers.iter_mut().try_for_each(|f| f.step(&self.outside, tick))?;
+        self.outside.newcomers.clear();
+        Ok(())
     }
 
     /// Nobody in the air holds ground.
     fn hold(&mut self, out: &mut Held) {
         if V::DIMENSIONS == 2 {
-            for (body, ground) in self.ids.iter().filter_map(|&id| self.crowd.held(id)) {
+            for (body, ground) in self.outside.ids.iter().filter_map(|id| self.outside.crowd.held((*id)?)) {
                 out.bodies.push(body);
                 out.ground.push(ground);
             }
@@ -258,7 +215,7 @@ impl<V: Space> Kind for Agents<V> {
     }
 
     fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
-        self.crowd.mind(others);
+        self.outside.crowd.mind(others);
     }
 
     fn save(&self, out: &mut Vec<u8>) {
@@ -275,14 +232,14 @@ impl<V: Space> Kind for Agents<V> {
 
     fn root(&self, number: usize) -> Option<Planar> {
         match self.followers_of(number) {
-            Some(f) => self.position(number, self.crowd.now()).map(|_| f.root(number)),
+            Some(f) => self.position(number, self.crowd().now()).map(|_| f.root(number)),
             None => self.disc(number).map(|d| d.root),
         }
     }
 
     fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
         let followers = self.followers_of(number)?;
-        self.position(number, self.crowd.now()).map(|_| followers.pose(number))
+        self.position(number, self.crowd().now()).map(|_| followers.pose(number))
     }
 
     fn contacts(&self, number: usize) -> Contacts {
@@ -312,12 +269,12 @@ pub struct Disc {
 impl<V: Space> Agents<V> {
     /// An agent as it is now; `None` where it has left (agent < num_agents).
     pub fn disc(&self, agent: usize) -> Option<Disc> {
-        let now = self.crowd.now();
+        let now = self.crowd().now();
         let (at, velocity) = (self.position(agent, now)?, self.velocity(agent, now)?);
-        let ahead = self.crowd.smooth_velocity(self.ids[agent]).map_or(Vec2::ZERO, plan);
-        let (centre, radius) = (in_world(at), self.layout.setup.agents[agent].radius);
+        let ahead = self.smooth_velocity(agent).map_or(Vec2::ZERO, plan);
+        let (centre, radius) = (in_world(at), self.layout().setup.agents[agent].radius);
         let root = Planar { x: centre.x, z: centre.z, heading: maths::atan2(ahead.x, ahead.y) };
-        Some(Disc { root, centre, velocity: in_world(velocity), radius, knows: self.knows[agent] > 0 })
+        Some(Disc { root, centre, velocity: in_world(velocity), radius, knows: self.knows(agent) > 0 })
     }
 
     /// The bodies among which that of an agent is.

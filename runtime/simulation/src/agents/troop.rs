@@ -70,6 +70,13 @@ impl Troop {
         self.walkers.place(self.walkers.bodies().ids[row], root)
     }
 
+    /// Lets the body of a row turn to a direction, while its agent stands (row < number of bodies).
+    pub fn face(&mut self, row: usize, ahead: Vec2) {
+        if ahead.length_squared() > 1e-4 {
+            self.controls[row].heading = Some(maths::atan2(ahead.x, ahead.y));
+        }
+    }
+
     /// Moves all bodies on, to where their agents are now.
     pub fn step(&mut self, crowd: &Crowd, dt_s: f32, run: &dyn Run) -> Result<()> {
         let now = crowd.now();

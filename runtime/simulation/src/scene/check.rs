@@ -15,7 +15,7 @@ pub(super) type Fault = (String, String);
 const MAX_BEHAVIOURS: usize = throng_core::characters::MAX_GOALS;
 
 /// Keys of a group that some kinds of motion have, and which.
-const KEYS: [(&str, &[Motion]); 18] = {
+const KEYS: [(&str, &[Motion]); 21] = {
     use Motion::{Blend, None as Bare, Patches, Policy, Sparring};
     [
         ("place", &[Bare, Blend, Policy, Sparring]),
@@ -26,6 +26,9 @@ const KEYS: [(&str, &[Motion]); 18] = {
         ("radius_m", &[Bare, Blend]),
         ("speed_mps", &[Bare, Blend]),
         ("acceleration_mps2", &[Bare, Blend]),
+        ("graph", &[Bare, Blend]),
+        ("companions", &[Bare, Blend]),
+        ("source", &[Bare, Blend]),
         ("spaces", &[Blend]),
         ("paths", &[Blend]),
         ("style_by_speed", &[Blend]),
@@ -75,6 +78,25 @@ pub(super) fn scene(scene: &Scene) -> Result<(), Fault> {
     for (i, obstacle) in scene.environment.obstacles.iter().enumerate() {
         obstacle.find_fault(&format!("environment.obstacles[{i}]"), dimensions)?;
     }
+    for (i, door) in scene.environment.doors.iter().enumerate() {
+        door.find_fault(&format!("environment.doors[{i}]"), dimensions)?;
+    }
+    for (i, site) in scene.places.iter().enumerate() {
+        site.find_fault(&format!("places[{i}]"), dimensions)?;
+    }
+    for (name, value) in &scene.values {
+        value.find_fault(&format!("values.{name}"))?;
+    }
+    for (i, relation) in scene.relations.iter().enumerate() {
+        relation.find_fault(&format!("relations[{i}]"))?;
+    }
+    for (i, event) in scene.events.iter().enumerate() {
+        event.find_fault(&format!("events[{i}]"))?;
+    }
+    check_numbers(&[
+        ("agents.telling_m", scene.agents.telling_m, 0.1, 100.0),
+        ("agents.cell_m", scene.agents.cell_m, 0.0, 1000.0),
+    ])?;
     for (i, happening) in scene.happenings.iter().enumerate() {
         happening.find_fault(&format!("happenings[{i}]"), dimensions)?;
     }
@@ -130,8 +152,16 @@ fn agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: usize) 
     }
     match &group.goal {
         Some(goal) => goal.find_fault(&at("goal"), dimensions)?,
+        None if group.graph.is_some() => {}
         None if group.motion == Motion::Blend => return fault(&at("goal"), "expected `goal` or `paths`, found none"),
         None => return fault(&at("goal"), "agents need a goal; `{ stay = {} }` lets them stand"),
+    }
+    let [least, most] = group.companions;
+    if !(1 <= least && least <= most && most <= 4) {
+        return fault(&at("companions"), format!("expected two numbers that ascend from 1 to 4, found {least} and {most}"));
+    }
+    if let Some(source) = &group.source {
+        source.find_fault(&at("source"), group.count, dimensions)?;
     }
     for (i, point) in group.via.iter().enumerate() {
         check_point(&at(&format!("via[{i}]")), point, dimensions)?;
@@ -258,7 +288,7 @@ pub(super) fn check_numbers<N: PartialOrd + Display>(numbers: &[(&str, N, N, N)]
 }
 
 /// Ranges between bounds, as (key, range, lowest, highest).
-fn check_ranges(ranges: &[(&str, [f32; 2], f32, f32)]) -> Result<(), Fault> {
+pub(super) fn check_ranges(ranges: &[(&str, [f32; 2], f32, f32)]) -> Result<(), Fault> {
     match ranges.iter().find(|(_, [from, to], low, high)| !(low <= from && from <= to && to <= high)) {
         Some((key, [from, to], low, high)) => {
             fault(key, format!("expected two numbers that ascend from {low} to {high}, found {from}, {to}"))

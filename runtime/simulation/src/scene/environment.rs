@@ -1,6 +1,7 @@
 //! Where everybody is, and how agents keep clear of each other.
 
 use super::obstacle::ObstacleConfig;
+use super::story::DoorConfig;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -16,6 +17,8 @@ pub struct EnvironmentConfig {
     pub space: SpaceConfig,
     /// What stands or moves in the way of agents.
     pub obstacles: Vec<ObstacleConfig>,
+    /// Walls that open and close.
+    pub doors: Vec<DoorConfig>,
     /// Hills of this height for groups on `paths`; 0 is level ground (m, 0 to 10).
     pub hills_m: f32,
     /// Stitched world of the groups of patches that name none of their own, relative to this file's folder.
@@ -85,6 +88,10 @@ pub struct AgentsConfig {
     #[serde(with = "engine")]
     #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub engine: Scheme,
+    /// How near two come who tell each other news, and to whom `meets` happens: between their middles (m, 0.1 to 100).
+    pub telling_m: f32,
+    /// Side of the smallest cells that have boards; 0 for none (m, 0 to 1000).
+    pub cell_m: f32,
     /// Leads agents around obstacles that stand; otherwise they go straight and only give way.
     pub routes: bool,
     /// Parameters of the force field; those left out are as they come.
@@ -94,7 +101,7 @@ pub struct AgentsConfig {
 
 impl Default for AgentsConfig {
     fn default() -> Self {
-        Self { engine: Scheme::default(), routes: true, field: Field::default() }
+        Self { engine: Scheme::default(), telling_m: 2.0, cell_m: 0.0, routes: true, field: Field::default() }
     }
 }
 

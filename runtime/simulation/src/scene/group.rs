@@ -2,6 +2,7 @@
 
 use super::goal::{AtEndConfig, GoalConfig, scale};
 use super::place::PlaceConfig;
+use super::story::SourceConfig;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -48,6 +49,16 @@ pub struct GroupConfig {
     /// Of agents: largest accelerations, least and most (m/s^2, 0.01 to 1000).
     #[serde(default = "acceleration")]
     pub acceleration_mps2: [f32; 2],
+
+    /// Of agents: the social graph by which they live, in place of a goal.
+    #[serde(default)]
+    pub graph: Option<String>,
+    /// Of agents: walk in small groups of so many, least and most (1 to 4).
+    #[serde(default = "alone")]
+    pub companions: [usize; 2],
+    /// Of agents: how they enter while time runs.
+    #[serde(default)]
+    pub source: Option<SourceConfig>,
 
     /// Of `blend`: blend spaces of the bundle; characters take them in turn (>= 1).
     #[serde(default)]
@@ -114,19 +125,23 @@ impl Motion {
     }
 }
 
-fn arrival() -> f32 {
+fn alone() -> [usize; 2] {
+    [1; 2]
+}
+
+pub(super) fn arrival() -> f32 {
     0.5
 }
 
-fn radius() -> [f32; 2] {
+pub(super) fn radius() -> [f32; 2] {
     [0.3; 2]
 }
 
-fn speed() -> [f32; 2] {
+pub(super) fn speed() -> [f32; 2] {
     [1.3; 2]
 }
 
-fn acceleration() -> [f32; 2] {
+pub(super) fn acceleration() -> [f32; 2] {
     [5.0; 2]
 }
 

@@ -25,8 +25,7 @@ pub struct HappeningConfig {
     /// What is done there.
     #[serde(default)]
     pub at_end: AtEndConfig,
-    /// Who knows tells those whom they have to give way to: the news pass on at colliding events. The fixed engine has none, so
-    /// that nobody tells.
+    /// Who knows tells those that come near, see `agents.telling_m`.
     #[serde(default)]
     pub told_on: bool,
 }

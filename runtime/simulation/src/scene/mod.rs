@@ -9,6 +9,7 @@ mod measure;
 mod obstacle;
 mod old;
 mod place;
+mod story;
 
 pub use environment::{AgentsConfig, EnvironmentConfig, SpaceConfig, engine};
 pub use goal::{AtEndConfig, GoalConfig};
@@ -21,8 +22,13 @@ pub use measure::{GateConfig, LanesConfig, MeasureConfig, PictureConfig, ShownSt
 pub(crate) use obstacle::point;
 pub use obstacle::{BoxConfig, DiscConfig, MoverConfig, ObstacleConfig, PolygonConfig, WallConfig, WayPoint};
 pub use place::PlaceConfig;
+pub use story::{
+    ActionConfig, DoConfig, DoorConfig, EdgeConfig, EndConfig, EventConfig, GraphConfig, LevelConfig, QueueConfig,
+    RelationConfig, RuleConfig, SiteConfig, SlotConfig, SourceConfig, StateConfig, UnitsConfig, ValueConfig, WordConfig,
+};
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use throng_base::maths;
 use throng_base::text::Source;
@@ -42,6 +48,10 @@ pub struct Scene {
     /// How long it runs unless told otherwise (s, 0.001 to 100000).
     #[serde(default = "seconds")]
     pub seconds: f64,
+    /// What all lengths, speeds and accelerations of this file are in, whatever their keys end with; expressions and
+    /// `[agents.field]` are in metres.
+    #[serde(default)]
+    pub units: UnitsConfig,
     /// Bundle of the groups that name none of their own, relative to this file's folder.
     #[serde(default)]
     pub bundle: Option<PathBuf>,
@@ -56,9 +66,33 @@ pub struct Scene {
     pub agents: AgentsConfig,
     /// Who is there (>= 1).
     pub groups: Vec<GroupConfig>,
-    /// What agents hear of.
+    /// What agents hear of: each is an event with one rule, by which those who know go to its goal.
     #[serde(default)]
     pub happenings: Vec<HappeningConfig>,
+    /// Where agents come to: stores, pictures, guideposts, queues.
+    #[serde(default)]
+    pub places: Vec<SiteConfig>,
+    /// What agents feel, by name.
+    #[serde(default)]
+    pub values: BTreeMap<String, ValueConfig>,
+    /// What they feel for each other and for places; of several that apply, the last counts.
+    #[serde(default)]
+    pub relations: Vec<RelationConfig>,
+    /// What happens.
+    #[serde(default)]
+    pub events: Vec<EventConfig>,
+    /// Lists of actions, by name.
+    #[serde(default)]
+    pub behaviours: BTreeMap<String, Vec<ActionConfig>>,
+    /// How agents react; of several that fit, the first is followed.
+    #[serde(default)]
+    pub rules: Vec<RuleConfig>,
+    /// State-transition graphs, by name.
+    #[serde(default)]
+    pub graphs: BTreeMap<String, GraphConfig>,
+    /// When it ends before its time.
+    #[serde(default)]
+    pub end: EndConfig,
     /// What is measured, beside what always is.
     #[serde(default)]
     pub measure: MeasureConfig,
@@ -108,6 +142,7 @@ impl Scene {
         let folder = path.parent().unwrap_or(Path::new(""));
         scene.paths_mut().for_each(|p| *p = folder.join(&*p));
         scene.source = source;
+        scene.to_metres();
         check::foreign_keys(&scene)?;
         scene.check()?;
         Ok(scene)
@@ -124,6 +159,20 @@ impl Scene {
     /// An error about a key, such as `groups[0].place`.
     pub fn fault(&self, key: &str, why: impl std::fmt::Display) -> Error {
         self.source.at(key, format!("key `{key}`: {why}"))
+    }
+
+    /// An error about a key, at a byte of the text that its value holds.
+    pub(crate) fn fault_within(&self, key: &str, byte: Option<usize>, why: impl std::fmt::Display) -> Error {
+        let why = format!("key `{key}`: {why}");
+        byte.map_or_else(|| self.source.at(key, why.clone()), |byte| self.source.within(key, byte, why.clone()))
+    }
+
+    /// True where agents live by more than a goal.
+    pub fn has_story(&self) -> bool {
+        !self.happenings.is_empty()
+            || !self.events.is_empty()
+            || !self.rules.is_empty()
+            || self.groups.iter().any(|g| g.graph.is_some() || g.source.is_some())
     }
 
     /// Number of all characters and agents.
@@ -181,6 +230,68 @@ impl Scene {
         self.groups.iter_mut().for_each(|g| g.stretch(by));
         self.environment.obstacles.iter_mut().filter(|o| o.grows).for_each(|o| o.stretch(by));
         self.happenings.iter_mut().for_each(|h| h.stretch(by));
+        self.places.iter_mut().for_each(|p| p.stretch(by, false));
+        self.environment.doors.iter_mut().for_each(|d| d.stretch(by));
+        self.stretch_story(by, false);
+    }
+
+    /// Multiplies lengths of actions: points, and words where they are converted.
+    fn stretch_story(&mut self, by: f32, also_words: bool) {
+        self.behaviours.values_mut().for_each(|b| story::stretch_actions(b, by, also_words));
+        self.rules.iter_mut().for_each(|r| r.does.stretch(by, also_words));
+        let states = self.graphs.values_mut().flat_map(|g| g.states.values_mut());
+        states.filter_map(|s| s.does.as_mut()).for_each(|d| d.stretch(by, also_words));
+    }
+
+    /// Takes all lengths, speeds and accelerations to metres.
+    fn to_metres(&mut self) {
+        if self.units == UnitsConfig::M {
+            return;
+        }
+        const INCH_M: f32 = 0.0254;
+        let inches = |length: &mut f32, otherwise: f32| *length *= if *length == otherwise { 1.0 } else { INCH_M };
+        self.units = UnitsConfig::M;
+        for group in &mut self.groups {
+            group.stretch(INCH_M);
+            if let Some(PlaceConfig::Ring { spacing_m, .. }) = &mut group.place {
+                *spacing_m *= INCH_M;
+            }
+            // What the file leaves out stays what it is in metres.
+            let ranges = [
+                (&mut group.radius_m, group::radius()),
+                (&mut group.speed_mps, group::speed()),
+                (&mut group.acceleration_mps2, group::acceleration()),
+            ];
+            for (range, otherwise) in ranges {
+                if *range != otherwise {
+                    *range = range.map(|length| length * INCH_M);
+                }
+            }
+            inches(&mut group.arrival_m, group::arrival());
+            if let Some(place) = group.source.as_mut().and_then(|s| s.place.as_mut()) {
+                place.stretch(INCH_M);
+            }
+        }
+        for obstacle in &mut self.environment.obstacles {
+            obstacle.stretch(INCH_M);
+            obstacle.scale_radius(INCH_M);
+        }
+        for door in &mut self.environment.doors {
+            door.stretch(INCH_M);
+            door.radius_m *= INCH_M;
+        }
+        for h in &mut self.happenings {
+            h.stretch(INCH_M);
+            inches(&mut h.arrival_m, group::arrival());
+            h.speed_mps.iter_mut().for_each(|s| *s *= INCH_M);
+        }
+        self.places.iter_mut().for_each(|p| p.stretch(INCH_M, true));
+        inches(&mut self.agents.telling_m, AgentsConfig::default().telling_m);
+        self.agents.cell_m *= INCH_M;
+        if let Some(gate) = &mut self.measure.gate {
+            gate.from.iter_mut().chain(&mut gate.to).for_each(|x| *x *= INCH_M);
+        }
+        self.stretch_story(INCH_M, true);
     }
 
     /// All that it says, whichever files hold it and its bundles.

@@ -155,6 +155,16 @@ impl ObstacleConfig {
         }
     }
 
+    /// Multiplies its thickness.
+    pub(super) fn scale_radius(&mut self, by: f32) {
+        let radii = [
+            self.disc.as_mut().map(|d| &mut d.radius_m),
+            self.mover.as_mut().map(|m| &mut m.radius_m),
+            self.wall.as_mut().map(|w| &mut w.radius_m),
+        ];
+        radii.into_iter().flatten().for_each(|radius| *radius *= by);
+    }
+
     /// What the crowd is given; a wall of several lines is several obstacles.
     pub fn obstacles<V: Space>(&self) -> Vec<Obstacle<V>> {
         let mut out = Vec::new();

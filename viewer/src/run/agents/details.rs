@@ -55,8 +55,8 @@ pub fn first_agent(simulation: &Simulation) -> Option<usize> {
 /// The engine that an agent is in, and its name there; none for other characters.
 fn engine(simulation: &Simulation, who: usize) -> Option<(&Crowd, Id)> {
     match simulation.locate(who) {
-        (GroupCast::Ground(agents), member) => Some((agents.crowd(), agents.id(member))),
-        (GroupCast::Air(agents), member) => Some((agents.crowd(), agents.id(member))),
+        (GroupCast::Ground(agents), member) => Some((agents.crowd(), agents.id(member)?)),
+        (GroupCast::Air(agents), member) => Some((agents.crowd(), agents.id(member)?)),
         _ => None,
     }
 }

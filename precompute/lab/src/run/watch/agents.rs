@@ -203,7 +203,7 @@ impl<V: Space> AgentWatch<V> {
             stuck_at_end: self.progress.stuck_at(agents.crowd().now()),
             desired_mps: speeds.sum::<f64>() / n as f64,
             arrived: self.progress.arrived(),
-            informed: agents.has_happenings().then(|| self.agents.iter().filter(knows).count()),
+            informed: agents.minds().is_some_and(|m| m.has_events()).then(|| self.agents.iter().filter(knows).count()),
             lane_order: self.lanes.as_ref().and_then(LaneMeter::last),
             flow: self.gate.as_ref().map(GateMeter::flow),
             hips_off_max_m: self.hips_off_max_m,

@@ -1,0 +1,158 @@
+//! Billboards: one for all, and one for each cell of a hierarchy of cells (Kim, Kim and Shin 2003a, section 3.1).
+
+use super::tables::{BoardTable, NONE};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// Most posts on boards of cells at a time; the oldest gives way.
+const POSTS: usize = 4096;
+/// Lists of posts by their cells.
+const BUCKETS: usize = 1024;
+
+/// All boards.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Boards {
+    cell_m: f32,
+    levels: u32,
+    /// Of each event: until when the global board shows it (s).
+    global: Vec<f64>,
+    posts: Vec<Post>,
+    /// First post of each bucket.
+    first: Vec<u32>,
+    /// Number of posts that there ever were: the next one takes this place, modulo their number.
+    count: u64,
+}
+
+/// A post on the board of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Post {
+    event: u16,
+    level: u32,
+    cell: [i32; 2],
+    until: f64,
+    /// In the list of its bucket.
+    next: u32,
+}
+
+impl Boards {
+    pub fn new(table: BoardTable, num_events: usize) -> Self {
+        let has_cells = table.cell_m > 0.0;
+        Self {
+            cell_m: table.cell_m,
+            levels: table.levels,
+            global: vec![f64::NEG_INFINITY; num_events],
+            posts: Vec::with_capacity(if has_cells { POSTS } else { 0 }),
+            first: vec![NONE; if has_cells { BUCKETS } else { 0 }],
+            count: 0,
+        }
+    }
+
+    /// Shows an event until a time: on the global board, or on that of the cell of a level at a place.
+    pub fn post(&mut self, event: u16, cell: Option<(Vec3, u32)>, until: f64) {
+        let Some((at, level)) = cell else {
+            self.global[usize::from(event)] = until;
+            return;
+        };
+        let level = level.min(self.levels - 1);
+        let cell = self.cell(at, level);
+        let bucket = bucket(level, cell);
+        let mut number = self.first[bucket];
+        while number != NONE {
+            let post = &mut self.posts[number as usize];
+            if (post.event, post.level, post.cell) == (event, level, cell) {
+                post.until = until;
+                return;
+            }
+            number = post.next;
+        }
+        let place = (self.count % POSTS as u64) as usize;
+        self.count += 1;
+        let post = Post { event, level, cell, until, next: self.first[bucket] };
+        if place == self.posts.len() {
+            self.posts.push(post);
+            self.first[bucket] = place as u32;
+        } else {
+            self.unlink(place as u32);
+            self.posts[place] = Post { next: self.first[bucket], ..post };
+            self.first[bucket] = place as u32;
+        }
+    }
+
+    fn unlink(&mut self, number: u32) {
+        let old = self.posts[number as usize];
+        let bucket = bucket(old.level, old.cell);
+        if self.first[bucket] == number {
+            self.first[bucket] = old.next;
+            return;
+        }
+        let mut at = self.first[bucket];
+        while at != NONE {
+            let next = self.posts[at as usize].next;
+            if next == number {
+                self.posts[at as usize].next = old.next;
+                return;
+            }
+            at = next;
+        }
+    }
+
+    /// Events on the global board.
+    pub fn global(&self, now: f64) -> u64 {
+        self.global.iter().enumerate().filter(|(_, until)| now <= **until).fold(0, |bits, (e, _)| bits | 1 << e)
+    }
+
+    /// Events on the boards that are read at a place: the global one, and those of the cells of all levels.
+    pub fn at(&self, at: Vec3, now: f64) -> u64 {
+        let mut news = self.global(now);
+        if self.posts.is_empty() {
+            return news;
+        }
+        for level in 0..self.levels {
+            let cell = self.cell(at, level);
+            let mut number = self.first[bucket(level, cell)];
+            while number != NONE {
+                let post = &self.posts[number as usize];
+                if (post.level, post.cell) == (level, cell) && now <= post.until {
+                    news |= 1 << post.event;
+                }
+                number = post.next;
+            }
+        }
+        news
+    }
+
+    /// All posts that are shown, for pictures: middle of the cell, its side (m), and the event.
+    pub fn shown(&self, now: f64) -> impl Iterator<Item = ([f32; 2], f32, u16)> + '_ {
+        self.posts.iter().filter(move |p| now <= p.until).map(|p| {
+            let side = self.cell_m * (1 << p.level) as f32;
+            (p.cell.map(|c| (c as f32 + 0.5) * side), side, p.event)
+        })
+    }
+
+    fn cell(&self, at: Vec3, level: u32) -> [i32; 2] {
+        let side = self.cell_m * (1 << level) as f32;
+        [(at.x / side).floor() as i32, (at.z / side).floor() as i32]
+    }
+
+    /// Why boards from outside cannot be those of a scenario.
+    pub fn is_like(&self, own: &Self) -> bool {
+        let is_in = |number: u32| number == NONE || (number as usize) < self.posts.len();
+        let links = self.first.iter().copied().chain(self.posts.iter().map(|p| p.next));
+        // Lists end: every post is in one list, once.
+        let mut links = links.filter(|n| *n != NONE).collect::<Vec<_>>();
+        links.sort_unstable();
+        (self.cell_m, self.levels, self.global.len(), self.first.len())
+            == (own.cell_m, own.levels, own.global.len(), own.first.len())
+            && self.posts.len() <= POSTS
+            && self.posts.len() == (self.count.min(POSTS as u64) as usize).min(self.posts.len().max(self.count as usize))
+            && links.iter().all(|n| is_in(*n))
+            && links.windows(2).all(|w| w[0] != w[1])
+            && links.len() == self.posts.len()
+            && self.posts.iter().all(|p| usize::from(p.event) < self.global.len() && p.level < self.levels)
+    }
+}
+
+fn bucket(level: u32, [x, z]: [i32; 2]) -> usize {
+    let mixed = (x as u32).wrapping_mul(0x9E37_79B1) ^ (z as u32).wrapping_mul(0x85EB_CA77) ^ level.wrapping_mul(0xC2B2_AE3D);
+    (mixed ^ mixed >> 15) as usize % BUCKETS
+}

@@ -1,0 +1,377 @@
+//! Behaviours: actions one after the other, the slots that they take, and the effects that they have.
+
+use super::language::{Amount, Spot};
+use super::mind::{Context, NO, Phase};
+use super::minds::{Minds, at_place};
+use super::perceive::View;
+use super::stage::Stage;
+use super::tables::{Action, Claims, NONE, trigger};
+use super::verbs::{Deed, Effect, Operand, Said, Sight, WORDS, Walk};
+use glam::Vec3;
+use throng_base::Result;
+
+/// How near to a slot is there (m).
+const SLOT_M: f32 = 0.15;
+
+impl Minds {
+    /// Begins a behaviour that is about an event.
+    pub(super) fn start(&mut self, stage: &mut impl Stage, agent: u32, actions: u32, context: Context) -> Result<()> {
+        let mind = &mut self.minds[agent as usize];
+        mind.context = context;
+        self.enter_action(stage, agent, actions)
+    }
+
+    /// The action of an agent is over.
+    pub(super) fn next_action(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
+        let mind = self.minds[agent as usize];
+        if let Action::Primitive { .. } = self.action(mind.action) {
+            // What was asked for a while is over.
+            stage.set_speed(agent, mind.speed)?;
+            stage.show(agent, None, None);
+        }
+        self.enter_action(stage, agent, mind.action + 1)
+    }
+
+    /// Does what takes no time, up to the first action that does.
+    fn enter_action(&mut self, stage: &mut impl Stage, agent: u32, first: u32) -> Result<()> {
+        let m = agent as usize;
+        let mut at = first;
+        loop {
+            let mind = &mut self.minds[m];
+            (mind.action, mind.phase) = (at, Phase::Idle);
+            (mind.until, mind.again, mind.most) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+            match self.action(at) {
+                Action::End => return self.end_behaviour(stage, agent),
+                Action::Primitive { .. } => return self.perform(stage, agent, false),
+                action => {
+                    let context = self.minds[m].context;
+                    self.affect(stage, agent, action, context)?;
+                }
+            }
+            at += 1;
+        }
+    }
+
+    /// After its last action: back to what a rule interrupted, or `done`.
+    fn end_behaviour(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
+        let mind = &mut self.minds[agent as usize];
+        if !mind.is_busy {
+            self.push(agent, trigger::DONE, Context::default());
+            return Ok(());
+        }
+        (mind.is_busy, mind.priority) = (false, i8::MIN);
+        let resumed = std::mem::replace(&mut mind.resumed, NONE);
+        mind.context = mind.resumed_context;
+        mind.action = resumed;
+        if resumed == NONE {
+            return if mind.states[0] == NO && mind.states[1] == NO && mind.states[2] == NO {
+                stage.resume(agent)
+            } else {
+                Ok(())
+            };
+        }
+        self.enter_action(stage, agent, resumed)
+    }
+
+    /// Does actions that take no time.
+    pub(super) fn do_at_once(&mut self, stage: &mut impl Stage, agent: u32, first: u32, context: Context) -> Result<()> {
+        let mut at = first;
+        loop {
+            match self.action(at) {
+                Action::End => return Ok(()),
+                action => self.affect(stage, agent, action, context)?,
+            }
+            at += 1;
+        }
+    }
+
+    /// Begins a primitive behaviour, or asks its function anew.
+    pub(super) fn perform(&mut self, stage: &mut impl Stage, agent: u32, is_again: bool) -> Result<()> {
+        let m = agent as usize;
+        let mind = self.minds[m];
+        let Action::Primitive { number, words, motion, way, claims } = self.action(mind.action) else {
+            return Ok(());
+        };
+        let context = mind.context;
+        let mut said = self.said(stage, agent, context, &words);
+        if claims == Claims::Nothing {
+            self.release(stage, agent)?;
+        } else if let Some(place) = self.place_of(&words[0], context) {
+            let [first, last] = self.scenario.places[usize::from(place)].slots;
+            if first == last {
+                said.arrival_m = (0.8 * self.scenario.places[usize::from(place)].radius_m).max(0.5);
+            } else if let Some(slot) = self.claim(stage, agent, place, claims)? {
+                let slot = self.scenario.slots[slot as usize];
+                (said.targets[0], said.facing, said.arrival_m) = (Some(slot.at), Some(slot.facing), SLOT_M);
+            } else {
+                self.push(agent, trigger::FULL, at_place(place));
+                return self.next_action(stage, agent);
+            }
+        }
+        let position = stage.position(agent).unwrap_or_default();
+        let sight = Sight {
+            time_s: self.now,
+            position,
+            velocity: stage.velocity(agent),
+            desired_mps: mind.speed,
+            home: Vec3::from_array(mind.home),
+            chance: [self.chance(agent) as f32, self.chance(agent) as f32],
+        };
+        let deed = (self.scenario.primitives.get(number).act)(&sight, &said);
+        if let Some(speed) = deed.speed_mps {
+            stage.set_speed(agent, speed)?;
+        }
+        let mind = &mut self.minds[m];
+        if !is_again {
+            mind.most = self.now + deed.most_s;
+        }
+        mind.again = if deed.again_s > 0.0 { self.now + deed.again_s } else { f64::INFINITY };
+        let goes = match deed.walk {
+            Walk::Keep => return self.stand_until(agent, deed.stay_s),
+            Walk::Halt => {
+                stage.halt(agent)?;
+                stage.show(agent, motion, deed.faces);
+                return if deed.stay_s > 0.0 {
+                    self.stand_until(agent, deed.stay_s)
+                } else {
+                    self.next_action(stage, agent)
+                };
+            }
+            Walk::To { at, arrival_m } if position.distance(at) <= arrival_m => {
+                self.minds[m].phase = Phase::Walking;
+                return self.arrived(stage, agent);
+            }
+            Walk::To { at, arrival_m } => stage.go(agent, at, arrival_m, false)?,
+            Walk::Out { at } => stage.go(agent, at, 0.5, true)?,
+            Walk::Along => {
+                let scenario = self.scenario.clone();
+                let points = way.map_or(&[] as &[Vec3], |w| &scenario.ways[usize::from(w)]);
+                stage.follow(agent, points, words[2] == Operand::Flag(true))?
+            }
+        };
+        self.minds[m].phase = Phase::Walking;
+        if !goes {
+            self.push(agent, trigger::STUCK, Context::default());
+            return self.next_action(stage, agent);
+        }
+        Ok(())
+    }
+
+    fn stand_until(&mut self, agent: u32, stay_s: f64) -> Result<()> {
+        let mind = &mut self.minds[agent as usize];
+        (mind.phase, mind.until) = (Phase::Standing, self.now + stay_s);
+        Ok(())
+    }
+
+    /// An agent is where its action led it.
+    pub(super) fn arrived(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
+        let m = agent as usize;
+        let mind = self.minds[m];
+        let Action::Primitive { number, words, motion, claims, .. } = self.action(mind.action) else {
+            return Ok(());
+        };
+        let mut said = self.said(stage, agent, mind.context, &words);
+        if let Some(slot) = self.scenario.slots.get(mind.slot as usize) {
+            (said.targets[0], said.facing) = (Some(slot.at), Some(slot.facing));
+        }
+        if let Claims::Queue(into) = claims {
+            stage.show(agent, motion, said.facing);
+            let place = self.scenario.slots[mind.slot as usize].place;
+            let is_first = mind.slot == self.scenario.places[usize::from(place)].slots[0];
+            self.minds[m].phase = Phase::Waiting;
+            let goes_on = is_first && into.is_none_or(|into| self.free_slot(into, stage.position(agent)).is_some());
+            if !goes_on {
+                return Ok(());
+            }
+            if let Some(into) = into {
+                self.claim(stage, agent, into, Claims::Slot)?;
+            }
+            return self.next_action(stage, agent);
+        }
+        let sight = Sight {
+            time_s: self.now,
+            position: stage.position(agent).unwrap_or_default(),
+            velocity: Vec3::ZERO,
+            desired_mps: mind.speed,
+            home: Vec3::from_array(mind.home),
+            chance: [0.0; 2],
+        };
+        let deed: Deed = (self.scenario.primitives.get(number).act)(&sight, &said);
+        if deed.stay_s <= 0.0 {
+            return self.next_action(stage, agent);
+        }
+        stage.show(agent, motion, deed.faces);
+        self.stand_until(agent, deed.stay_s)
+    }
+
+    /// What the words of an action say now.
+    fn said(&mut self, stage: &impl Stage, agent: u32, context: Context, words: &[Operand; WORDS]) -> Said {
+        let mut said = Said { arrival_m: 0.5, ..Said::default() };
+        for (i, word) in words.iter().enumerate() {
+            match *word {
+                Operand::Amount(amount) => said.amounts[i] = Some(self.amount(stage, agent, context, amount)),
+                Operand::Flag(flag) => said.amounts[i] = Some(f64::from(u8::from(flag))),
+                Operand::Point(at) => said.targets[i] = Some(Vec3::from_array(at)),
+                Operand::Spot(spot) => {
+                    let mut draws = 0;
+                    said.targets[i] = View { minds: self, stage, agent, context, draws: &mut draws }.spot(spot);
+                }
+                Operand::Arrow => {
+                    let arrow = self.scenario.places.get(usize::from(context.place)).and_then(|p| p.arrow);
+                    said.targets[i] = arrow.map(|to| self.scenario.places[usize::from(to)].at);
+                }
+                Operand::Nothing | Operand::Number(_) => {}
+            }
+        }
+        said
+    }
+
+    fn amount(&mut self, stage: &impl Stage, agent: u32, context: Context, amount: Amount) -> f64 {
+        let mut draws = self.minds[agent as usize].draws;
+        self.evaluations += u64::from(matches!(amount, Amount::Program(_)));
+        let value =
+            self.scenario.amount(amount, &mut View { minds: self, stage, agent, context, draws: &mut draws });
+        self.minds[agent as usize].draws = draws;
+        value
+    }
+
+    fn place_of(&self, word: &Operand, context: Context) -> Option<u16> {
+        match *word {
+            Operand::Spot(Spot::Place(place)) => Some(place),
+            Operand::Spot(Spot::Here) => Some(context.place).filter(|p| *p != NO),
+            _ => None,
+        }
+    }
+
+    /// Has an effect.
+    fn affect(&mut self, stage: &mut impl Stage, agent: u32, action: Action, context: Context) -> Result<()> {
+        let (effect, words) = match action {
+            Action::Effect(effect, words) => (effect, words),
+            Action::Happening(number) => return stage.follow_happening(agent, number),
+            _ => return Ok(()),
+        };
+        let said = self.said(stage, agent, context, &words);
+        let number = if let Operand::Number(number) = words[0] { number } else { 0 };
+        match effect {
+            Effect::Set => self.change_value(agent, number, |f| f.value = said.amount(1, 0.0) as f32),
+            Effect::Add => self.change_value(agent, number, |f| f.value += said.amount(1, 0.0) as f32),
+            Effect::Rate => self.change_value(agent, number, |f| f.rate = said.amount(1, 0.0) as f32),
+            Effect::Speed => {
+                let speed = said.amount(0, 0.0).clamp(0.0, 100.0) as f32;
+                self.minds[agent as usize].speed = speed;
+                stage.set_speed(agent, speed)?;
+            }
+            Effect::Post => {
+                self.happened[usize::from(number)] = self.now;
+                let until = self.now + said.amount(2, f64::INFINITY);
+                let at = stage.position(agent).unwrap_or_default();
+                let cell = said.amounts[1].map(|level| (at, level.clamp(0.0, 30.0) as u32));
+                self.boards.post(number, cell, until);
+            }
+            Effect::Learn => {
+                let event = usize::from(number);
+                if self.happened[event] == f64::NEG_INFINITY {
+                    self.happened[event] = self.now;
+                }
+                let context = Context { event: number, ..Context::default() };
+                self.learn(stage, agent, context);
+            }
+            Effect::Convey => {
+                let (within_m, strength) = (said.amount(1, 5.0) as f32, said.amount(2, 1.0) as f32);
+                self.convey(stage, agent, number, within_m, strength, said.amount(3, 0.0) > 0.0);
+            }
+            Effect::Befriend if context.other != NONE => self.befriend(agent, context.other, said.amount(0, 0.0) as f32),
+            Effect::Befriend => {}
+            Effect::Open => self.set_open(stage, usize::from(number), true)?,
+            Effect::Close => self.set_open(stage, usize::from(number), false)?,
+            Effect::Release => self.release(stage, agent)?,
+            Effect::Timer => self.minds[agent as usize].timer = self.now + said.amount(0, 0.0).max(0.0),
+        }
+        Ok(())
+    }
+
+    /// One likes another more: the oldest bond of four is forgotten.
+    fn befriend(&mut self, agent: u32, other: u32, by: f32) {
+        let bonds = &mut self.bonds[agent as usize];
+        let old = bonds.iter().position(|b| b.0 == other);
+        let liking = old.map_or(0.0, |i| bonds[i].1) + by;
+        bonds[..=old.unwrap_or(3)].rotate_right(1);
+        bonds[0] = (other, liking.clamp(-2.0, 2.0));
+    }
+
+    /// The free slot of a place that is nearest to one; in a queue, the one behind the last who waits.
+    fn free_slot(&self, place: u16, near: Option<Vec3>) -> Option<u32> {
+        let table = &self.scenario.places[usize::from(place)];
+        let [first, last] = table.slots;
+        let is_free = |slot: &u32| self.holders[*slot as usize] == NONE;
+        if table.is_queue {
+            let behind = (first..last).rev().find(|s| !is_free(s)).map_or(first, |s| s + 1);
+            return (behind < last).then_some(behind);
+        }
+        let near = near.unwrap_or(table.at);
+        let far = |slot: &u32| self.scenario.slots[*slot as usize].at.distance_squared(near);
+        (first..last).filter(is_free).min_by(|a, b| far(a).total_cmp(&far(b)))
+    }
+
+    /// Takes a slot of a place, and gives back any other; keeps the one that it has there.
+    fn claim(&mut self, stage: &mut impl Stage, agent: u32, place: u16, claims: Claims) -> Result<Option<u32>> {
+        let held = self.minds[agent as usize].slot;
+        if held != NONE && self.scenario.slots[held as usize].place == place {
+            return Ok(Some(held));
+        }
+        debug_assert!(claims != Claims::Nothing);
+        let Some(slot) = self.free_slot(place, stage.position(agent)) else { return Ok(None) };
+        self.holders[slot as usize] = agent;
+        self.release(stage, agent)?;
+        self.minds[agent as usize].slot = slot;
+        Ok(Some(slot))
+    }
+
+    /// Gives back the slot of an agent: those behind it in a queue move up, and who waits for it goes on.
+    pub(super) fn release(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
+        let slot = std::mem::replace(&mut self.minds[agent as usize].slot, NONE);
+        if slot == NONE {
+            return Ok(());
+        }
+        self.holders[slot as usize] = NONE;
+        let place = self.scenario.slots[slot as usize].place;
+        let table = &self.scenario.places[usize::from(place)];
+        let ([_, last], is_queue) = (table.slots, table.is_queue);
+        if is_queue {
+            for behind in slot + 1..last {
+                let holder = self.holders[behind as usize];
+                if holder == NONE {
+                    break;
+                }
+                self.holders[behind as usize - 1] = std::mem::replace(&mut self.holders[behind as usize], NONE);
+                self.minds[holder as usize].slot = behind - 1;
+                self.touch(holder);
+                if matches!(self.minds[holder as usize].phase, Phase::Walking | Phase::Waiting) {
+                    self.minds[holder as usize].phase = Phase::Walking;
+                    stage.show(holder, None, None);
+                    stage.go(holder, self.scenario.slots[behind as usize - 1].at, SLOT_M, false)?;
+                }
+            }
+            return Ok(());
+        }
+        // The heads of the queues that lead here.
+        for queue in 0..self.scenario.places.len() {
+            let table = &self.scenario.places[queue];
+            if !table.is_queue || table.slots[0] == table.slots[1] {
+                continue;
+            }
+            let head = self.holders[table.slots[0] as usize];
+            if head == NONE || self.minds[head as usize].phase != Phase::Waiting {
+                continue;
+            }
+            if let Action::Primitive { claims: Claims::Queue(Some(into)), .. } =
+                self.action(self.minds[head as usize].action)
+                && into == place
+            {
+                self.touch(head);
+                return self.arrived(stage, head);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,21 @@
+//! Scenarios: people live by rules, state graphs, moods, and what they have seen or been told (Kim, Kim and Shin 2003a,
+//! section 3, and 2003b, section 3). Compiled before the run to flat tables; looked at only when something happens.
+
+mod boards;
+mod compile;
+mod deeds;
+mod language;
+mod mind;
+mod minds;
+mod perceive;
+mod snapshot;
+mod stage;
+mod tables;
+mod verbs;
+
+pub use mind::{Learnt, Mind};
+pub use minds::{Minds, Signal};
+pub use stage::Stage;
+pub use tables::Scenario;
+pub(crate) use perceive::hashed;
+pub use verbs::{Deed, Primitive, Primitives, Said, Sight, Walk, Word};

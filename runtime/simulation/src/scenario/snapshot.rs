@@ -1,0 +1,155 @@
+//! Keeping minds.
+
+use super::boards::Boards;
+use super::mind::{Context, Feeling, Learnt, Mind, NO, Reason};
+use super::minds::Minds;
+use super::tables::NONE;
+use crate::kind::refused;
+use serde::{Deserialize, Serialize};
+use throng_base::{Result, SnapshotKind};
+
+const KIND: SnapshotKind = SnapshotKind { what: "minds", tag: *b"MIND", version: 1, setup: 0 };
+
+/// All that time changes. Names are those of [`Minds`].
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    now: f64,
+    minds: Vec<Mind>,
+    feelings: Vec<Feeling>,
+    learnt: Vec<Option<Learnt>>,
+    followed: Vec<f64>,
+    bonds: Vec<[(u32, f32); 4]>,
+    holders: Vec<u32>,
+    is_open: Vec<bool>,
+    closing: Vec<f64>,
+    due: Vec<f64>,
+    times: Vec<u32>,
+    happened: Vec<f64>,
+    was_true: Vec<bool>,
+    enters: Vec<f64>,
+    entered: Vec<u32>,
+    boards: Boards,
+    ended: bool,
+}
+
+impl Minds {
+    /// Appends all that time changes: between two calls, nothing else is left to do.
+    pub fn save(&self, out: &mut Vec<u8>) {
+        let saved = Saved {
+            now: self.now,
+            minds: self.minds.clone(),
+            feelings: self.feelings.clone(),
+            learnt: self.learnt.clone(),
+            followed: self.followed.clone(),
+            bonds: self.bonds.clone(),
+            holders: self.holders.clone(),
+            is_open: self.is_open.clone(),
+            closing: self.closing.clone(),
+            due: self.due.clone(),
+            times: self.times.clone(),
+            happened: self.happened.clone(),
+            was_true: self.was_true.clone(),
+            enters: self.enters.clone(),
+            entered: self.entered.clone(),
+            boards: self.boards.clone(),
+            ended: self.ended,
+        };
+        KIND.write(&saved, out);
+    }
+
+    /// Goes back to minds of the same scenario at a time (s).
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Snapshot`]; nothing has changed then.
+    pub fn load(&mut self, bytes: &[u8], time_s: f64) -> Result<()> {
+        let saved: Saved = KIND.read_all(bytes)?;
+        self.check(&saved, time_s).map_err(|why| refused(KIND.what, why))?;
+        (self.now, self.minds, self.feelings) = (saved.now, saved.minds, saved.feelings);
+        (self.learnt, self.followed, self.bonds) = (saved.learnt, saved.followed, saved.bonds);
+        (self.holders, self.is_open, self.closing) = (saved.holders, saved.is_open, saved.closing);
+        (self.due, self.times, self.happened) = (saved.due, saved.times, saved.happened);
+        (self.was_true, self.enters, self.entered) = (saved.was_true, saved.enters, saved.entered);
+        (self.boards, self.ended) = (saved.boards, saved.ended);
+        Ok(())
+    }
+
+    /// Why minds cannot be those of this scenario.
+    fn check(&self, saved: &Saved, time_s: f64) -> std::result::Result<(), &'static str> {
+        let scenario = &self.scenario;
+        let lengths = [
+            (saved.minds.len(), self.minds.len()),
+            (saved.feelings.len(), self.feelings.len()),
+            (saved.learnt.len(), self.learnt.len()),
+            (saved.followed.len(), self.followed.len()),
+            (saved.bonds.len(), self.bonds.len()),
+            (saved.holders.len(), self.holders.len()),
+            (saved.is_open.len(), self.is_open.len()),
+            (saved.closing.len(), self.closing.len()),
+            (saved.due.len(), self.due.len()),
+            (saved.times.len(), self.times.len()),
+            (saved.happened.len(), self.happened.len()),
+            (saved.was_true.len(), self.was_true.len()),
+            (saved.enters.len(), self.enters.len()),
+            (saved.entered.len(), self.entered.len()),
+        ];
+        if lengths.iter().any(|(a, b)| a != b) || !saved.boards.is_like(&self.boards) {
+            return Err("they are of another scenario");
+        }
+        let num = self.minds.len() as u32;
+        let is_agent = |agent: u32| agent == NONE || agent < num;
+        let is_time = |t: f64| !t.is_nan() && t <= time_s;
+        let is_later = |t: f64| !t.is_nan();
+        let times = [&saved.closing, &saved.due, &saved.enters].into_iter().flatten().all(|t| is_later(*t));
+        let past = saved.followed.iter().chain(&saved.happened).all(|t| is_time(*t));
+        if !is_time(saved.now) || !times || !past {
+            return Err("its times cannot be");
+        }
+        let is_context = |c: &Context| {
+            is_agent(c.other)
+                && (c.place == NO || usize::from(c.place) < scenario.places.len())
+                && (c.event == NO || usize::from(c.event) < scenario.events.len())
+                && c.strength.is_finite()
+        };
+        let is_action = |a: u32| a == NONE || (a as usize) < scenario.actions.len();
+        let is_reason = |r: &Reason| {
+            (r.rule == NONE || (r.rule as usize) < scenario.rules.len())
+                && (r.edge == NONE || (r.edge as usize) < scenario.edges.len())
+                && usize::from(r.trigger) < scenario.rules_of.len()
+                && is_context(&r.context)
+        };
+        let is_state = |(level, s): (usize, &u16)| {
+            *s == NO || scenario.states.get(usize::from(*s)).is_some_and(|state| usize::from(state.level) == level)
+        };
+        let is_good = |(agent, own, mind): (u32, &Mind, &Mind)| {
+            mind.group == own.group
+                && mind.states.iter().enumerate().all(is_state)
+                && is_action(mind.action)
+                && is_action(mind.resumed)
+                && [mind.context, mind.resumed_context].iter().all(is_context)
+                && [mind.until, mind.again, mind.most, mind.timer, mind.crossing_at].iter().all(|t| is_later(*t))
+                && (mind.crossing == NO && mind.crossing_at == f64::INFINITY
+                    || usize::from(mind.crossing) < scenario.thresholds.len())
+                && (mind.slot == NONE || saved.holders.get(mind.slot as usize) == Some(&agent))
+                && mind.home.iter().all(|x| x.is_finite())
+                && (0.0..=1e3).contains(&mind.speed)
+                && is_reason(&mind.reason)
+                && mind.draws < u32::MAX / 2
+                && mind.handled < u32::MAX / 2
+        };
+        let all = (0..num).zip(self.minds.iter().zip(&saved.minds));
+        if !all.map(|(agent, (own, mind))| (agent, own, mind)).all(is_good) {
+            return Err("somebody has in mind what cannot be");
+        }
+        let is_held = |(slot, holder): (u32, &u32)| {
+            *holder == NONE || saved.minds.get(*holder as usize).is_some_and(|m| m.slot == slot)
+        };
+        let learnt = saved.learnt.iter().flatten().all(|l| is_agent(l.from) && is_time(l.time_s) && l.at.iter().all(|x| x.is_finite()));
+        let bonds = saved.bonds.iter().flatten().all(|b| is_agent(b.0) && b.1.is_finite());
+        let feelings = saved.feelings.iter().all(|f| f.value.is_finite() && f.rate.is_finite() && is_time(f.since));
+        let entered = saved.entered.iter().zip(&scenario.groups).all(|(e, g)| g.there <= *e && *e <= g.agents[1] - g.agents[0]);
+        match (0u32..).zip(&saved.holders).all(is_held) && learnt && bonds && feelings && entered {
+            true => Ok(()),
+            false => Err("somebody holds, feels or has learnt what cannot be"),
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! What minds ask of the crowd that they live in.
+
+use glam::Vec3;
+use throng_base::Result;
+
+/// The world as minds see it, and how they act in it. Agents are numbered as in the scene.
+pub trait Stage {
+    /// Where an agent is now; `None` where it is not there (m).
+    fn position(&self, agent: u32) -> Option<Vec3>;
+
+    /// How it moves (m/s).
+    fn velocity(&self, agent: u32) -> Vec3;
+
+    /// Sends an agent somewhere. `leaves`: out of the scene, once there.
+    ///
+    /// - returns false where no way leads there.
+    ///
+    /// # Errors
+    /// For a place that cannot be.
+    fn go(&mut self, agent: u32, at: Vec3, arrival_m: f32, leaves: bool) -> Result<bool>;
+
+    /// Sends an agent along points. `again`: from the first one again.
+    ///
+    /// # Errors
+    /// As [`Stage::go`].
+    fn follow(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool>;
+
+    /// Sends an agent to the goal of a happening.
+    ///
+    /// # Errors
+    /// As [`Stage::go`].
+    fn follow_happening(&mut self, agent: u32, happening: u16) -> Result<()>;
+
+    /// Sends an agent on the way that it had before behaviours.
+    ///
+    /// # Errors
+    /// As [`Stage::go`].
+    fn resume(&mut self, agent: u32) -> Result<()>;
+
+    /// Lets an agent stay where it is.
+    ///
+    /// # Errors
+    /// As [`Stage::go`].
+    fn halt(&mut self, agent: u32) -> Result<()>;
+
+    /// Desired speed from now on (m/s).
+    ///
+    /// # Errors
+    /// As [`Stage::go`].
+    fn set_speed(&mut self, agent: u32, speed_mps: f32) -> Result<()>;
+
+    /// What the body of an agent does from now on: motion of a tag, facing a place.
+    fn show(&mut self, agent: u32, motion: Option<u16>, faces: Option<Vec3>);
+
+    /// Opens or closes a door.
+    ///
+    /// - returns false where somebody stands in it.
+    ///
+    /// # Errors
+    /// For a door that is not there.
+    fn set_open(&mut self, door: u16, open: bool) -> Result<bool>;
+
+    /// Lets an agent enter that was not there; false where it finds no room now.
+    ///
+    /// # Errors
+    /// As [`Stage::go`].
+    fn enter(&mut self, agent: u32) -> Result<bool>;
+
+    /// What an agent tells and hears: bits of events, and the highest for meetings.
+    ///
+    /// # Errors
+    /// For an agent that is not there.
+    fn sense(&mut self, agent: u32, tells: u32, hears: u32) -> Result<()>;
+
+    /// When an agent has to act by itself (s).
+    ///
+    /// # Errors
+    /// For an agent that is not there.
+    fn set_timer(&mut self, agent: u32, time_s: Option<f64>) -> Result<()>;
+
+    /// Everybody within a distance of a place, in the order of their numbers.
+    fn within(&self, at: Vec3, radius_m: f32, out: &mut Vec<u32>);
+}

@@ -1,0 +1,304 @@
+//! A scenario as flat tables: what the compiler writes and the evaluator reads.
+
+use super::language::{Amount, Op, Program, Vocabulary};
+use super::verbs::{Effect, Operand, Primitives, WORDS};
+use glam::Vec3;
+
+/// Nothing of a kind that is numbered.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// What rules and edges wait for, by number: those that are built in, then the events of the scene, then its thresholds.
+pub(super) mod trigger {
+    /// Names of those that are built in, in the order of their numbers.
+    pub const NAMES: [&str; 10] =
+        ["starts", "meets", "enters", "leaves", "crosses", "arrives", "stuck", "done", "full", "timer"];
+    pub const STARTS: u16 = 0;
+    pub const MEETS: u16 = 1;
+    pub const ENTERS: u16 = 2;
+    pub const LEAVES: u16 = 3;
+    pub const CROSSES: u16 = 4;
+    pub const ARRIVES: u16 = 5;
+    pub const STUCK: u16 = 6;
+    pub const DONE: u16 = 7;
+    pub const FULL: u16 = 8;
+    pub const TIMER: u16 = 9;
+    /// Number of the first event of the scene.
+    pub const EVENTS: u16 = NAMES.len() as u16;
+}
+
+/// Ways of learning of an event, in the order of their numbers.
+pub(super) const HOW: [&str; 4] = ["happens", "told", "read", "felt"];
+pub(super) const HAPPENS: u8 = 0;
+pub(super) const TOLD: u8 = 1;
+pub(super) const READ: u8 = 2;
+pub(super) const FELT: u8 = 3;
+
+/// A compiled scenario.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    pub(super) code: Vec<Op>,
+    pub(super) names: Vocabulary,
+    pub(super) primitives: Primitives,
+    pub(super) values: Vec<ValueTable>,
+    pub(super) thresholds: Vec<Threshold>,
+    pub(super) events: Vec<EventTable>,
+    pub(super) places: Vec<PlaceTable>,
+    pub(super) slots: Vec<Slot>,
+    pub(super) rules: Vec<Rule>,
+    /// Of each trigger: its rules, first and last + 1 in `rule_order`.
+    pub(super) rules_of: Vec<[u32; 2]>,
+    pub(super) rule_order: Vec<u32>,
+    /// Rules with a pause.
+    pub(super) num_pauses: usize,
+    pub(super) states: Vec<State>,
+    /// Of each state, in order of states: those from it, then those from any state of its graph.
+    pub(super) edges: Vec<Edge>,
+    pub(super) actions: Vec<Action>,
+    /// Corners of ways that actions follow (m).
+    pub(super) ways: Vec<Vec<Vec3>>,
+    pub(super) relations: Vec<Relation>,
+    pub(super) groups: Vec<GroupTable>,
+    /// Tags of motion that actions name.
+    pub(super) motions: Vec<String>,
+    pub(super) boards: BoardTable,
+    pub(super) end: EndTable,
+    /// Something waits for places, for people to meet, for cells.
+    pub(crate) senses_zones: bool,
+    pub(super) meets: bool,
+    pub(crate) senses_cells: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ValueTable {
+    pub start: [f32; 2],
+    pub rate: f32,
+    /// Where it rests, and how fast it goes there (1/s, 0 for never).
+    pub rest: f32,
+    pub pull: f32,
+    pub limits: [f32; 2],
+    /// Its thresholds: first and last + 1.
+    pub thresholds: [u16; 2],
+}
+
+/// A value passes a number.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Threshold {
+    pub value: u16,
+    pub at: f32,
+    pub rises: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EventTable {
+    pub schedule: Schedule,
+    /// To whom it happens; all where absent.
+    pub who: Option<Program>,
+    pub nobody: bool,
+    /// Bit by which it is told on.
+    pub channel: Option<u8>,
+    pub posted: bool,
+    pub fresh_s: f64,
+    /// It happens when this becomes true.
+    pub condition: Option<Program>,
+}
+
+/// When something happens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Schedule {
+    Never,
+    At(f64),
+    Between(f64, f64),
+    Poisson(f64),
+    Period(f64),
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct PlaceTable {
+    pub at: Vec3,
+    pub radius_m: f32,
+    pub kind: u16,
+    pub guidepost: bool,
+    /// Bit of those that are entered once.
+    pub once: Option<u8>,
+    pub arrow: Option<u16>,
+    /// Its slots: first and last + 1.
+    pub slots: [u32; 2],
+    pub is_queue: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slot {
+    pub at: Vec3,
+    pub facing: Vec3,
+    pub place: u16,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Rule {
+    pub name: String,
+    /// Bits of groups.
+    pub who: u64,
+    pub when: Option<Program>,
+    pub probability: f32,
+    /// Its actions: first; an end follows the last.
+    pub actions: u32,
+    /// All of its actions take no time.
+    pub is_instant: bool,
+    pub priority: i8,
+    pub pause_s: f32,
+    /// Number among those with a pause.
+    pub pause: u32,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct State {
+    pub name: String,
+    /// Number of the name.
+    pub word: u16,
+    pub level: u8,
+    /// First of its actions; [`NONE`] where it has none.
+    pub actions: u32,
+    /// State in which its graph begins; [`NONE`] where it has none.
+    pub graph: u32,
+    /// Its edges: first and last + 1.
+    pub edges: [u32; 2],
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    pub trigger: u16,
+    pub to: u16,
+    pub when: Option<Program>,
+    /// A share of what the others leave where negative.
+    pub probability: f32,
+}
+
+/// One action of a behaviour.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Action {
+    End,
+    /// The way to the goal of a happening.
+    Happening(u16),
+    Effect(Effect, [Operand; WORDS]),
+    Primitive {
+        number: u16,
+        words: [Operand; WORDS],
+        /// Number of the motion's tag.
+        motion: Option<u16>,
+        /// Way of [`Scenario::ways`] that it follows.
+        way: Option<u16>,
+        claims: Claims,
+    },
+}
+
+/// Whether an action takes a slot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Claims {
+    Nothing,
+    Slot,
+    /// And waits until a slot of this place is free, where one is named.
+    Queue(Option<u16>),
+}
+
+/// Somebody, or a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Party {
+    Group(u16),
+    Agent(u32),
+    Place(u16),
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Relation {
+    pub of: Party,
+    pub to: Party,
+    pub share: f32,
+    pub friendship: f32,
+    pub curiosity: f32,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct GroupTable {
+    /// Number in the scene file.
+    pub number: usize,
+    /// State in which its people begin; [`NONE`] where they follow their goal.
+    pub start: u32,
+    /// Its agents: first and last + 1.
+    pub agents: [u32; 2],
+    /// Who is there at the start.
+    pub there: u32,
+    /// (from time, per second).
+    pub rates: Vec<[f64; 2]>,
+}
+
+/// Boards of cells: levels of squares, each twice as wide as those of the level below.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct BoardTable {
+    /// Side of the smallest (m); 0 where there are none.
+    pub cell_m: f32,
+    pub levels: u32,
+}
+
+/// When the scene ends.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct EndTable {
+    /// Bits of groups that have to have left; 0 for none.
+    pub left: u64,
+    pub known: Option<u16>,
+    pub event: Option<u16>,
+}
+
+impl Scenario {
+    /// True where agents notice each other's coming near: for news that are told on, or for `meets`.
+    pub(crate) fn senses_meetings(&self) -> bool {
+        self.meets || self.events.iter().any(|e| e.channel.is_some())
+    }
+
+    /// The largest speed that an action names, and some more for those that work it out (m/s).
+    pub(crate) fn largest_speed_mps(&self) -> f32 {
+        self.actions.iter().filter_map(|a| a.speed(&self.primitives)).fold(0.0, f32::max)
+    }
+
+    /// Name of a trigger.
+    pub(super) fn trigger_name(&self, trigger: u16) -> String {
+        let number = usize::from(trigger);
+        let events = trigger::NAMES.len();
+        if let Some(name) = trigger::NAMES.get(number) {
+            return (*name).into();
+        }
+        match self.names.events.0.get(number - events) {
+            Some(name) => name.clone(),
+            None => {
+                let t = &self.thresholds[number - events - self.events.len()];
+                let sign = if t.rises { '>' } else { '<' };
+                format!("{} {sign} {}", self.names.values.0[usize::from(t.value)], t.at)
+            }
+        }
+    }
+
+    /// Amount of the moment, with nothing to look at where it is a number.
+    pub(super) fn amount(&self, amount: Amount, perception: &mut impl super::language::Perception) -> f64 {
+        match amount {
+            Amount::Number(number) => number,
+            Amount::Program(program) => super::language::run(&self.code, program, perception),
+        }
+    }
+}
+
+impl Action {
+    /// A speed that it names (m/s).
+    fn speed(&self, primitives: &Primitives) -> Option<f32> {
+        let amount = match self {
+            Self::Effect(Effect::Speed, words) => words[0],
+            Self::Primitive { number, words, .. } => {
+                let at = primitives.get(*number).words.iter().position(|w| w.0 == "speed")?;
+                words[at]
+            }
+            _ => return None,
+        };
+        match amount {
+            Operand::Amount(Amount::Number(mps)) => Some(mps as f32),
+            _ => None,
+        }
+    }
+}

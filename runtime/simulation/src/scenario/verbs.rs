@@ -1,0 +1,346 @@
+//! What people can do: effects, which take no time, and primitive behaviours, which are functions registered by name.
+
+use super::language::Amount;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// What a word of an action says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Word {
+    /// A number, or an expression for one.
+    Amount,
+    /// A place by its name, a point, `me`, `other`, `home` or `place` (that of the event).
+    Target,
+    /// A target; where it is a place with slots, one of them is claimed.
+    Slot,
+    /// A place with a queue; its last slot is claimed.
+    Queue,
+    /// Name of a place.
+    Place,
+    /// Name of a value.
+    Value,
+    /// Name of an event.
+    Event,
+    /// Name of a door.
+    Door,
+    /// Tag of motion of the bundle.
+    Motion,
+    /// Points of a way (m).
+    Points,
+    /// Yes or no.
+    Flag,
+}
+
+/// What takes no time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Effect {
+    /// A value becomes another.
+    Set,
+    /// A value grows.
+    Add,
+    /// A value changes faster or slower.
+    Rate,
+    /// The desired speed changes.
+    Speed,
+    /// An event goes to a board.
+    Post,
+    /// One knows of an event, and tells of it.
+    Learn,
+    /// An event is conveyed to those within a radius, weaker farther off and to strangers.
+    Convey,
+    /// One likes the other more or less.
+    Befriend,
+    /// A door opens.
+    Open,
+    /// A door closes, once nobody stands in it.
+    Close,
+    /// One holds no slot any more.
+    Release,
+    /// `timer` happens later.
+    Timer,
+}
+
+/// A primitive behaviour: a name, its words, and a function.
+#[derive(Clone, Copy, Debug)]
+pub struct Primitive {
+    /// What scene files call it.
+    pub name: &'static str,
+    /// Its words: the name, and what it says. The first is said of the behaviour's own name.
+    pub words: &'static [(&'static str, Word)],
+    /// Motion of the bundle, by its tag, where the words name none.
+    pub motion: Option<&'static str>,
+    /// What it does now.
+    pub act: fn(&Sight, &Said) -> Deed,
+}
+
+/// What a primitive behaviour sees.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight {
+    /// Simulated time (s).
+    pub time_s: f64,
+    /// Where one is (m).
+    pub position: Vec3,
+    /// How one moves (m/s).
+    pub velocity: Vec3,
+    /// How fast one wants to be (m/s).
+    pub desired_mps: f32,
+    /// Where one entered (m).
+    pub home: Vec3,
+    /// Number by chance, from 0 up to 1.
+    pub chance: [f32; 2],
+}
+
+/// Most words of an action.
+pub(super) const WORDS: usize = 5;
+
+/// What the words of an action say now, in the order of [`Primitive::words`]; `None` where one is not said.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Said {
+    /// Amounts and flags.
+    pub amounts: [Option<f64>; WORDS],
+    /// Where targets are (m).
+    pub targets: [Option<Vec3>; WORDS],
+    /// What a slot faces (m).
+    pub facing: Option<Vec3>,
+    /// How near to the target is there (m); by it, others come near and not on top.
+    pub arrival_m: f32,
+}
+
+impl Said {
+    /// An amount, or what it is where nothing is said.
+    pub fn amount(&self, word: usize, otherwise: f64) -> f64 {
+        self.amounts[word].unwrap_or(otherwise)
+    }
+}
+
+/// What one does: walk somewhere, then stay there for a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deed {
+    /// Where one goes first.
+    pub walk: Walk,
+    /// How fast; as before where absent (m/s).
+    pub speed_mps: Option<f32>,
+    /// What one faces, having arrived (m).
+    pub faces: Option<Vec3>,
+    /// How long one stays then (s); infinite for ever.
+    pub stay_s: f64,
+    /// When the function is asked anew on the way (s); 0 never.
+    pub again_s: f64,
+    /// When it ends, whether one has arrived or not (s after its begin); infinite for never.
+    pub most_s: f64,
+}
+
+/// Where one goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Walk {
+    /// One goes on as before.
+    Keep,
+    /// One stays where one is.
+    Halt,
+    /// To a place (m).
+    To {
+        /// Where.
+        at: Vec3,
+        /// How near is there.
+        arrival_m: f32,
+    },
+    /// To a place (m), and out of the scene.
+    Out {
+        /// Where.
+        at: Vec3,
+    },
+    /// Along the points that the words name.
+    Along,
+}
+
+impl Deed {
+    /// Walks somewhere.
+    pub fn walk(walk: Walk) -> Self {
+        Self { walk, speed_mps: None, faces: None, stay_s: 0.0, again_s: 0.0, most_s: f64::INFINITY }
+    }
+
+    /// Stays where one is.
+    pub fn stay(seconds: f64) -> Self {
+        Self { stay_s: seconds, ..Self::walk(Walk::Halt) }
+    }
+}
+
+/// A verb of scene files.
+#[derive(Clone, Copy, Debug)]
+pub enum Verb {
+    /// Takes no time.
+    Effect(Effect),
+    /// Number in [`Primitives`].
+    Primitive(u16),
+}
+
+/// Effects: name, words, and what they do.
+type EffectWords = (&'static str, &'static [(&'static str, Word)], Effect);
+
+const EFFECTS: &[EffectWords] = &[
+    ("set", &[("set", Word::Value), ("to", Word::Amount)], Effect::Set),
+    ("add", &[("add", Word::Value), ("by", Word::Amount)], Effect::Add),
+    ("rate", &[("rate", Word::Value), ("to", Word::Amount)], Effect::Rate),
+    ("speed", &[("speed", Word::Amount)], Effect::Speed),
+    ("post", &[("post", Word::Event), ("cells", Word::Amount), ("for_s", Word::Amount)], Effect::Post),
+    ("learn", &[("learn", Word::Event)], Effect::Learn),
+    (
+        "convey",
+        &[("convey", Word::Event), ("within_m", Word::Amount), ("strength", Word::Amount), ("friends", Word::Flag)],
+        Effect::Convey,
+    ),
+    ("befriend", &[("befriend", Word::Amount)], Effect::Befriend),
+    ("open", &[("open", Word::Door)], Effect::Open),
+    ("close", &[("close", Word::Door)], Effect::Close),
+    ("release", &[("release", Word::Flag)], Effect::Release),
+    ("timer", &[("timer", Word::Amount)], Effect::Timer),
+];
+
+/// All primitive behaviours that scene files may name.
+#[derive(Clone, Debug)]
+pub struct Primitives(Vec<Primitive>);
+
+impl Default for Primitives {
+    /// Those that come with Throng.
+    fn default() -> Self {
+        Self(BUILT_IN.to_vec())
+    }
+}
+
+impl Primitives {
+    /// Adds one; the last of a name counts.
+    pub fn with(mut self, primitive: Primitive) -> Self {
+        self.0.retain(|p| p.name != primitive.name);
+        self.0.push(primitive);
+        self
+    }
+
+    /// The primitive behaviour of a number.
+    pub fn get(&self, number: u16) -> &Primitive {
+        &self.0[usize::from(number)]
+    }
+
+    /// The verb of a name, and its words.
+    pub fn verb(&self, name: &str) -> Option<(Verb, &'static [(&'static str, Word)])> {
+        let effect = EFFECTS.iter().find(|e| e.0 == name).map(|e| (Verb::Effect(e.2), e.1));
+        let own = || self.0.iter().position(|p| p.name == name);
+        effect.or_else(|| own().map(|n| (Verb::Primitive(n as u16), self.0[n].words)))
+    }
+
+    /// Names of all verbs.
+    pub fn verbs(&self) -> impl Iterator<Item = &'static str> + '_ {
+        EFFECTS.iter().map(|e| e.0).chain(self.0.iter().map(|p| p.name))
+    }
+}
+
+const SPEED: (&str, Word) = ("speed", Word::Amount);
+const FOR: (&str, Word) = ("for_s", Word::Amount);
+const MOTION: (&str, Word) = ("motion", Word::Motion);
+
+macro_rules! primitive {
+    ($name:literal, [$($word:expr),*], $motion:expr, $act:expr) => {
+        Primitive { name: $name, words: &[$($word),*], motion: $motion, act: $act }
+    };
+}
+
+const BUILT_IN: &[Primitive] = &[
+    primitive!("go", [("go", Word::Target), SPEED, ("within_m", Word::Amount)], None, |_, said| to(said, 0.0, Some(2))),
+    primitive!("visit", [("visit", Word::Slot), SPEED, FOR, MOTION], None, |_, said| to(said, 0.0, None)),
+    primitive!("look", [("look", Word::Slot), SPEED, FOR, MOTION], Some("look"), |_, said| to(said, 5.0, None)),
+    primitive!("buy", [("buy", Word::Slot), SPEED, FOR, MOTION], Some("buy"), |_, said| to(said, 5.0, None)),
+    primitive!("sit", [("sit", Word::Slot), SPEED, FOR, MOTION], Some("sit"), |_, said| to(said, 20.0, None)),
+    primitive!("queue", [("queue", Word::Queue), SPEED, ("into", Word::Place), MOTION], Some("queue"), |_, said| {
+        Deed { stay_s: f64::INFINITY, ..to(said, 0.0, None) }
+    }),
+    primitive!("follow_route", [("follow_route", Word::Points), SPEED, ("again", Word::Flag)], None, |_, said| {
+        Deed { speed_mps: speed(said), ..Deed::walk(Walk::Along) }
+    }),
+    primitive!("follow", [("follow", Word::Target), SPEED, FOR, ("within_m", Word::Amount)], None, |sight, said| {
+        let arrival_m = said.amount(3, 1.5) as f32;
+        let near = |at: &Vec3| (*at - sight.position).length() <= arrival_m;
+        let walk = match said.targets[0] {
+            Some(at) if !near(&at) => Walk::To { at, arrival_m },
+            _ => Walk::Halt,
+        };
+        let stay_s = f64::INFINITY;
+        Deed { speed_mps: speed(said), stay_s, again_s: 0.5, most_s: said.amount(2, 10.0), ..Deed::walk(walk) }
+    }),
+    primitive!("stay", [("stay", Word::Amount), MOTION], None, |_, said| Deed::stay(said.amount(0, 0.0))),
+    primitive!("greet", [("greet", Word::Target), FOR, MOTION], Some("greet"), |_, said| towards(said, 2.5)),
+    primitive!("shake_hands", [("shake_hands", Word::Target), FOR, MOTION], Some("handshake"), |_, said| {
+        towards(said, 3.0)
+    }),
+    primitive!("chat", [("chat", Word::Target), FOR, MOTION], Some("chat"), |_, said| towards(said, 8.0)),
+    primitive!("fight", [("fight", Word::Target), FOR, MOTION], Some("fight"), |_, said| towards(said, 3.0)),
+    primitive!("perform", [("perform", Word::Motion), FOR, ("facing", Word::Target)], None, |_, said| Deed {
+        faces: said.targets[2],
+        ..Deed::stay(said.amount(1, 3.0))
+    }),
+    primitive!("spurt", [("spurt", Word::Amount), SPEED], None, |sight, said| {
+        pace(sight, said, 1.4)
+    }),
+    primitive!("slow_down", [("slow_down", Word::Amount), SPEED], None, |sight, said| pace(sight, said, 0.6)),
+    primitive!("flee", [("flee", Word::Target), SPEED, ("distance_m", Word::Amount)], None, |sight, said| {
+        let from = said.targets[0].unwrap_or(sight.home);
+        let mut away = sight.position - from;
+        away.y = 0.0;
+        let away = away.try_normalize().unwrap_or(Vec3::X);
+        let at = from + away * said.amount(2, 10.0) as f32;
+        Deed { speed_mps: speed(said), ..Deed::walk(Walk::To { at, arrival_m: 1.0 }) }
+    }),
+    primitive!("roam", [("roam", Word::Target), SPEED, ("within_m", Word::Amount)], None, |sight, said| {
+        let middle = said.targets[0].unwrap_or(sight.home);
+        let [turn, far] = sight.chance;
+        let far = far.sqrt() * said.amount(2, 10.0) as f32;
+        let by = throng_base::maths::at_angle(turn * std::f32::consts::TAU) * far;
+        let at = middle + Vec3::new(by.x, 0.0, by.y);
+        Deed { speed_mps: speed(said), ..Deed::walk(Walk::To { at, arrival_m: 0.6 }) }
+    }),
+    primitive!("leave", [("leave", Word::Target), SPEED], None, |sight, said| Deed {
+        speed_mps: speed(said),
+        stay_s: f64::INFINITY,
+        ..Deed::walk(Walk::Out { at: said.targets[0].unwrap_or(sight.position) })
+    }),
+];
+
+fn speed(said: &Said) -> Option<f32> {
+    said.amounts[1].map(|speed| speed.clamp(0.0, 100.0) as f32)
+}
+
+/// To a target, and to stay there for the seconds of word 2.
+fn to(said: &Said, stay_s: f64, arrival: Option<usize>) -> Deed {
+    let arrival_m = arrival.and_then(|word| said.amounts[word]).map_or(said.arrival_m, |m| m as f32);
+    let stay_s = if arrival.is_some() { 0.0 } else { said.amount(2, stay_s) };
+    match said.targets[0] {
+        Some(at) => {
+            Deed { speed_mps: speed(said), faces: said.facing, stay_s, ..Deed::walk(Walk::To { at, arrival_m }) }
+        }
+        None => Deed::stay(0.0),
+    }
+}
+
+/// Stays, facing a target, for the seconds of word 1.
+fn towards(said: &Said, stay_s: f64) -> Deed {
+    Deed { faces: said.targets[0], ..Deed::stay(said.amount(1, stay_s)) }
+}
+
+/// Goes on for some seconds at another speed: that of word 1, or this share of the desired one. Afterwards the speed is what
+/// it was.
+fn pace(sight: &Sight, said: &Said, share: f32) -> Deed {
+    let speed_mps = speed(said).or(Some(sight.desired_mps * share));
+    Deed { speed_mps, most_s: said.amount(0, 5.0), stay_s: f64::INFINITY, ..Deed::walk(Walk::Keep) }
+}
+
+/// What a compiled action says in one word.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) enum Operand {
+    #[default]
+    Nothing,
+    Amount(Amount),
+    Spot(super::language::Spot),
+    /// Where the arrow of the event's place points.
+    Arrow,
+    Point([f32; 3]),
+    Number(u16),
+    Flag(bool),
+}
