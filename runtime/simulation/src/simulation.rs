@@ -6,6 +6,7 @@ use crate::casts::GroupCast;
 use crate::compile::CompiledScene;
 use crate::inhabited::Inhabited;
 use crate::kind::{Kind, Tick, refused};
+use crate::scenario::Minds;
 use crate::scene::{Motion, Scene, SpaceConfig};
 use crate::sparring::Part;
 use crate::wander::Wanderers;
@@ -419,9 +420,45 @@ impl Simulation {
         (&self.casts[cast], who - self.firsts[cast])
     }
 
+    /// What agents of the scene live by; `None` where it says no more than goals.
+    pub fn minds(&self) -> Option<&Minds> {
+        self.casts.iter().find_map(|cast| match cast {
+            GroupCast::Ground(agents) => agents.minds(),
+            GroupCast::Air(agents) => agents.minds(),
+            _ => None,
+        })
+    }
+
+    /// Lets an event of the scene happen now.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Unknown`] with the events that there are.
+    pub fn raise(&mut self, event: &str) -> Result<()> {
+        for cast in &mut self.casts {
+            match cast {
+                GroupCast::Ground(agents) => return agents.raise(event),
+                GroupCast::Air(agents) => return agents.raise(event),
+                _ => {}
+            }
+        }
+        Err(throng_base::Error::Unknown { what: "event", name: event.into(), known: Vec::new() })
+    }
+
+    /// True once the end that the scene names has come.
+    pub fn has_ended(&self) -> bool {
+        self.minds().is_some_and(Minds::has_ended)
+    }
+
     /// Measures from now on how long casts take.
     pub fn set_timed(&mut self) {
         self.busy_s = Some(vec![0.0; self.casts.len()]);
+        for cast in &mut self.casts {
+            match cast {
+                GroupCast::Ground(agents) => agents.set_timed(),
+                GroupCast::Air(agents) => agents.set_timed(),
+                _ => {}
+            }
+        }
     }
 
     /// Time that each cast took since [`Simulation::set_timed`]; empty before (s).

@@ -107,8 +107,12 @@ pub fn run(scene: &CompiledScene, config: &RunConfig) -> Result<(SceneReport, Re
         total.observe(&sim, dt_s, step, hz);
         groups.iter_mut().for_each(|w| w.observe(&sim, dt_s, step, hz));
         recorder.observe(&sim, step, hz);
+        if sim.has_ended() {
+            break;
+        }
     }
-    let rate = (steps + 1) as f64 / busy_s.max(1e-9);
+    let seconds = sim.time_s();
+    let rate = ((seconds * hz).round() + 1.0) / busy_s.max(1e-9);
     let figures = total.figures(&sim, seconds, Some(rate));
     let mut report = SceneReport { scene: scene.scene().name.clone(), total: figures, groups: Vec::new() };
     for (g, group) in sim.groups().iter().enumerate() {

@@ -24,6 +24,7 @@ use throng_base::{Result, Run};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 use stage::Outside;
 use std::sync::Arc;
+use std::time::Instant;
 use throng_crowd::{Crowd, CrowdError, Event as CrowdEvent, EventKind, Id, Space};
 
 /// All agents of a scene: their crowd, their ways, their minds, and the bodies that follow them.
@@ -36,6 +37,8 @@ pub struct Agents<V> {
     followers: Vec<Followers>,
     /// All events of the last step, where they are recorded.
     recorded: Option<Vec<CrowdEvent>>,
+    /// Time that was spent so far, where it is measured.
+    spent: Option<Spent>,
 }
 
 /// Agents from which on an engine gains by being run in parts.
@@ -58,7 +61,7 @@ impl<V: Space> Agents<V> {
                 outside.set_open(d as u16, true)?;
             }
         }
-        let mut agents = Self { outside, minds: None, followers: Vec::new(), recorded: None };
+        let mut agents = Self { outside, minds: None, followers: Vec::new(), recorded: None, spent: None };
         for (g, group) in scene.groups.iter().enumerate() {
             if group.is_of_agents() && group.motion == Motion::Blend {
                 let bodies = Followers::new(compiled, g, &agents)?;
@@ -92,25 +95,23 @@ impl<V: Space> Agents<V> {
     /// # Errors
     /// [`throng_base::Error::Text`] where the engine does not get on, a goal cannot be reached, or rules run in a circle.
     pub fn advance(&mut self, until_s: f64, run: &dyn Run, on_event: &mut impl FnMut(&CrowdEvent)) -> Result<()> {
-        let Self { outside, minds, .. } = self;
-        let Some(minds) = minds else {
-            let done = advance(&mut outside.crowd, until_s, run, on_event);
-            return done.map_err(|e| outside.layout.explain(&e));
-        };
-        loop {
-            let next = minds.next_external_s();
-            let stop = until_s.min(next);
-            let signal = outside.crowd.advance_to_signal(stop, on_event);
-            if let Some(event) = signal.map_err(|e| outside.layout.explain(&e))? {
-                if let Some(signal) = outside.signal(&event) {
-                    minds.signal(outside, event.time, signal)?;
-                }
-            } else if stop == next {
-                minds.external(outside, stop)?;
-            } else {
-                return Ok(());
-            }
+        let Self { outside, minds, spent, .. } = self;
+        let begin = spent.is_some().then(Instant::now);
+        let done = live(outside, minds.as_mut(), until_s, run, on_event, spent);
+        if let (Some(spent), Some(begin)) = (spent, begin) {
+            spent.all_s += begin.elapsed().as_secs_f64();
         }
+        done
+    }
+
+    /// Measures from now on how long crowd, minds and bodies take.
+    pub fn set_timed(&mut self) {
+        self.spent = Some(Spent::default());
+    }
+
+    /// Time that crowd, minds and bodies took since [`Agents::set_timed`].
+    pub fn spent(&self) -> Option<Spent> {
+        self.spent
     }
 
     /// Lets an event of the scene happen now.
@@ -199,7 +200,11 @@ impl<V: Space> Kind for Agents<V> {
         self.outside.agents_told = agent_of;
         self.outside.agents_told.clone_from(&self.outside.agent_of);
         done?;
+        let begin = self.spent.is_some().then(Instant::now);
         self.followers.iter_mut().try_for_each(|f| f.step(&self.outside, tick))?;
+        if let (Some(spent), Some(begin)) = (&mut self.spent, begin) {
+            spent.bodies_s += begin.elapsed().as_secs_f64();
+        }
         self.outside.newcomers.clear();
         Ok(())
     }
@@ -248,6 +253,50 @@ impl<V: Space> Kind for Agents<V> {
 
     fn soles(&self, number: usize) -> Option<[[Vec3; 2]; 2]> {
         self.followers_of(number).map(|f| f.soles(number))
+    }
+}
+
+/// Time that the parts of agents took (s).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spent {
+    /// Crowd and minds.
+    pub all_s: f64,
+    /// Minds: rules, graphs, what they tell the crowd.
+    pub minds_s: f64,
+    /// Bodies.
+    pub bodies_s: f64,
+}
+
+/// Lets time pass for a crowd and the minds in it.
+fn live<V: Space>(
+    outside: &mut Outside<V>,
+    minds: Option<&mut Minds>,
+    until_s: f64,
+    run: &dyn Run,
+    on_event: &mut impl FnMut(&CrowdEvent),
+    spent: &mut Option<Spent>,
+) -> Result<()> {
+    let Some(minds) = minds else {
+        let done = advance(&mut outside.crowd, until_s, run, on_event);
+        return done.map_err(|e| outside.layout.explain(&e));
+    };
+    loop {
+        let next = minds.next_external_s();
+        let stop = until_s.min(next);
+        let signal = outside.crowd.advance_to_signal(stop, on_event);
+        let begin = spent.is_some().then(Instant::now);
+        if let Some(event) = signal.map_err(|e| outside.layout.explain(&e))? {
+            if let Some(signal) = outside.signal(&event) {
+                minds.signal(outside, event.time, signal)?;
+            }
+        } else if stop == next {
+            minds.external(outside, stop)?;
+        } else {
+            return Ok(());
+        }
+        if let (Some(spent), Some(begin)) = (spent.as_mut(), begin) {
+            spent.minds_s += begin.elapsed().as_secs_f64();
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 mod boards;
 mod compile;
 mod deeds;
+mod explain;
 mod language;
 mod mind;
 mod minds;
@@ -13,6 +14,7 @@ mod stage;
 mod tables;
 mod verbs;
 
+pub use explain::{Because, Explanation, Known, Spread, ValueNow};
 pub use mind::{Learnt, Mind};
 pub use minds::{Minds, Signal};
 pub use stage::Stage;

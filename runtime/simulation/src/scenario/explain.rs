@@ -1,0 +1,225 @@
+//! What minds can say of themselves: why somebody does what it does, what it knows and from whom.
+
+use super::mind::NO;
+use super::minds::Minds;
+use super::tables::{Action, HOW, NONE, trigger};
+use serde::Serialize;
+
+/// What an agent does, and why.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Explanation {
+    /// When (s).
+    pub time_s: f64,
+    /// Number of the agent.
+    pub agent: usize,
+    /// Name of its group.
+    pub group: String,
+    /// It has entered, and has not left.
+    pub is_there: bool,
+    /// Its states, the highest level first.
+    pub states: Vec<String>,
+    /// What it does; empty where it follows its goal.
+    pub action: String,
+    /// A rule's behaviour has interrupted what it did before.
+    pub interrupted: bool,
+    /// Where it holds a slot.
+    pub slot_of: Option<String>,
+    /// What made it do so.
+    pub because: Because,
+    /// Its values now.
+    pub values: Vec<ValueNow>,
+    /// What it knows.
+    pub knows: Vec<Known>,
+}
+
+/// What made an agent do what it does.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Because {
+    /// When (s).
+    pub time_s: f64,
+    /// The event.
+    pub event: String,
+    /// The rule that was followed.
+    pub rule: Option<String>,
+    /// The state to which an edge led.
+    pub edge_to: Option<String>,
+    /// Who was met, or told.
+    pub other: Option<usize>,
+    /// The place of the event.
+    pub place: Option<String>,
+}
+
+/// A value of an agent.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ValueNow {
+    /// Its name.
+    pub name: String,
+    /// What it is.
+    pub value: f32,
+}
+
+/// How an agent came to know of an event.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Known {
+    /// The event.
+    pub event: String,
+    /// "happens", "told", "read" or "felt".
+    pub how: String,
+    /// From whom.
+    pub from: Option<usize>,
+    /// When (s).
+    pub time_s: f64,
+    /// Where, x and z (m).
+    pub at: [f32; 2],
+}
+
+/// How an event has spread.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Spread {
+    /// The event.
+    pub event: String,
+    /// Agents who know of it.
+    pub informed: usize,
+    /// Of these, to how many others have told it.
+    pub told: usize,
+    /// When the last of them learnt of it (s).
+    pub last_s: Option<f64>,
+}
+
+impl Minds {
+    /// Why an agent does what it does (agent < number of agents).
+    pub fn explain(&self, agent: usize) -> Explanation {
+        let (mind, scenario) = (&self.minds[agent], &self.scenario);
+        let state = |s: &&u16| **s != NO;
+        let reason = &mind.reason;
+        let of = |number: u32, name: &dyn Fn(usize) -> String| (number != NONE).then(|| name(number as usize));
+        let place = |p: u16| (p != NO).then(|| scenario.names.places.0[usize::from(p)].clone());
+        Explanation {
+            time_s: self.now,
+            agent,
+            group: scenario.names.groups.0[usize::from(mind.group)].clone(),
+            is_there: mind.is_there,
+            states: mind.states.iter().filter(state).map(|s| scenario.states[usize::from(*s)].name.clone()).collect(),
+            action: match (mind.action != NONE).then(|| self.action(mind.action)) {
+                Some(Action::Primitive { number, .. }) => scenario.primitives.get(number).name.into(),
+                _ => String::new(),
+            },
+            interrupted: mind.is_busy,
+            slot_of: (mind.slot != NONE).then(|| scenario.slots[mind.slot as usize].place).and_then(place),
+            because: Because {
+                time_s: reason.time_s,
+                event: scenario.trigger_name(reason.trigger),
+                rule: of(reason.rule, &|r| scenario.rules[r].name.clone()),
+                edge_to: of(reason.edge, &|e| scenario.states[usize::from(scenario.edges[e].to)].name.clone()),
+                other: of(reason.context.other, &|o| o.to_string()).and_then(|o| o.parse().ok()),
+                place: place(reason.context.place),
+            },
+            values: self.values_of(agent),
+            knows: (0..scenario.events.len()).filter_map(|e| self.known(agent, e)).collect(),
+        }
+    }
+
+    fn values_of(&self, agent: usize) -> Vec<ValueNow> {
+        let tables = &self.scenario.values;
+        let names = self.scenario.names.values.0.iter();
+        let feelings = &self.feelings[agent * tables.len()..][..tables.len()];
+        let all = names.zip(feelings.iter().zip(tables));
+        all.map(|(name, (f, table))| ValueNow { name: name.clone(), value: f.at(table, self.now) }).collect()
+    }
+
+    fn known(&self, agent: usize, event: usize) -> Option<Known> {
+        let learnt = self.learnt[agent * self.scenario.events.len() + event]?;
+        Some(Known {
+            event: self.scenario.names.events.0[event].clone(),
+            how: HOW[usize::from(learnt.how)].into(),
+            from: (learnt.from != NONE).then_some(learnt.from as usize),
+            time_s: learnt.time_s,
+            at: learnt.at,
+        })
+    }
+
+    /// How every event has spread.
+    pub fn spread(&self) -> Vec<Spread> {
+        let num = self.scenario.events.len();
+        let of = |e: usize| (0..self.minds.len()).filter_map(move |a| self.learnt[a * num + e]);
+        let spread = |e: usize| Spread {
+            event: self.scenario.names.events.0[e].clone(),
+            informed: of(e).count(),
+            told: of(e).filter(|l| l.how == super::tables::TOLD).count(),
+            last_s: of(e).map(|l| l.time_s).reduce(f64::max),
+        };
+        (0..num).map(spread).collect()
+    }
+
+    /// Who learnt of an event, in the order of time: the agent and how.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Unknown`] with the events that there are.
+    pub fn message(&self, event: &str) -> throng_base::Result<Vec<(usize, Known)>> {
+        let names = &self.scenario.names.events;
+        let Some(e) = names.find(event) else {
+            let (name, known) = (event.into(), names.0.clone());
+            return Err(throng_base::Error::Unknown { what: "event", name, known });
+        };
+        let mut all: Vec<_> = (0..self.minds.len()).filter_map(|a| Some((a, self.known(a, e)?))).collect();
+        all.sort_by(|a, b| a.1.time_s.total_cmp(&b.1.time_s).then(a.0.cmp(&b.0)));
+        Ok(all)
+    }
+
+    /// Names of the events that may be raised.
+    pub fn events(&self) -> &[String] {
+        &self.scenario.names.events.0
+    }
+
+    /// Agents who hold more than one slot: none, ever.
+    pub fn num_holding_twice(&self) -> usize {
+        let held = |agent: u32| self.holders.iter().filter(|h| **h == agent).count();
+        (0..self.minds.len() as u32).filter(|a| held(*a) > 1).count()
+    }
+
+    /// Agents in each state of the highest level, by name; those without one are in none.
+    pub fn in_states(&self) -> Vec<(String, usize)> {
+        let mut out: Vec<(String, usize)> = Vec::new();
+        for mind in self.minds.iter().filter(|m| m.is_there) {
+            let Some(state) = mind.states.iter().find(|s| **s != NO) else { continue };
+            let name = &self.scenario.states[usize::from(*state)].name;
+            match out.iter_mut().find(|o| o.0 == *name) {
+                Some(found) => found.1 += 1,
+                None => out.push((name.clone(), 1)),
+            }
+        }
+        out
+    }
+
+    /// Bytes of memory for each agent, without body, crowd and ways.
+    pub fn bytes_per_agent(&self) -> usize {
+        let of = |count: usize, size: usize| count * size / self.minds.len().max(1);
+        size_of::<super::mind::Mind>()
+            + of(self.feelings.len(), size_of::<super::mind::Feeling>())
+            + of(self.learnt.len(), size_of::<Option<super::mind::Learnt>>())
+            + of(self.followed.len(), size_of::<f64>())
+            + size_of::<[(u32, f32); 4]>()
+            + size_of::<u32>()
+            + size_of::<bool>()
+    }
+
+    /// Predicates and amounts that were worked out so far.
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations
+    }
+
+    /// Posts on the boards of cells now: middle of the cell and its side (m), and the event.
+    pub fn posts(&self) -> impl Iterator<Item = ([f32; 2], f32, &str)> + '_ {
+        self.boards.shown(self.now).map(|(at, side, e)| (at, side, self.scenario.names.events.0[usize::from(e)].as_str()))
+    }
+
+    /// What is built in that rules may wait for, for those who list it.
+    pub fn built_in_events() -> &'static [&'static str] {
+        &trigger::NAMES
+    }
+}
