@@ -4,6 +4,7 @@ mod blend;
 mod bundle;
 pub mod crowd;
 mod people;
+mod scenario;
 mod steering;
 mod world;
 
@@ -26,6 +27,7 @@ enum What {
     Crowd(crowd::Args),
     Steering(steering::Args),
     People(people::Args),
+    Scenario(scenario::Args),
     /// What once was a file.
     #[command(external_subcommand)]
     Other(Vec<OsString>),
@@ -39,6 +41,7 @@ pub fn run(args: &Args) -> Outcome {
         What::Crowd(a) => crowd::run(a),
         What::Steering(a) => steering::run(a),
         What::People(a) => people::run(a),
+        What::Scenario(a) => scenario::run(a),
         What::Other(words) => {
             let new = [(".throng", "bundle"), (".toml", "world")];
             renamed::refuse_form("bench", words, &new, "bundle FILE, world FILE, blend [FILE] and crowd")

@@ -1,11 +1,14 @@
 //! The command line of Throng: one file per subcommand, which parses, calls and prints.
 
+mod allocations;
 mod args;
 mod bench;
 mod build;
 mod cache;
+mod check;
 mod completions;
 mod demo;
+mod explain;
 mod export;
 mod inspect;
 mod keys;
@@ -42,7 +45,9 @@ enum Command {
     Verify(verify::Args),
     Query(query::Args),
     Stitch(stitch::Args),
+    Check(check::Args),
     Run(run::Args),
+    Explain(explain::Args),
     Bench(bench::Args),
     Export(export::Args),
     View(view::Args),
@@ -66,7 +71,9 @@ fn main() -> ExitCode {
         Command::Verify(a) => verify::run(&a),
         Command::Query(a) => query::run(&a),
         Command::Stitch(a) => stitch::run(&a),
+        Command::Check(a) => check::run(&a),
         Command::Run(a) => run::run(&a),
+        Command::Explain(a) => explain::run(&a),
         Command::Bench(a) => bench::run(&a),
         Command::Export(a) => export::run(&a),
         // The viewer prints its own errors; its exit code is passed on.

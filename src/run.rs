@@ -30,6 +30,9 @@ pub struct Args {
     /// time_s, agent, x_m, z_m, vx_mps and vz_mps.
     #[arg(long, value_name = "FILE")]
     trajectories: Option<PathBuf>,
+    /// Recording of a scene to write: `throng explain` replays it, and tells why everybody did what they did.
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
     /// Bundle in place of the scene's; the world of the scene is then beside it.
     #[arg(long, value_name = "FILE")]
     bundle: Option<PathBuf>,
@@ -72,8 +75,8 @@ pub fn run(args: &Args) -> Outcome {
         several if several.iter().any(is_single) => return fail("expected one scene, one bundle, or motion alone"),
         _ => {}
     }
-    if args.bundle.is_some() || args.engine.is_some() || !args.without.is_empty() || args.trajectories.is_some() {
-        return fail("--bundle, --engine, --trajectories and --without are for scenes; name the bundle alone");
+    if args.bundle.is_some() || args.engine.is_some() || !args.without.is_empty() || args.trajectories.is_some() || args.record.is_some() {
+        return fail("--bundle, --engine, --record, --trajectories and --without are for scenes; name the bundle alone");
     }
     let tables = match args.what.as_slice() {
         [bundle] if is_bundle(bundle) => crate::args::open(bundle)?,
@@ -122,7 +125,11 @@ fn run_scene(file: &Path, args: &Args) -> Outcome {
         recorded: args.png.is_some(),
         trajectories: args.trajectories.is_some(),
     };
-    let (report, record, sim) = run::run(&compiled, &config)?;
+    let mut recording = args.record.as_ref().map(|_| run::Recording::new(&compiled, config.step_hz)).transpose()?;
+    let (report, record, sim) = run::run_recorded(&compiled, &config, recording.as_mut())?;
+    if let (Some(file), Some(recording)) = (&args.record, &recording) {
+        throng_precompute::files::write_atomically(file, |out| out.write_all(&recording.bytes()))?;
+    }
     if let Some(png) = &args.png {
         picture::scene_sheet(&compiled, &sim, &report, &record)?.save_png(png)?;
     }

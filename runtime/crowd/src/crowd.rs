@@ -382,6 +382,11 @@ impl Crowd {
         each!(&self.engine, e => e.forces(id).map(|f| f.map(Space::to_world)))
     }
 
+    /// Memory that an agent takes: its state, its plan, what it senses, its places in queue and cells.
+    pub fn bytes_per_agent(&self) -> usize {
+        each!(&self.engine, e => e.bytes_per_agent())
+    }
+
     /// How many events there were.
     pub fn counts(&self) -> Counts {
         each!(&self.engine, e => e.counts)

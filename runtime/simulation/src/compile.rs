@@ -58,6 +58,14 @@ impl Scene {
         self.compile_with(Some(bundle), &Primitives::default())
     }
 
+    /// Compiles what agents live by, and forgets it: to check it, or to measure how long that takes.
+    ///
+    /// # Errors
+    /// As [`Scene::open`], of rules, graphs, events and places.
+    pub fn compile_story(&self) -> Result<()> {
+        Scenario::new(self, &Primitives::default()).map(|_| ())
+    }
+
     fn compile_with(&self, own: Option<&Bundle>, primitives: &Primitives) -> Result<CompiledScene> {
         // Whoever has changed it since it was read may have given numbers that were never checked.
         self.check()?;
@@ -117,6 +125,16 @@ impl CompiledScene {
     /// What agents live by, where the scene says more than goals.
     pub fn scenario(&self) -> Option<&Arc<Scenario>> {
         self.scenario.as_ref()
+    }
+
+    /// Motion that actions ask for by tag and that no bundle of a group of agents with bodies has, in words.
+    pub fn missing_motion(&self) -> Vec<String> {
+        let motions = self.scenario.as_ref().map_or(&[] as &[String], |s| s.motions());
+        let groups = self.scene.groups.iter().enumerate().filter(|(_, g)| g.is_of_agents());
+        let bundles: Vec<&Bundle> = groups.filter_map(|(g, _)| self.bundles[g].as_ref()).collect();
+        let has = |bundle: &&Bundle, tag: &str| bundle.meta().link_tags.iter().any(|t| t == tag);
+        let is_missing = |tag: &&String| !bundles.is_empty() && !bundles.iter().all(|b| has(b, tag));
+        motions.iter().filter(is_missing).map(|tag| format!("`{tag}`: those who do it stand meanwhile")).collect()
     }
 
     /// The scene, for those who keep it.

@@ -7,8 +7,10 @@ mod meter;
 mod news;
 mod own;
 mod record;
+mod recording;
 mod report;
 mod row;
+mod scenario;
 mod styles;
 pub(crate) mod watch;
 
@@ -22,7 +24,9 @@ pub use record::{
     AgentsRecord, CrowdMoment, FightFrame, FightRecord, PathsRecord, Pose, Record, SeenAgent, SeenObstacle, TRAIL_S,
     TrajectoryPoint, WorldRecord, seen_obstacle,
 };
-pub use report::{GroupReport, RunConfig, SceneReport, geometry, run, run_agents};
+pub use recording::Recording;
+pub use scenario::{ScenarioFigures, measure as measure_scenario};
+pub use report::{GroupReport, RunConfig, SceneReport, geometry, run, run_agents, run_recorded};
 pub use styles::{StyleWalk, curve, walk_styles};
 pub(crate) use watch::knee_angles;
 pub use watch::{AgentsMeter, AgentsNow};

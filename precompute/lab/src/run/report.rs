@@ -3,6 +3,7 @@
 use super::clock::running_s;
 use super::figures::Figures;
 use super::record::{Record, Recorder};
+use super::recording::Recording;
 use super::watch::{AgentWatch, Watch};
 use serde::Serialize;
 use std::time::Instant;
@@ -79,6 +80,18 @@ fn wrong(message: String) -> BuildError {
 /// # Errors
 /// As [`Simulation::new`] and [`Simulation::step`], or [`BuildError::Stage`] for a config out of range.
 pub fn run(scene: &CompiledScene, config: &RunConfig) -> Result<(SceneReport, Record, Simulation), BuildError> {
+    run_recorded(scene, config, None)
+}
+
+/// As [`run`]; also keeps what a recording needs.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_recorded(
+    scene: &CompiledScene,
+    config: &RunConfig,
+    mut recording: Option<&mut Recording>,
+) -> Result<(SceneReport, Record, Simulation), BuildError> {
     let (seconds, hz) = (config.seconds.unwrap_or(scene.scene().seconds), config.step_hz);
     SECONDS.check("seconds", None, seconds).map_err(fault)?;
     STEP_HZ.check("step_hz", None, hz).map_err(fault)?;
@@ -107,7 +120,11 @@ pub fn run(scene: &CompiledScene, config: &RunConfig) -> Result<(SceneReport, Re
         total.observe(&sim, dt_s, step, hz);
         groups.iter_mut().for_each(|w| w.observe(&sim, dt_s, step, hz));
         recorder.observe(&sim, step, hz);
-        if sim.has_ended() {
+        let is_last = step == steps || sim.has_ended();
+        if let Some(recording) = recording.as_mut().filter(|_| step > 0) {
+            recording.observe(&sim, is_last);
+        }
+        if is_last {
             break;
         }
     }

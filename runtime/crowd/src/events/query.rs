@@ -8,6 +8,15 @@ use crate::space::plan::Plan;
 use crate::{Agent, Forces, Id, NONE, Space};
 
 impl<V: Space> Engine<V> {
+    /// Bytes that an agent takes, beside its route: those of one place of all vectors that are as long as the crowd.
+    pub fn bytes_per_agent(&self) -> usize {
+        size_of::<crate::events::decide::AgentState<V>>()
+            + size_of::<crate::space::cells::Kept>()
+            + size_of::<crate::senses::Sensing>()
+            + crate::events::queue::Calendar::BYTES_EACH
+            + size_of::<[u32; 2]>()
+    }
+
     pub fn ids(&self) -> impl Iterator<Item = Id> + '_ {
         let there = (0u32..).zip(&self.states).filter(|(_, s)| s.cell != NONE);
         there.map(|(index, s)| Id { index, generation: s.generation })

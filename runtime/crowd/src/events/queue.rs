@@ -76,6 +76,9 @@ enum Place {
 }
 
 impl Calendar {
+    /// Bytes of an agent: its event, what it senses, its timer.
+    pub const BYTES_EACH: usize = 3 * (size_of::<Entry>() + size_of::<Due>());
+
     /// Empty, for agents with numbers below `capacity`.
     pub fn new(capacity: usize) -> Self {
         // A few dozen entries each: fewer pages would take longer to sort, more of them longer to fetch from memory.

@@ -329,6 +329,7 @@ impl<'a> Compiler<'a> {
                 channel: happening.told_on.then_some(0),
                 posted: false,
                 fresh_s: f64::INFINITY,
+                doors: Vec::new(),
                 condition: None,
             });
         }
@@ -364,7 +365,14 @@ impl<'a> Compiler<'a> {
             Some(when) => Some(self.predicate(when, &format!("{key}.when"), trigger::STARTS)?),
             None => None,
         };
+        let mut doors = Vec::new();
+        for (names, open, word) in [(&event.opens, true, "opens"), (&event.closes, false, "closes")] {
+            for (d, name) in names.iter().enumerate() {
+                doors.push((self.name(Sort::Door, name, &format!("{key}.{word}[{d}]"))?, open));
+            }
+        }
         Ok(EventTable {
+            doors,
             schedule,
             who,
             nobody: event.nobody,

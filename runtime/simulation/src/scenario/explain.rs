@@ -2,7 +2,7 @@
 
 use super::mind::NO;
 use super::minds::Minds;
-use super::tables::{Action, HOW, NONE, trigger};
+use super::tables::{Action, HOW, NONE, Scenario};
 use serde::Serialize;
 
 /// What an agent does, and why.
@@ -218,8 +218,27 @@ impl Minds {
         self.boards.shown(self.now).map(|(at, side, e)| (at, side, self.scenario.names.events.0[usize::from(e)].as_str()))
     }
 
-    /// What is built in that rules may wait for, for those who list it.
-    pub fn built_in_events() -> &'static [&'static str] {
-        &trigger::NAMES
+}
+
+impl Scenario {
+    /// Rows of its tables, by name.
+    pub fn sizes(&self) -> [(&'static str, usize); 10] {
+        [
+            ("events", self.events.len()),
+            ("rules", self.rules.len()),
+            ("states", self.states.len()),
+            ("edges", self.edges.len()),
+            ("actions", self.actions.iter().filter(|a| !matches!(a, Action::End)).count()),
+            ("operations", self.code.len()),
+            ("places", self.places.len()),
+            ("slots", self.slots.len()),
+            ("values", self.values.len()),
+            ("thresholds", self.thresholds.len()),
+        ]
+    }
+
+    /// Tags of motion that actions ask for.
+    pub fn motions(&self) -> &[String] {
+        &self.motions
     }
 }

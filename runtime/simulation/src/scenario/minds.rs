@@ -276,6 +276,9 @@ impl Minds {
             self.boards.post(e as u16, None, self.now + event.fresh_s);
         }
         self.ended |= scenario.end.event == Some(e as u16);
+        for &(door, open) in &event.doors {
+            self.set_open(stage, usize::from(door), open)?;
+        }
         if event.nobody {
             return Ok(());
         }
@@ -718,6 +721,11 @@ impl Minds {
     /// True for a scene in which something happens that agents may know of.
     pub fn has_events(&self) -> bool {
         !self.scenario.events.is_empty()
+    }
+
+    /// Agents that know of any event.
+    pub fn num_informed(&self) -> usize {
+        self.minds.iter().filter(|m| m.news != 0).count()
     }
 
     /// True once the end of the scene has come.

@@ -88,7 +88,7 @@ pub(super) struct Threshold {
     pub rises: bool,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct EventTable {
     pub schedule: Schedule,
     /// To whom it happens; all where absent.
@@ -98,6 +98,8 @@ pub(super) struct EventTable {
     pub channel: Option<u8>,
     pub posted: bool,
     pub fresh_s: f64,
+    /// Doors that open with it (true) or close.
+    pub doors: Vec<(u16, bool)>,
     /// It happens when this becomes true.
     pub condition: Option<Program>,
 }

@@ -163,6 +163,10 @@ pub struct EventConfig {
     pub who: Option<String>,
     /// It happens to nobody: only boards show it.
     pub nobody: bool,
+    /// Doors that open with it.
+    pub opens: Vec<String>,
+    /// Doors that close with it, once nobody stands in them.
+    pub closes: Vec<String>,
     /// Who knows of it tells those it meets.
     pub told_on: bool,
     /// It is on the global board from then on.

@@ -1,0 +1,112 @@
+//! Runs that are kept to be replayed and explained: the scene, how it was stepped, and a hash of each simulated second.
+
+use super::report::fault;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use throng_motion::error::BuildError;
+use throng_runtime::Inline;
+use throng_runtime::base::SnapshotKind;
+use throng_runtime::base::file::{MAX_TEXT_BYTES, read_file};
+use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
+
+const KIND: SnapshotKind = SnapshotKind { what: "recording", tag: *b"RCRD", version: 1, setup: 0 };
+
+/// A run that can be repeated exactly: steps depend on nothing but what is here.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Recording {
+    /// The scene, as a scene file; paths start where it was run.
+    pub scene: String,
+    /// Its name.
+    pub name: String,
+    /// Content hash of the scene, its bundles and worlds.
+    pub setup: u128,
+    /// Steps a simulated second (Hz).
+    pub step_hz: f64,
+    /// Hash of the state at the end of every simulated second, and at the end.
+    pub hashes: Vec<u64>,
+    /// How long it ran (s).
+    pub seconds: f64,
+}
+
+impl Recording {
+    /// A run that begins.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] for a scene that cannot be written, such as one with a seed above 2^63.
+    pub fn new(compiled: &CompiledScene, step_hz: f64) -> Result<Self, BuildError> {
+        let scene = compiled.scene();
+        let text = toml::to_string(scene).map_err(|e| BuildError::Config {
+            message: format!("scene \"{}\" cannot be recorded: {e}", scene.name),
+        })?;
+        let (name, setup) = (scene.name.clone(), compiled.hash());
+        Ok(Self { scene: text, name, setup, step_hz, hashes: Vec::new(), seconds: 0.0 })
+    }
+
+    /// Looks at a simulation after a step.
+    pub fn observe(&mut self, sim: &Simulation, is_last: bool) {
+        self.seconds = sim.time_s();
+        if is_last || sim.time_s() >= (self.hashes.len() + 1) as f64 - 1e-9 {
+            self.hashes.push(sim.hash());
+        }
+    }
+
+    /// Its bytes, with a checksum.
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut out = Vec::new();
+        KIND.write(self, &mut out);
+        out
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`BuildError::Config`] for a file that is none, or damaged.
+    pub fn load(path: &Path) -> Result<Self, BuildError> {
+        let bytes = read_file(path, "a recording", MAX_TEXT_BYTES).map_err(fault)?;
+        KIND.read_all(&bytes).map_err(|e| BuildError::Config { message: format!("{}: {e}", path.display()) })
+    }
+
+    /// The scene that ran.
+    ///
+    /// # Errors
+    /// As [`Scene::parse`].
+    pub fn scene(&self) -> Result<Scene, BuildError> {
+        Scene::parse(&self.scene, Path::new(&format!("{}.toml", self.name))).map_err(fault)
+    }
+
+    /// Runs it again until a time, or to its end: the same, bit by bit.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`]; [`BuildError::Config`] where bundles are others by now, or this version of Throng computes
+    /// something else.
+    pub fn replay(&self, compiled: &CompiledScene, until_s: Option<f64>) -> Result<Simulation, BuildError> {
+        let differs = |what: &str| {
+            let message = format!("the recording of \"{}\" cannot be replayed: {what}; record it again", self.name);
+            Err(BuildError::Config { message })
+        };
+        if compiled.hash() != self.setup {
+            return differs("its scene, a bundle or a world is another one now");
+        }
+        let until_s = until_s.unwrap_or(self.seconds).clamp(0.0, self.seconds);
+        let mut sim = Simulation::new(compiled).map_err(fault)?;
+        let mut seen = 0;
+        for step in 1.. {
+            let time_s = (step as f64 / self.step_hz).min(self.seconds);
+            if time_s > until_s + 1e-9 {
+                break;
+            }
+            sim.step_to(time_s, &Inline).map_err(fault)?;
+            let is_last = time_s >= self.seconds;
+            if is_last || time_s >= (seen + 1) as f64 - 1e-9 {
+                if self.hashes.get(seen) != Some(&sim.hash()) {
+                    return differs(&format!("it went on differently by {time_s:.1} s"));
+                }
+                seen += 1;
+            }
+            if is_last {
+                break;
+            }
+        }
+        Ok(sim)
+    }
+}

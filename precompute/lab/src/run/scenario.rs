@@ -1,0 +1,179 @@
+//! How fast people live: scenes with rules, graphs and news, timed part by part.
+
+use super::report::fault;
+use serde::Serialize;
+use std::time::Instant;
+use throng_motion::error::BuildError;
+use throng_runtime::base::limits::THREADS;
+use throng_runtime::simulation::{CompiledScene, GroupCast, Simulation};
+use throng_runtime::{Inline, Rayon, Run};
+
+/// Frames a simulated second (Hz).
+const FRAME_HZ: f64 = 30.0;
+/// Between two looks for overlaps and for who stands (frames).
+const LOOK_FRAMES: u64 = 3;
+
+/// What was measured of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct ScenarioFigures {
+    /// The scene's name.
+    pub scene: String,
+    /// Agents, of whom some may enter later.
+    pub agents: usize,
+    /// Threads.
+    pub threads: usize,
+    /// Simulated time (s).
+    pub simulated_s: f64,
+    /// Frames of a thirtieth of a second that were computed a second: crowd, rules and bodies, without drawing.
+    pub frames_per_second: f64,
+    /// The same over the rate that the paper gives for its scene of this name, which it drew too.
+    pub over_paper: Option<f64>,
+    /// Shares of the time that rules and graphs, the crowd, and bodies took.
+    pub rules_share: f64,
+    /// See `rules_share`.
+    pub crowd_share: f64,
+    /// See `rules_share`.
+    pub motion_share: f64,
+    /// Predicates and amounts that were worked out a simulated second.
+    pub evaluations_per_second: f64,
+    /// Time for a predicate of ten operations (ns).
+    pub ns_per_evaluation: f64,
+    /// Memory of an agent without body: in the crowd and in mind.
+    pub bytes_per_agent: usize,
+    /// Time to compile the scene, its bundle already open (s).
+    pub compile_s: f64,
+    /// Agents that know of anything.
+    pub informed: usize,
+    /// When the last of them learnt of it (s).
+    pub informed_last_s: Option<f64>,
+    /// Pairs of whom one told the other.
+    pub told_pairs: usize,
+    /// Agents who held two slots, looked at ten times a simulated second: never.
+    pub queued_twice: usize,
+    /// Deepest overlap of two agents, looked at ten times a simulated second (m).
+    pub max_overlap_m: f64,
+    /// Agents who told that they make no progress.
+    pub stuck: u64,
+    /// Memory that was taken while time passed, where it is counted.
+    pub allocations: Option<u64>,
+    /// Hash of the state at the end.
+    pub state_hash: String,
+}
+
+/// Rates of Kim, Kim and Shin (2003b), section 4, with drawing, on a processor of 2.4 GHz (frames a second).
+const PAPER: [(&str, f64); 4] = [("square", 5.0), ("race", 20.0), ("race-100", 10.0), ("park", 5.0)];
+
+/// Runs a scene and times it. Looking at agents is not timed.
+///
+/// - `count`: number of allocations so far, where they are counted.
+///
+/// # Errors
+/// As [`Simulation::new`] and [`Simulation::step`].
+pub fn measure(
+    scene: &CompiledScene,
+    seconds: Option<f64>,
+    threads: usize,
+    count: &(dyn Fn() -> Option<u64> + Sync),
+) -> Result<ScenarioFigures, BuildError> {
+    THREADS.check_count("threads", threads).map_err(fault)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|e| BuildError::Config { message: e.to_string() })?;
+    pool.install(|| timed(scene, seconds, threads, count))
+}
+
+fn timed(
+    scene: &CompiledScene,
+    seconds: Option<f64>,
+    threads: usize,
+    count: &dyn Fn() -> Option<u64>,
+) -> Result<ScenarioFigures, BuildError> {
+    let seconds = seconds.unwrap_or(scene.scene().seconds);
+    let begin = Instant::now();
+    scene.scene().compile_story().map_err(fault)?;
+    let compile_s = begin.elapsed().as_secs_f64();
+    let mut sim = Simulation::new(scene).map_err(fault)?;
+    sim.set_timed();
+    let run: &dyn Run = if threads > 1 { &Rayon } else { &Inline };
+    let (mut busy_s, mut taken, mut overlap_m, mut twice) = (0.0, 0, f64::NEG_INFINITY, 0);
+    let frames = (seconds * FRAME_HZ).round() as u64;
+    let mut last = 0;
+    for frame in 1..=frames {
+        let (before, begin) = (count(), Instant::now());
+        sim.step_to(frame as f64 / FRAME_HZ, run).map_err(fault)?;
+        busy_s += begin.elapsed().as_secs_f64();
+        taken += count().zip(before).map_or(0, |(now, before)| now - before);
+        last = frame;
+        if frame.is_multiple_of(LOOK_FRAMES) {
+            overlap_m = deepest(&sim).max(overlap_m);
+            twice += sim.minds().map_or(0, |m| m.num_holding_twice());
+        }
+        if sim.has_ended() {
+            break;
+        }
+    }
+    let spent = sim.casts().iter().find_map(|cast| match cast {
+        GroupCast::Ground(agents) => agents.spent(),
+        GroupCast::Air(agents) => agents.spent(),
+        _ => None,
+    });
+    let counts = sim.casts().iter().find_map(|cast| match cast {
+        GroupCast::Ground(agents) => Some((agents.crowd().counts(), agents.crowd().bytes_per_agent())),
+        GroupCast::Air(agents) => Some((agents.crowd().counts(), agents.crowd().bytes_per_agent())),
+        _ => None,
+    });
+    let share = |s: f64| s / busy_s.max(1e-12);
+    let (spent, simulated_s) = (spent.unwrap_or_default(), sim.time_s());
+    let minds = sim.minds();
+    let spread = minds.map_or_else(Vec::new, |m| m.spread());
+    let frames_per_second = last as f64 / busy_s.max(1e-12);
+    let name = scene.scene().name.clone();
+    let paper = PAPER.iter().find(|p| p.0 == name).map(|p| p.1);
+    Ok(ScenarioFigures {
+        agents: sim.num_characters(),
+        threads,
+        simulated_s,
+        frames_per_second,
+        over_paper: paper.map(|paper| frames_per_second / paper),
+        rules_share: share(spent.minds_s),
+        crowd_share: share(spent.all_s - spent.minds_s),
+        motion_share: share(spent.bodies_s),
+        evaluations_per_second: minds.map_or(0.0, |m| m.evaluations() as f64 / simulated_s.max(1e-9)),
+        ns_per_evaluation: ns_per_evaluation(),
+        bytes_per_agent: minds.map_or(0, |m| m.bytes_per_agent()) + counts.map_or(0, |c| c.1),
+        compile_s,
+        informed: minds.map_or(0, |m| m.num_informed()),
+        informed_last_s: spread.iter().filter_map(|s| s.last_s).reduce(f64::max),
+        told_pairs: spread.iter().map(|s| s.told).sum(),
+        queued_twice: twice,
+        max_overlap_m: overlap_m.max(0.0),
+        stuck: counts.map_or(0, |c| c.0.stuck),
+        allocations: count().map(|_| taken),
+        state_hash: format!("{:016x}", sim.hash()),
+        scene: name,
+    })
+}
+
+/// Deepest overlap of two agents now: of all pairs that share a cell of a grid (m).
+fn deepest(sim: &Simulation) -> f64 {
+    let mut places: Vec<_> =
+        (0..sim.num_characters()).filter_map(|who| sim.disc(who)).map(|d| (d.centre, d.radius)).collect();
+    places.sort_by(|a, b| a.0.x.total_cmp(&b.0.x));
+    let widest = places.iter().map(|p| p.1).fold(0.0, f32::max);
+    let mut most = f64::NEG_INFINITY;
+    for (i, (a, r)) in places.iter().enumerate() {
+        for (b, s) in places[i + 1..].iter().take_while(|(b, _)| b.x - a.x < r + widest) {
+            most = most.max(f64::from(r + s - a.distance(*b)));
+        }
+    }
+    most
+}
+
+/// Time of a predicate of ten operations (ns).
+fn ns_per_evaluation() -> f64 {
+    const TIMES: u32 = 400_000;
+    let begin = Instant::now();
+    let sum = throng_runtime::simulation::scenario::evaluate_sample(TIMES);
+    let ns = begin.elapsed().as_secs_f64() * 1e9 / f64::from(TIMES);
+    // What is worked out has to be used.
+    if sum.is_finite() { ns } else { f64::NAN }
+}

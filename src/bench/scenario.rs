@@ -1,0 +1,76 @@
+//! `throng bench scenario`: how fast people live by rules, graphs and news.
+
+use crate::args::{CacheArgs, Outcome};
+use crate::{keys, output};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use throng_precompute::run::{ScenarioFigures, measure_scenario};
+use throng_runtime::base::limits;
+use throng_runtime::simulation::Scene;
+
+/// Measure scenes in which people live by rules, state graphs and news.
+#[derive(clap::Args)]
+#[command(after_long_help = keys::section::<ScenarioFigures>("JSON keys (of each of `results[]`)"))]
+pub struct Args {
+    /// Scene files, or names of those in `data/scenes`.
+    #[arg(long, value_delimiter = ',', default_value = "square,race,race-100,park", value_name = "NAME_OR_FILE,...")]
+    scene: Vec<String>,
+    /// Number of agents; that of the scene where absent.
+    #[arg(long, value_name = "N", value_parser = limits::number::<usize>(&limits::CHARACTERS))]
+    members: Option<usize>,
+    /// Numbers of threads.
+    #[arg(long, value_delimiter = ',', default_value = "1", value_name = "N,...", value_parser = limits::number::<usize>(&limits::THREADS))]
+    threads: Vec<usize>,
+    /// Simulated time; what the scene says where absent.
+    #[arg(long, value_name = "S", value_parser = limits::number::<f64>(&limits::SECONDS))]
+    seconds: Option<f64>,
+    #[command(flatten)]
+    cache: CacheArgs,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// All scenes.
+#[derive(Serialize)]
+struct Results {
+    results: Vec<ScenarioFigures>,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let mut results = Vec::new();
+    for name in &args.scene {
+        let path = PathBuf::from(name);
+        let path = if path.extension().is_some() { path } else { Path::new("data/scenes").join(format!("{name}.toml")) };
+        let mut scene = Scene::load(&path)?;
+        if let Some(members) = args.members {
+            scene = scene.resized(members);
+        }
+        crate::run::ensure(&scene, &args.cache)?;
+        let compiled = scene.open()?;
+        for &threads in &args.threads {
+            let count = || Some(crate::allocations::count());
+            results.push(measure_scenario(&compiled, args.seconds, threads, &count)?);
+        }
+    }
+    if args.json {
+        return output::json(&Results { results });
+    }
+    let mut text = String::from("scene              agents  threads  frames/s  over paper  rules  crowd  motion  informed  told\n");
+    for r in &results {
+        let over = r.over_paper.map_or_else(String::new, |o| format!("{o:.0}"));
+        text.push_str(&format!(
+            "{:<18} {:>6} {:>8} {:>9.0} {over:>11} {:>5.0}% {:>5.0}% {:>6.0}% {:>9} {:>5}\n",
+            r.scene,
+            r.agents,
+            r.threads,
+            r.frames_per_second,
+            100.0 * r.rules_share,
+            100.0 * r.crowd_share,
+            100.0 * r.motion_share,
+            r.informed,
+            r.told_pairs
+        ));
+    }
+    output::text(text)
+}

@@ -1,0 +1,70 @@
+//! `throng check`: what a scene says, before it runs.
+
+use crate::args::{CacheArgs, Outcome};
+use crate::{keys, output};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::PathBuf;
+use throng_runtime::simulation::{Scene, Simulation};
+
+/// Check a scene: every name, number, rule and state; what its people do that their bundles have no motion for.
+#[derive(clap::Args)]
+#[command(after_long_help = keys::of::<Checked>())]
+pub struct Args {
+    /// Scene.
+    #[arg(value_name = "SCENE")]
+    scene: PathBuf,
+    #[command(flatten)]
+    cache: CacheArgs,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was found. A scene with a fault is refused with file, line and column in place of this.
+#[derive(Serialize, schemars::JsonSchema)]
+struct Checked {
+    /// The scene's name.
+    scene: String,
+    /// Characters and agents.
+    characters: usize,
+    /// Sizes of the tables that it is compiled to.
+    tables: Vec<Table>,
+    /// Motion that actions ask for and that a bundle does not have: people stand meanwhile.
+    missing_motion: Vec<String>,
+}
+
+#[derive(Serialize, schemars::JsonSchema)]
+struct Table {
+    /// Its name.
+    name: String,
+    /// Its rows.
+    rows: usize,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let scene = Scene::load(&args.scene)?;
+    crate::run::ensure(&scene, &args.cache)?;
+    let compiled = scene.open()?;
+    // Starts and goals are checked as everybody is put there.
+    let sim = Simulation::new(&compiled)?;
+    let sizes = compiled.scenario().map_or_else(Vec::new, |s| s.sizes().to_vec());
+    let checked = Checked {
+        scene: scene.name.clone(),
+        characters: sim.num_characters(),
+        tables: sizes.into_iter().map(|(name, rows)| Table { name: name.into(), rows }).collect(),
+        missing_motion: compiled.missing_motion(),
+    };
+    if args.json {
+        return output::json(&checked);
+    }
+    let mut text = format!("{}: {} characters", checked.scene, checked.characters);
+    for table in &checked.tables {
+        _ = write!(text, ", {} {}", table.rows, table.name);
+    }
+    text.push('\n');
+    for missing in &checked.missing_motion {
+        _ = writeln!(text, "no motion: {missing}");
+    }
+    output::text(text)
+}

@@ -1,0 +1,129 @@
+//! `throng explain`: why somebody did what it did, in a run that was recorded.
+
+use crate::args::{CacheArgs, Outcome, fail};
+use crate::{keys, output};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::PathBuf;
+use throng_precompute::run::Recording;
+use throng_runtime::base::limits;
+use throng_runtime::simulation::scenario::{Explanation, Known, Minds};
+
+/// Replay a run that `throng run SCENE --record FILE` has kept, and tell what an agent did, why, and what it knew from whom.
+#[derive(clap::Args)]
+#[command(after_long_help = keys::of::<Explanation>())]
+pub struct Args {
+    /// Recording.
+    #[arg(value_name = "RECORDING")]
+    recording: PathBuf,
+    /// Number of an agent.
+    #[arg(long, value_name = "A", value_parser = limits::number::<usize>(&limits::FOLLOWED))]
+    agent: Option<usize>,
+    /// Simulated time; the end where absent.
+    #[arg(long, value_name = "T", value_parser = limits::number::<f64>(&limits::SECONDS))]
+    at: Option<f64>,
+    /// Name of an event: who learnt of it from whom, as a tree.
+    #[arg(long, value_name = "NAME")]
+    message: Option<String>,
+    #[command(flatten)]
+    cache: CacheArgs,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Who told whom.
+#[derive(Serialize)]
+struct Message {
+    event: String,
+    learnt: Vec<Learnt>,
+}
+
+#[derive(Serialize)]
+struct Learnt {
+    agent: usize,
+    #[serde(flatten)]
+    known: Known,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let recording = Recording::load(&args.recording)?;
+    let scene = recording.scene()?;
+    crate::run::ensure(&scene, &args.cache)?;
+    let sim = recording.replay(&scene.open()?, args.at)?;
+    let Some(minds) = sim.minds() else {
+        return fail("the scene says no more than goals: nobody has anything in mind");
+    };
+    match (&args.message, args.agent) {
+        (Some(event), _) => message(minds, event, args.json),
+        (None, Some(agent)) if agent < sim.num_characters() => {
+            let why = minds.explain(agent);
+            if args.json { output::json(&why) } else { output::text(words(&why)) }
+        }
+        (None, Some(agent)) => fail(format!("--agent {agent}: expected less than {}", sim.num_characters())),
+        (None, None) => fail("expected `--agent A` or `--message NAME`"),
+    }
+}
+
+fn message(minds: &Minds, event: &str, json: bool) -> Outcome {
+    let learnt = minds.message(event)?;
+    if json {
+        let learnt = learnt.into_iter().map(|(agent, known)| Learnt { agent, known }).collect();
+        return output::json(&Message { event: event.into(), learnt });
+    }
+    let mut text = String::new();
+    // Depth first, from those who learnt it from nobody.
+    let mut open: Vec<(usize, usize)> =
+        learnt.iter().enumerate().filter(|(_, l)| l.1.from.is_none()).map(|(i, _)| (i, 0)).rev().collect();
+    while let Some((i, depth)) = open.pop() {
+        let (agent, known) = &learnt[i];
+        let [x, z] = known.at;
+        let (indent, how, time_s) = ("  ".repeat(depth), &known.how, known.time_s);
+        _ = writeln!(text, "{indent}{agent}  {time_s:.2} s at {x:.1}, {z:.1} ({how})");
+        let heard = learnt.iter().enumerate().filter(|(_, l)| l.1.from == Some(*agent));
+        open.extend(heard.map(|(n, _)| (n, depth + 1)).rev());
+    }
+    if text.is_empty() {
+        text = format!("nobody knows of `{event}`\n");
+    }
+    output::text(text)
+}
+
+fn words(why: &Explanation) -> String {
+    let mut text = format!("agent {} of {} at {:.2} s", why.agent, why.group, why.time_s);
+    if !why.is_there {
+        text.push_str(" is not there");
+    }
+    if !why.states.is_empty() {
+        _ = write!(text, ": {}", why.states.join(" > "));
+    }
+    if !why.action.is_empty() {
+        _ = write!(text, ", action `{}`", why.action);
+    }
+    text.push('\n');
+    let b = &why.because;
+    _ = write!(text, "because of `{}` at {:.2} s", b.event, b.time_s);
+    if let Some(other) = b.other {
+        _ = write!(text, ", with agent {other}");
+    }
+    if let Some(place) = &b.place {
+        _ = write!(text, ", at {place}");
+    }
+    match (&b.rule, &b.edge_to) {
+        (Some(rule), _) => _ = write!(text, ", by rule \"{rule}\""),
+        (None, Some(state)) => _ = write!(text, ", by an edge to `{state}`"),
+        (None, None) => {}
+    }
+    text.push('\n');
+    for value in &why.values {
+        _ = writeln!(text, "{} = {:.3}", value.name, value.value);
+    }
+    for known in &why.knows {
+        _ = write!(text, "knows of `{}` since {:.2} s ({}", known.event, known.time_s, known.how);
+        if let Some(from) = known.from {
+            _ = write!(text, " by agent {from}");
+        }
+        _ = writeln!(text, ")");
+    }
+    text
+}
