@@ -48,6 +48,22 @@ pub enum Signal {
     Timer(u32),
 }
 
+impl Signal {
+    /// To whom it happens; of two, the one with the smaller number.
+    fn agent(self) -> u32 {
+        match self {
+            Self::Met(agent, _)
+            | Self::CameTo(agent, _)
+            | Self::WentFrom(agent, _)
+            | Self::Crossed(agent)
+            | Self::Arrived(agent)
+            | Self::Left(agent)
+            | Self::Stuck(agent)
+            | Self::Timer(agent) => agent,
+        }
+    }
+}
+
 /// Everybody's minds, and what they share.
 #[derive(Clone, Debug)]
 pub struct Minds {
@@ -207,11 +223,11 @@ impl Minds {
     /// As [`Minds::begin`].
     pub fn signal(&mut self, stage: &mut impl Stage, now: f64, signal: Signal) -> Result<()> {
         self.now = now;
+        self.touch(signal.agent());
         match signal {
             Signal::Met(a, b) => {
-                self.meet(stage, a, b);
-                self.touch(a);
                 self.touch(b);
+                self.meet(stage, a, b);
             }
             Signal::CameTo(agent, place) => self.come_to(stage, agent, place),
             Signal::WentFrom(agent, place) => self.push(agent, trigger::LEAVES, at_place(place)),
@@ -225,10 +241,7 @@ impl Minds {
             },
             Signal::Left(agent) => self.leave(stage, agent)?,
             Signal::Stuck(agent) => self.push(agent, trigger::STUCK, Context::default()),
-            Signal::Timer(agent) => {
-                self.touch(agent);
-                self.act_in_time(stage, agent)?;
-            }
+            Signal::Timer(agent) => self.act_in_time(stage, agent)?,
         }
         self.finish(stage)
     }
@@ -255,6 +268,14 @@ impl Minds {
             self.enter_state(stage, agent, group.start, Context::default())?;
         }
         self.push(agent, trigger::STARTS, Context::default());
+        if scenario.senses_zones {
+            let at = stage.position(agent).unwrap_or_default();
+            let is_at = |place: &&super::tables::PlaceTable| place.at.distance(at) <= place.radius_m;
+            let inside = scenario.places.iter().enumerate().filter(|(_, p)| is_at(p));
+            for (p, _) in inside {
+                self.come_to(stage, agent, p as u16);
+            }
+        }
         Ok(())
     }
 

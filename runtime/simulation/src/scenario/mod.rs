@@ -13,6 +13,8 @@ mod sample;
 mod snapshot;
 mod stage;
 mod tables;
+#[cfg(test)]
+mod tests;
 mod verbs;
 
 pub use explain::{Because, Explanation, Known, Spread, ValueNow};

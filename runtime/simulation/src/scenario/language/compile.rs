@@ -61,7 +61,7 @@ pub struct Vocabulary {
 }
 
 /// Words that stand alone, with what they mean to an author.
-pub(in super::super) const WORDS: &[(&str, Load, Type)] = &[
+const WORDS: &[(&str, Load, Type)] = &[
     ("time", Load::Time, Type::Number),
     ("random", Load::Random, Type::Number),
     ("event", Load::Event(EventAttribute::Name), Type::Name(Sort::Event)),
@@ -94,7 +94,7 @@ const ATTRIBUTES: &[(&str, Attribute, Type)] = &[
 ];
 
 /// Functions, and how they are called.
-pub(in super::super) const CALLS: &[(&str, &str)] = &[
+const CALLS: &[(&str, &str)] = &[
     ("distance", "distance(me, other)"),
     ("friendship", "friendship(me, other)"),
     ("curiosity", "curiosity(me, place)"),

@@ -6,8 +6,6 @@ mod parse;
 
 pub use code::{Amount, Attribute, EventAttribute, Load, Op, Perception, PlaceAttribute, Program, Spot, Who, run};
 pub use compile::{Names, Sort, Type, Vocabulary, compile};
-#[cfg(test)]
-pub(super) use compile::{CALLS, WORDS};
 pub use parse::parse;
 #[cfg(test)]
 pub use parse::{Node, Tree};

@@ -1,0 +1,175 @@
+//! Scenes that are solved by hand, and scenes that are refused.
+
+use super::{Signal, explained, played, refused};
+
+const WAIT: &str = "[graphs.life]\nlevel = \"social\"\nstart = \"a\"\n[graphs.life.states]\na = { do = [{ stay = 1000 }] }\n";
+
+#[test]
+fn two_tell_a_third_who_learns_it_from_the_first_it_meets() {
+    let story = format!("{WAIT}[[events]]\nname = \"fire\"\nat_s = 1.0\nwho = \"me.number < 2\"\ntold_on = true\n");
+    let script = [(0.5, Signal::Met(0, 2)), (2.0, Signal::Met(1, 2)), (3.0, Signal::Met(0, 2)), (4.0, Signal::Met(2, 3))];
+    let (minds, _) = played(4, &story, &script, 5.0);
+    let known = |agent: usize| explained(&minds, agent).knows.first().map(|k| (k.how.clone(), k.from, k.time_s));
+    assert_eq!(known(0), Some(("happens".into(), None, 1.0)));
+    assert_eq!(known(2), Some(("told".into(), Some(1), 2.0)), "at 0.5 s nobody knew, at 3 s it was no news");
+    assert_eq!(known(3), Some(("told".into(), Some(2), 4.0)));
+    let tree = minds.message("fire").unwrap();
+    assert_eq!(tree.iter().map(|(agent, _)| *agent).collect::<Vec<_>>(), [0, 1, 2, 3]);
+    assert!(minds.message("flood").unwrap_err().to_string().contains("fire"));
+}
+
+#[test]
+fn old_news_are_told_no_more() {
+    let story = format!("{WAIT}[[events]]\nname = \"sale\"\nat_s = 1.0\nwho = \"me.number == 0\"\ntold_on = true\nfresh_s = 2.0\n");
+    let (minds, _) = played(3, &story, &[(2.9, Signal::Met(0, 1)), (3.1, Signal::Met(0, 2))], 5.0);
+    assert_eq!([0, 1, 2].map(|a| minds.num_known(a)), [1, 1, 0]);
+}
+
+#[test]
+fn a_threshold_is_reached_between_events_at_the_time_that_is_solved_for() {
+    // 0.2 + 0.1 t = 0.7 after 5 s; 1 - 0.8 exp(-t ln 2 / 3) = 0.9 after 3 log2(8) = 9 s.
+    let story = "[values.linear]\nstart = [0.2, 0.2]\nrate_per_s = 0.1\n[values.curved]\nstart = [0.2, 0.2]\nrest = 1.0\n\
+        half_life_s = 3.0\n[graphs.life]\nlevel = \"social\"\nstart = \"a\"\nedges = [\n\
+        { from = \"a\", to = \"b\", on = \"linear > 0.7\" }, { from = \"b\", to = \"c\", on = \"curved > 0.9\" } ]\n\
+        [graphs.life.states]\na = { do = [{ stay = 1000 }] }\nb = { do = [{ stay = 1000 }] }\nc = { do = [{ stay = 1000 }] }\n";
+    for (until, state, since) in [(4.99, "a", 0.0), (5.01, "b", 5.0), (8.99, "b", 5.0), (9.01, "c", 9.0)] {
+        let (minds, _) = played(1, story, &[], until);
+        let why = explained(&minds, 0);
+        assert_eq!(why.states, [state]);
+        assert!((why.because.time_s - since).abs() < 1e-5, "{why:?}");
+    }
+}
+
+#[test]
+fn a_threshold_is_passed_again_only_after_it_was_left() {
+    let story = "[values.anger]\nstart = [0.0, 0.0]\n[values.count]\nstart = [0.0, 0.0]\nlimits = [0.0, 100.0]\n\
+        [[rules]]\non = \"anger > 0.5\"\ndo = [{ add = \"count\", by = 1.0 }]\n\
+        [[rules]]\non = \"up\"\ndo = [{ add = \"anger\", by = 0.3 }]\n[[rules]]\non = \"down\"\ndo = [{ set = \"anger\", to = 0.4 }]\n\
+        [[events]]\nname = \"up\"\nperiod_s = 1.0\n[[events]]\nname = \"down\"\nat_s = 4.5\n";
+    // 0.3 0.6 0.9 1.0 | 0.4 0.7 1.0: twice above 0.5.
+    let (minds, _) = played(1, story, &[], 6.9);
+    let value = |name: &str| explained(&minds, 0).values.iter().find(|v| v.name == name).unwrap().value;
+    assert_eq!((value("count"), value("anger")), (2.0, 1.0));
+}
+
+#[test]
+fn a_change_above_begins_below_anew_and_an_edge_to_itself_changes_nothing() {
+    let story = "[graphs.life]\nlevel = \"social\"\nstart = \"work\"\nedges = [ { from = \"work\", to = \"rest\", on = \"bell\" }, \
+        { from = \"rest\", to = \"work\", on = \"bell\" }, { from = \"work\", to = \"work\", on = \"meets\" } ]\n\
+        [graphs.life.states]\nwork = { graph = \"tasks\" }\nrest = { do = [{ stay = 1000 }] }\n\
+        [graphs.tasks]\nlevel = \"spatial\"\nstart = \"first\"\nedges = [{ from = \"first\", to = \"second\" }]\n\
+        [graphs.tasks.states]\nfirst = { do = [{ stay = 2 }] }\nsecond = { do = [{ stay = 1000 }] }\n\
+        [[events]]\nname = \"bell\"\nperiod_s = 5.0\n";
+    let states = |until: f64, script: &[(f64, Signal)]| explained(&played(2, story, script, until).0, 0).states;
+    assert_eq!(states(1.9, &[]), ["work", "first"]);
+    assert_eq!(states(2.1, &[]), ["work", "second"]);
+    assert_eq!(states(5.1, &[]), ["rest"]);
+    assert_eq!(states(11.0, &[]), ["work", "first"], "anew");
+    assert_eq!(states(3.0, &[(1.0, Signal::Met(0, 1))]), ["work", "second"], "what is below goes on");
+}
+
+#[test]
+fn a_rule_interrupts_and_what_it_interrupted_begins_again() {
+    let story = "[[rules]]\nname = \"hello\"\non = \"meets\"\ndo = [{ greet = \"other\", for_s = 2.0 }]\npause_s = 10.0\n\
+        [graphs.life]\nlevel = \"social\"\nstart = \"a\"\n[graphs.life.states]\na = { do = [{ go = [50.0, 0.0] }, { stay = 1000 }] }\n";
+    let (minds, stage) = played(2, story, &[(1.0, Signal::Met(0, 1)), (2.0, Signal::Met(0, 1))], 8.0);
+    let own: Vec<&str> = stage.log.iter().filter(|l| l.split(' ').nth(1) == Some("0")).map(|l| l.as_str()).collect();
+    let walks: Vec<&&str> = own.iter().filter(|l| l.contains(" go ") || l.contains("halt")).collect();
+    assert!(walks[0].starts_with("0.000000 0 go 50") && walks[1].starts_with("1.000000 0 halt"), "{own:#?}");
+    assert!(walks[2].starts_with("3.000000 0 go 50"), "after two seconds, and not interrupted within the pause: {own:#?}");
+    assert!(!explained(&minds, 0).interrupted);
+}
+
+#[test]
+fn those_in_a_queue_move_up_and_nobody_holds_two_slots() {
+    let story = "[[places]]\nname = \"line\"\nat = [0.0, 0.0]\nqueue = { points = [[0.0, 0.0], [0.0, 5.0]], spacing_m = 1.0 }\n\
+        [[places]]\nname = \"till\"\nat = [1.0, 0.0]\nslots = [{ at = [1.0, 0.0] }]\n\
+        [graphs.life]\nlevel = \"social\"\nstart = \"a\"\nedges = [{ from = \"a\", to = \"b\" }, { from = \"a\", to = \"c\", on = \"full\" }]\n\
+        [graphs.life.states]\na = { do = [{ queue = \"line\", into = \"till\" }, { buy = \"till\", for_s = 10 }, { release = true }] }\n\
+        b = { do = [{ stay = 1000 }] }\nc = { do = [{ stay = 1000 }] }\n";
+    // The line has six slots. The first of eight stands at its head and goes on to the till at once; one finds it full.
+    let at = |until: f64| {
+        let (minds, _) = played(8, story, &[], until);
+        assert_eq!(minds.num_holding_twice(), 0);
+        let mut states = minds.in_states();
+        states.sort();
+        (states, minds.holders.iter().filter(|h| **h != super::super::tables::NONE).count())
+    };
+    assert_eq!(at(1.0), (vec![("a".into(), 7), ("c".into(), 1)], 7));
+    // One at the till, six in line; it is done 1.7 + 10 s after it is its turn.
+    assert_eq!(at(11.6).1, 7);
+    assert_eq!(at(11.8), (vec![("a".into(), 6), ("b".into(), 1), ("c".into(), 1)], 6));
+}
+
+#[test]
+fn boards_are_read_where_they_are_and_not_for_ever() {
+    let story = "[agents]\ncell_m = 4.0\n[[rules]]\non = \"starts\"\nwhen = \"me.number == 0\"\n\
+        do = [{ post = \"way\", cells = 0, for_s = 10 }]\n[[events]]\nname = \"way\"\n[[places]]\nname = \"post\"\nat = [3.0, 0.0]\n\
+        guidepost = true\n[[rules]]\non = \"enters\"\ndo = [{ speed = 1.0 }]\n";
+    // Agent 0 is at 0 m and posts in the cell up to 4 m; agent 1 is at 3 m, agent 2 at 6 m.
+    let (minds, _) = played(3, story, &[(1.0, Signal::CameTo(1, 0)), (1.0, Signal::Crossed(2))], 2.0);
+    assert_eq!([0, 1, 2].map(|a| minds.num_known(a)), [0, 1, 0]);
+    let (minds, _) = played(3, story, &[(11.0, Signal::CameTo(1, 0))], 12.0);
+    assert_eq!(minds.num_known(1), 0, "it was taken down");
+}
+
+#[test]
+fn what_is_felt_weakens_with_the_distance() {
+    let story = format!(
+        "{WAIT}[values.fear]\nstart = [0.0, 0.0]\n[[events]]\nname = \"scare\"\n[[rules]]\non = \"starts\"\n\
+         when = \"me.number == 3\"\ndo = [{{ timer = 1 }}]\n[[rules]]\non = \"timer\"\ndo = [{{ convey = \"scare\", within_m = 6.0 }}]\n\
+         [[rules]]\non = \"scare\"\ndo = [{{ set = \"fear\", to = \"event.strength\" }}]\n"
+    );
+    // Agents stand 3 m apart.
+    let (minds, _) = played(6, &story, &[], 2.0);
+    let fear = |a: usize| explained(&minds, a).values[0].value;
+    assert_eq!((fear(0), fear(1), fear(3)), (0.0, 0.0, 0.0), "6 m off, nothing is left; who scares is not scared");
+    assert!((fear(2) - 0.5).abs() < 1e-6 && (fear(4) - 0.5).abs() < 1e-6, "{} {}", fear(2), fear(4));
+}
+
+#[test]
+fn a_circle_within_one_instant_is_told_with_its_rule() {
+    let story = "[values.a]\n[[rules]]\nname = \"up\"\non = \"a > 0.5\"\ndo = [{ set = \"a\", to = 0.0 }]\n\
+        [[rules]]\nname = \"down\"\non = \"a < 0.2\"\ndo = [{ set = \"a\", to = 1.0 }]\n[[rules]]\non = \"starts\"\ndo = [{ set = \"a\", to = 1.0 }]\n";
+    let mut minds = super::minds(&super::scene(1, story));
+    let e = minds.begin(&mut super::Paper::new(1), &[1.3]).unwrap_err().to_string();
+    assert!(e.contains("circle") && (e.contains("\"up\"") || e.contains("\"down\"")), "{e}");
+}
+
+#[test]
+fn what_is_wrong_is_told_with_its_place_and_the_way_out() {
+    let graph = |edges: &str| {
+        format!("[graphs.life]\nlevel = \"social\"\nstart = \"a\"\nedges = [{edges}]\n[graphs.life.states]\na = {{ do = [{{ stay = 1 }}] }}\nb = {{ do = [{{ stay = 1 }}] }}\n[[events]]\nname = \"bell\"\n")
+    };
+    let rule = |rest: &str| format!("[values.anger]\n[[events]]\nname = \"bell\"\n[[places]]\nname = \"bakery\"\nat = [0.0, 0.0]\n[[rules]]\n{rest}\n");
+    for (story, expected) in [
+        (rule("on = \"bel\"\ndo = [{ stay = 1 }]"), vec!["scene.toml:8:1", "Did you mean `bell`?"]),
+        (rule("on = \"bell\"\nwhen = \"me.angr > 0.5\"\ndo = [{ stay = 1 }]"), vec![":9:9", "unknown word `me.angr`", "me.anger"]),
+        (rule("on = \"bell\"\nwhen = \"me.anger > 0.5 and place.kind == 'x'\"\ndo = [{ stay = 1 }]"), vec![":9:28", "there is no `place`"]),
+        (rule("on = \"bell\"\nwhen = \"me.anger\"\ndo = [{ stay = 1 }]"), vec![":9:9", "expected true or false, found a number"]),
+        (rule("on = \"bell\"\nwhen = \"me.anger > \"\ndo = [{ stay = 1 }]"), vec!["expected a value, found the end"]),
+        (rule("on = \"bell\"\nwhen = \"distance(me) > 2\"\ndo = [{ stay = 1 }]"), vec!["expected `distance(me, other)`"]),
+        (rule("on = \"bell\"\nwhen = \"event == 'bakery'\"\ndo = [{ stay = 1 }]"), vec!["there is no event `bakery`"]),
+        (rule("on = \"bell\"\ndo = [{ gret = \"bakery\" }]"), vec![":9:7", "Did you mean `greet`?"]),
+        (rule("on = \"bell\"\ndo = [{ go = \"bakry\" }]"), vec!["Did you mean `bakery`?"]),
+        (rule("on = \"bell\"\ndo = [{ go = \"bakery\", speeed = 1 }]"), vec!["`go` has no word `speeed`", "Did you mean `speed`?"]),
+        (rule("on = \"bell\"\ndo = [{ queue = \"bakery\" }]"), vec!["a place with a `queue`"]),
+        (rule("on = \"bell\"\ndo = \"sing\""), vec!["there is no behaviour `sing`"]),
+        (rule("on = \"bell\"\ndo = []"), vec!["expected at least one action"]),
+        (rule("on = \"bell\"\nprobability = 1.5\ndo = [{ stay = 1 }]"), vec!["expected 0 to 1, found 1.5"]),
+        (rule("on = \"anger > 7\"\ndo = [{ stay = 1 }]"), vec!["within the limits of `anger`"]),
+        (rule("on = \"bell\"\nwho = [\"peopl\"]\ndo = [{ stay = 1 }]"), vec!["Did you mean `people`?"]),
+        (graph(""), vec!["no edge leads to `b`"]),
+        (graph("{ from = \"a\", to = \"b\" }, { from = \"b\", to = \"c\" }"), vec!["no state `c`"]),
+        (graph("{ from = \"a\", to = \"b\", on = \"bell\", probability = 0.7 }, { from = \"a\", to = \"a\", on = \"bell\", probability = 0.7 }"), vec!["add up to 1.4"]),
+        (graph("{ from = \"a\", to = \"b\", on = \"bell\", probability = -0.5 }"), vec!["expected 0 to 1, found -0.5"]),
+        ("[[events]]\nname = \"meets\"\n[[rules]]\non = \"meets\"\ndo = [{ stay = 1 }]".into(), vec!["give the event another name"]),
+        ("[[events]]\nname = \"a\"\nat_s = 1.0\nperiod_s = 2.0".into(), vec!["expected one of `at_s`"]),
+        ("[[relations]]\nof = \"people:9\"\nto = \"people\"\nfriendship = 1.0\n[[events]]\nname = \"a\"".into(), vec!["expected an agent from 0 to 1"]),
+    ] {
+        let e = refused(&story);
+        for part in expected {
+            assert!(e.contains(part), "expected `{part}` in: {e}\n{story}");
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Flat code against a walk over the tree.
+
+use super::super::language::{
+    Attribute, Load, Names, Node, Perception, Spot, Tree, Type, Vocabulary, Who, compile, parse, run,
+};
+use proptest::prelude::*;
+
+/// Numbers by what is asked for; `random` counts.
+struct World {
+    draws: f64,
+}
+
+impl Perception for World {
+    fn load(&mut self, what: Load) -> f64 {
+        match what {
+            Load::Time => 12.5,
+            Load::Random => {
+                self.draws += 1.0;
+                self.draws * 0.125 % 1.0
+            }
+            Load::Of(Who::Me, Attribute::Value(v)) => f64::from(v) + 0.25,
+            Load::Of(_, Attribute::Value(v)) => 1.5 - f64::from(v),
+            Load::Of(_, Attribute::Group) => 1.0,
+            Load::Of(_, Attribute::News) => f64::from_bits(0b101),
+            Load::Distance(_, Spot::Place(p)) => 3.0 + f64::from(p),
+            Load::Count(g) => 7.0 + f64::from(g),
+            _ => 2.0,
+        }
+    }
+}
+
+fn names() -> Vocabulary {
+    let list = |all: &[&str]| Names(all.iter().map(|n| (*n).to_string()).collect());
+    Vocabulary {
+        groups: list(&["red", "blue"]),
+        places: list(&["well", "gate"]),
+        events: list(&["fire", "sale", "bell"]),
+        values: list(&["anger", "joy"]),
+        has_other: true,
+        ..Vocabulary::default()
+    }
+}
+
+/// What a tree is worth, by the plain meaning of its words.
+fn walk(node: &Node, world: &mut World) -> f64 {
+    let truth = |is: bool| f64::from(u8::from(is));
+    match &node.tree {
+        Tree::Number(n) => *n,
+        Tree::Truth(t) => truth(*t),
+        Tree::Word(word) => match word.as_str() {
+            "time" => 12.5,
+            "random" => world.load(Load::Random),
+            "me.anger" => 0.25,
+            "me.joy" => 1.25,
+            "other.anger" => 1.5,
+            "other.joy" => 0.5,
+            other => panic!("{other}"),
+        },
+        Tree::Unary("-", a) => -walk(a, world),
+        Tree::Unary(_, a) => truth(walk(a, world) == 0.0),
+        Tree::Binary("and", a, b) => {
+            let a = walk(a, world);
+            if a == 0.0 { 0.0 } else { walk(b, world) }
+        }
+        Tree::Binary("or", a, b) => {
+            let a = walk(a, world);
+            if a == 0.0 { walk(b, world) } else { a }
+        }
+        Tree::Binary("in", a, b) => match (&a.tree, &b.tree) {
+            (Tree::Word(_), Tree::Set(all)) => {
+                truth(all.iter().any(|n| matches!(&n.tree, Tree::Text(t) if t == "blue")))
+            }
+            (Tree::Text(name), _) => truth(name == "fire" || name == "bell"),
+            _ => panic!(),
+        },
+        // The side that is compared to the right is worked out first where the sign points left.
+        Tree::Binary(op @ (">" | ">="), a, b) => {
+            let b = walk(b, world);
+            let a = walk(a, world);
+            truth(if *op == ">" { a > b } else { a >= b })
+        }
+        Tree::Binary(op, a, b) => {
+            let (a, b) = (walk(a, world), walk(b, world));
+            match *op {
+                "+" => a + b,
+                "-" => a - b,
+                "*" => a * b,
+                "/" => if b == 0.0 { 0.0 } else { a / b },
+                "<" => truth(a < b),
+                "<=" => truth(a <= b),
+                "==" => truth(a == b),
+                _ => truth(a != b),
+            }
+        }
+        Tree::Call(name, of) => match name.as_str() {
+            "distance" => 4.0,
+            "count" => 8.0,
+            "if" => if walk(&of[0], world) != 0.0 { walk(&of[1], world) } else { walk(&of[2], world) },
+            "clamp" => {
+                let (a, most) = (walk(&of[0], world), walk(&of[2], world));
+                a.min(most).max(walk(&of[1], world))
+            }
+            "abs" => walk(&of[0], world).abs(),
+            "floor" => walk(&of[0], world).floor(),
+            "sqrt" => walk(&of[0], world).max(0.0).sqrt(),
+            _ => {
+                let (a, b) = (walk(&of[0], world), walk(&of[1], world));
+                if name == "min" { a.min(b) } else { a.max(b) }
+            }
+        },
+        other => panic!("{other:?}"),
+    }
+}
+
+fn number() -> impl Strategy<Value = String> {
+    let leaf = prop_oneof![
+        (0u32..1000).prop_map(|n| format!("{}", f64::from(n) / 8.0)),
+        prop::sample::select(vec!["time", "random", "me.anger", "me.joy", "other.anger", "other.joy", "distance(me, 'gate')", "count('blue')"])
+            .prop_map(String::from),
+    ];
+    leaf.prop_recursive(5, 40, 3, |inner| {
+        let two = (inner.clone(), inner.clone(), prop::sample::select(vec!["+", "-", "*", "/"]));
+        let truth = (inner.clone(), inner.clone(), prop::sample::select(vec!["<", "<=", ">", ">=", "==", "!="]))
+            .prop_map(|(a, b, op)| format!("{a} {op} {b}"));
+        prop_oneof![
+            two.prop_map(|(a, b, op)| format!("({a} {op} {b})")),
+            inner.clone().prop_map(|a| format!("-({a})")),
+            (inner.clone(), inner.clone()).prop_map(|(a, b)| format!("min({a}, {b})")),
+            (inner.clone(), inner.clone(), inner.clone()).prop_map(|(a, b, c)| format!("clamp({a}, {b}, {c})")),
+            inner.clone().prop_map(|a| format!("floor(abs({a}))")),
+            (truth, inner.clone(), inner).prop_map(|(t, a, b)| format!("if({t}, {a}, {b})")),
+        ]
+    })
+}
+
+fn predicate() -> impl Strategy<Value = String> {
+    let leaf = prop_oneof![
+        (number(), number(), prop::sample::select(vec!["<", "<=", ">", ">=", "==", "!="]))
+            .prop_map(|(a, b, op)| format!("{a} {op} {b}")),
+        Just("'sale' in me.news".to_string()),
+        Just("'bell' in me.news".to_string()),
+        Just("me.group in { 'red' }".to_string()),
+        Just("me.group in { 'red', 'blue' }".to_string()),
+        Just("true".to_string()),
+    ];
+    leaf.prop_recursive(4, 24, 2, |inner| {
+        prop_oneof![
+            (inner.clone(), inner.clone(), any::<bool>())
+                .prop_map(|(a, b, and)| format!("({a}) {} ({b})", if and { "and" } else { "or" })),
+            inner.prop_map(|a| format!("not ({a})")),
+        ]
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+    #[test]
+    fn flat_code_is_worth_what_its_tree_is(text in predicate()) {
+        let tree = parse(&text).unwrap();
+        let mut code = Vec::new();
+        let Ok(program) = compile(&tree, Type::Truth, &names(), &mut code) else {
+            // Only what is too deep for the stack is refused.
+            prop_assert!(text.len() > 200, "{}", text);
+            return Ok(());
+        };
+        let (mut a, mut b) = (World { draws: 0.0 }, World { draws: 0.0 });
+        prop_assert_eq!(run(&code, program, &mut a), walk(&tree, &mut b), "{}", text);
+        prop_assert_eq!(a.draws, b.draws, "as many numbers by chance: {}", text);
+    }
+
+    #[test]
+    fn no_text_panics(text in "\\PC{0,60}") {
+        if let Ok(tree) = parse(&text) {
+            _ = compile(&tree, Type::Truth, &names(), &mut Vec::new());
+        }
+    }
+
+    #[test]
+    fn no_text_of_words_panics(words in prop::collection::vec(prop::sample::select(vec!["me", ".", "(", ")", "{", "}", ",", "and", "or", "not", "<", "==", "in", "'red'", "1", "random", "distance", "if", "me.group", "me.news", "-", "other"]), 0..24)) {
+        if let Ok(tree) = parse(&words.join(" ")) {
+            _ = compile(&tree, Type::Truth, &names(), &mut Vec::new());
+        }
+    }
+}
+
+#[test]
+fn deep_brackets_are_refused_and_do_not_overflow() {
+    let text = format!("{}1{}", "(".repeat(100_000), ")".repeat(100_000));
+    assert!(parse(&text).unwrap_err().why.contains("levels"));
+    let text = format!("{}true", "not ".repeat(100_000));
+    assert!(parse(&text).is_err());
+}

@@ -1,0 +1,202 @@
+//! Minds on a stage of paper, whose agents are moved by hand.
+
+mod hand;
+mod language;
+mod random;
+
+use super::minds::{Minds, Signal};
+use super::stage::Stage;
+use super::verbs::Primitives;
+use super::{Explanation, Scenario};
+use crate::scene::Scene;
+use glam::Vec3;
+use std::path::Path;
+use std::sync::Arc;
+use throng_base::Result;
+
+/// Where agents are as told, and all that they are told.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Paper {
+    pub now: f64,
+    /// Where each agent started and how it moves; not there where `None`.
+    pub at: Vec<Option<(Vec3, Vec3)>>,
+    /// What was asked for, with the time and the agent.
+    pub log: Vec<String>,
+    pub timers: Vec<f64>,
+    /// When agents that were sent somewhere arrive.
+    pub arrivals: Vec<f64>,
+}
+
+/// How long every way takes on paper (s).
+pub(super) const WAY_S: f64 = 1.7;
+
+impl Paper {
+    pub fn new(num: usize) -> Self {
+        let place = |i: usize| Some((Vec3::new(3.0 * i as f32, 0.0, 0.0), Vec3::ZERO));
+        let never = vec![f64::INFINITY; num];
+        Self { now: 0.0, at: (0..num).map(place).collect(), log: Vec::new(), timers: never.clone(), arrivals: never }
+    }
+
+    pub fn note(&mut self, agent: u32, what: String) {
+        self.log.push(format!("{:.6} {agent} {what}", self.now));
+    }
+}
+
+impl Stage for Paper {
+    fn position(&self, agent: u32) -> Option<Vec3> {
+        self.at[agent as usize].map(|(at, velocity)| at + velocity * self.now as f32)
+    }
+    fn velocity(&self, agent: u32) -> Vec3 {
+        self.at[agent as usize].map_or(Vec3::ZERO, |a| a.1)
+    }
+    fn go(&mut self, agent: u32, at: Vec3, arrival_m: f32, leaves: bool) -> Result<bool> {
+        self.note(agent, format!("go {:.3} {:.3} {arrival_m:.2} {leaves}", at.x, at.z));
+        self.arrivals[agent as usize] = self.now + WAY_S;
+        Ok(true)
+    }
+    fn follow(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool> {
+        self.note(agent, format!("follow {} {again}", points.len()));
+        self.arrivals[agent as usize] = if again { f64::INFINITY } else { self.now + WAY_S };
+        Ok(true)
+    }
+    fn follow_happening(&mut self, agent: u32, happening: u16) -> Result<()> {
+        self.note(agent, format!("happening {happening}"));
+        Ok(())
+    }
+    fn resume(&mut self, agent: u32) -> Result<()> {
+        self.note(agent, "resume".into());
+        self.arrivals[agent as usize] = f64::INFINITY;
+        Ok(())
+    }
+    fn halt(&mut self, agent: u32) -> Result<()> {
+        self.note(agent, "halt".into());
+        self.arrivals[agent as usize] = f64::INFINITY;
+        Ok(())
+    }
+    fn set_speed(&mut self, agent: u32, speed_mps: f32) -> Result<()> {
+        self.note(agent, format!("speed {speed_mps:.3}"));
+        Ok(())
+    }
+    fn show(&mut self, agent: u32, motion: Option<u16>, _: Option<Vec3>) {
+        self.note(agent, format!("show {}", motion.is_some()));
+    }
+    fn set_open(&mut self, door: u16, open: bool) -> Result<bool> {
+        self.note(u32::from(door), format!("door {open}"));
+        Ok(true)
+    }
+    fn enter(&mut self, agent: u32) -> Result<bool> {
+        self.at[agent as usize] = Some((Vec3::ZERO, Vec3::ZERO));
+        Ok(true)
+    }
+    fn sense(&mut self, _: u32, _: u32, _: u32) -> Result<()> {
+        Ok(())
+    }
+    fn set_timer(&mut self, agent: u32, time_s: Option<f64>) -> Result<()> {
+        self.timers[agent as usize] = time_s.unwrap_or(f64::INFINITY);
+        Ok(())
+    }
+    fn within(&self, at: Vec3, radius_m: f32, out: &mut Vec<u32>) {
+        let near = |m: &u32| self.position(*m).is_some_and(|p| p.distance(at) <= radius_m);
+        out.extend((0..self.at.len() as u32).filter(near));
+    }
+}
+
+/// Whatever lives by a scene.
+pub(super) trait Lives {
+    fn begin(&mut self, stage: &mut Paper);
+    fn next_external_s(&self) -> f64;
+    fn external(&mut self, stage: &mut Paper, now: f64);
+    fn signal(&mut self, stage: &mut Paper, now: f64, signal: Signal);
+}
+
+impl Lives for Minds {
+    fn begin(&mut self, stage: &mut Paper) {
+        let speeds = vec![1.3; stage.at.len()];
+        Minds::begin(self, stage, &speeds).expect("it begins");
+    }
+    fn next_external_s(&self) -> f64 {
+        Minds::next_external_s(self)
+    }
+    fn external(&mut self, stage: &mut Paper, now: f64) {
+        Minds::external(self, stage, now).expect("it goes on");
+    }
+    fn signal(&mut self, stage: &mut Paper, now: f64, signal: Signal) {
+        Minds::signal(self, stage, now, signal).expect("it goes on");
+    }
+}
+
+/// Lets time pass: what comes from outside, what is scripted, arrivals and timers, in this order at one time.
+pub(super) fn play(lives: &mut impl Lives, stage: &mut Paper, script: &[(f64, Signal)], until_s: f64) {
+    let mut next = script.iter().peekable();
+    loop {
+        let external = lives.next_external_s();
+        let scripted = next.peek().map_or(f64::INFINITY, |s| s.0);
+        let first = |all: &[f64]| {
+            let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+            (least, all.iter().position(|t| *t == least).unwrap_or(0) as u32)
+        };
+        let ((arrival, who), (timer, whose)) = (first(&stage.arrivals), first(&stage.timers));
+        let now = external.min(scripted).min(arrival).min(timer);
+        if now > until_s {
+            stage.now = until_s;
+            return;
+        }
+        stage.now = now;
+        if external == now {
+            lives.external(stage, now);
+        } else if scripted == now {
+            if let Some((_, signal)) = next.next() {
+                lives.signal(stage, now, *signal);
+            }
+        } else if arrival == now {
+            stage.arrivals[who as usize] = f64::INFINITY;
+            lives.signal(stage, now, Signal::Arrived(who));
+        } else {
+            stage.timers[whose as usize] = f64::INFINITY;
+            lives.signal(stage, now, Signal::Timer(whose));
+        }
+    }
+}
+
+/// A scene of so many agents, with more.
+pub(super) fn scene(num: usize, more: &str) -> Scene {
+    let text = format!(
+        "seed = 5\n{more}\n[[groups]]\nname = \"people\"\nmotion = \"none\"\ncount = {num}\ngraph = \"life\"\n\
+         place = {{ block = {{ from = [0.0, 0.0], to = [99.0, 9.0] }} }}\n"
+    );
+    let text = if more.contains("[graphs.life]") { text } else { text.replace("graph = \"life\"", "goal = { stay = {} }") };
+    Scene::parse(&text, Path::new("scene.toml")).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+pub(super) fn minds(scene: &Scene) -> Minds {
+    let scenario = Scenario::new(scene, &Primitives::default()).unwrap_or_else(|e| panic!("{e}")).expect("a story");
+    let doors: Vec<bool> = scene.environment.doors.iter().map(|d| d.open).collect();
+    Minds::new(Arc::new(scenario), scene.seed, &doors)
+}
+
+/// A scene that has run on paper.
+pub(super) fn played(num: usize, more: &str, script: &[(f64, Signal)], until_s: f64) -> (Minds, Paper) {
+    let mut minds = minds(&scene(num, more));
+    let mut stage = Paper::new(num);
+    Lives::begin(&mut minds, &mut stage);
+    play(&mut minds, &mut stage, script, until_s);
+    (minds, stage)
+}
+
+pub(super) fn explained(minds: &Minds, agent: usize) -> Explanation {
+    minds.explain(agent)
+}
+
+/// The error of a scene that is refused.
+pub(super) fn refused(more: &str) -> String {
+    let groups = "[[groups]]\nname = \"people\"\nmotion = \"none\"\ncount = 2\ngoal = { stay = {} }\n\
+                  place = { block = { from = [0.0, 0.0], to = [99.0, 9.0] } }\n";
+    let text = format!("{more}\n{groups}");
+    match Scene::parse(&text, Path::new("scene.toml")) {
+        Err(e) => e.to_string(),
+        Ok(scene) => match Scenario::new(&scene, &Primitives::default()) {
+            Err(e) => e.to_string(),
+            Ok(_) => panic!("it is accepted:\n{more}"),
+        },
+    }
+}
