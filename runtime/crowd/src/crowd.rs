@@ -154,6 +154,11 @@ impl Crowd {
         each!(&mut self.engine, e => e.set_open(obstacle, open))
     }
 
+    /// True for an obstacle that is open; false for one that is not there.
+    pub fn is_open(&self, obstacle: usize) -> bool {
+        each!(&self.engine, e => e.scenery.is_open.get(obstacle).copied().unwrap_or(false))
+    }
+
     /// Lets an agent act as soon as it may, and not only at its next event: at once, or when the smallest interval since its last
     /// event is over. Engines to compare with take no notice.
     ///

@@ -56,6 +56,8 @@ mod tests {
     fn bodies_and_outlines_are_drawn_and_an_empty_crowd_is_no_panic() {
         let record = AgentsRecord {
             groups: vec![0, 1],
+            doors: Vec::new(),
+            places: Vec::new(),
             obstacles: vec![SeenObstacle::Ball { centre: Vec3::X, radius: 1.0 }],
             ..AgentsRecord::default()
         };

@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
 use super::furniture::{grid, header, legend, nice_step, scale_bar, tag};
-use crate::run::{AgentFigures, AgentsRecord, CrowdMoment, Figures, SeenAgent, SeenObstacle, TRAIL_S};
+use crate::run::{AgentFigures, AgentsRecord, CrowdMoment, Figures, SeenAgent, SeenObstacle, SeenPlace, TRAIL_S};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -113,7 +113,8 @@ pub(super) fn group_colour(group: usize) -> Colour {
 /// Lowest and highest position of all agents, with room around.
 fn extent(record: &AgentsRecord) -> (Vec3, Vec3) {
     let seen = record.moments.iter().flat_map(|m| m.agents.iter().flatten().map(|s| s.at));
-    let all = seen.chain(record.trails.iter().flat_map(|t| t.1.iter().copied()));
+    let slots = record.places.iter().flat_map(|p| p.slots.iter().copied().chain([p.at]));
+    let all = seen.chain(record.trails.iter().flat_map(|t| t.1.iter().copied())).chain(slots);
     let all = all.filter(|p| p.is_finite() && p.abs().max_element() < 1e6);
     let (low, high) = all.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
     if !low.is_finite() {
@@ -130,6 +131,10 @@ fn draw(panel: &mut Picture, camera: &Camera, record: &AgentsRecord, moment: &Cr
     }
     draw_ways(panel, camera, record);
     record.obstacles.iter().for_each(|o| draw_obstacle(panel, camera, o, (moment.time_s, record.in_the_air)));
+    for (door, is_open) in record.doors.iter().zip(&moment.is_open) {
+        draw_door(panel, camera, door, *is_open);
+    }
+    record.places.iter().for_each(|p| draw_place(panel, camera, p));
     draw_trails(panel, camera, record, moment);
     let mut order: Vec<(usize, &SeenAgent)> =
         moment.agents.iter().enumerate().filter_map(|(m, s)| Some((m, s.as_ref()?))).collect();
@@ -173,6 +178,26 @@ fn draw_ways(panel: &mut Picture, camera: &Camera, record: &AgentsRecord) {
         let points: Vec<Vec2> = way.iter().map(|p| camera.project(*p)).collect();
         panel.stroke_line(&points, 1.0, colour::REACHED.alpha(0.35));
     }
+}
+
+/// A door: a thick line where it is closed, its two ends where it is open.
+fn draw_door(panel: &mut Picture, camera: &Camera, door: &SeenObstacle, is_open: bool) {
+    let SeenObstacle::Wall { from, to, .. } = door else { return };
+    let (a, b) = (camera.project(*from), camera.project(*to));
+    if is_open {
+        [a, b].iter().for_each(|end| panel.fill_disc(*end, 3.5, KNOWS));
+    } else {
+        panel.stroke_line(&[a, b], 4.0, KNOWS);
+    }
+}
+
+/// A place: its edge, its name, and where people stand there.
+fn draw_place(panel: &mut Picture, camera: &Camera, place: &SeenPlace) {
+    let at = camera.project(place.at);
+    panel.stroke_oval(at, Vec2::splat(place.radius * camera.px_per_m), 1.2, colour::REACHED.alpha(0.5));
+    let radius = (0.3 * camera.px_per_m).clamp(1.5, 9.0);
+    place.slots.iter().for_each(|s| panel.stroke_oval(camera.project(*s), Vec2::splat(radius), 1.0, colour::REACHED.alpha(0.6)));
+    tag(panel, at, 0.8, &place.name, colour::REACHED);
 }
 
 fn draw_obstacle(panel: &mut Picture, camera: &Camera, obstacle: &SeenObstacle, (time_s, in_the_air): (f64, bool)) {
@@ -228,7 +253,7 @@ mod tests {
             Some(SeenAgent { at, velocity: Vec3::X, knows: m == 1 })
         };
         let moment =
-            |t: f32| CrowdMoment { time_s: f64::from(t), agents: (0..4).map(|m| seen(m, t)).chain([None]).collect() };
+            |t: f32| CrowdMoment { time_s: f64::from(t), agents: (0..4).map(|m| seen(m, t)).chain([None]).collect(), is_open: Vec::new() };
         AgentsRecord {
             in_the_air,
             names: vec!["a".into(), "b".into()],
@@ -237,6 +262,8 @@ mod tests {
             moments: (0..4).map(|t| moment(t as f32)).collect(),
             trails: vec![(0, (0..8).map(|i| Vec3::X * 0.4 * i as f32).collect())],
             ways: vec![vec![Vec3::ZERO, Vec3::Z, Vec3::X]],
+            doors: Vec::new(),
+            places: Vec::new(),
             obstacles: vec![
                 SeenObstacle::Ball { centre: Vec3::Z, radius: 0.5 },
                 SeenObstacle::Wall { from: Vec3::ZERO, to: Vec3::Y, radius: 0.2 },

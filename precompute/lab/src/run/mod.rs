@@ -21,7 +21,7 @@ pub use meter::{Flow, HUMAN_FLOW_PER_M_S, OverlapMeter, ProgressMeter, Sight};
 pub use news::News;
 pub use own::{OWN_SCENES, own_scene};
 pub use record::{
-    AgentsRecord, CrowdMoment, FightFrame, FightRecord, PathsRecord, Pose, Record, SeenAgent, SeenObstacle, TRAIL_S,
+    AgentsRecord, CrowdMoment, FightFrame, FightRecord, PathsRecord, Pose, Record, SeenAgent, SeenObstacle, SeenPlace, TRAIL_S,
     TrajectoryPoint, WorldRecord, seen_obstacle,
 };
 pub use recording::Recording;

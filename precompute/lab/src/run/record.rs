@@ -5,6 +5,7 @@ use super::watch::{LOOK_S, Watch};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_runtime::crowd::{Obstacle, Space};
 use throng_runtime::simulation::agents::{Agents, in_world};
+use throng_runtime::simulation::scene::SiteConfig;
 use throng_runtime::simulation::{Event, GroupCast, Simulation};
 use throng_runtime::{NUM_JOINTS, Planar};
 
@@ -118,6 +119,8 @@ pub struct CrowdMoment {
     pub time_s: f64,
     /// `None` where one has left (agents).
     pub agents: Vec<Option<SeenAgent>>,
+    /// Which doors are open.
+    pub is_open: Vec<bool>,
 }
 
 /// An obstacle in the world.
@@ -171,6 +174,10 @@ pub struct AgentsRecord {
     pub ways: Vec<Vec<Vec3>>,
     /// What stands or moves in the way.
     pub obstacles: Vec<SeenObstacle>,
+    /// Walls that open and close.
+    pub doors: Vec<SeenObstacle>,
+    /// Where people come to.
+    pub places: Vec<SeenPlace>,
 }
 
 /// Fills a record.
@@ -315,7 +322,9 @@ fn begin<V: Space>(agents: &Agents<V>, sim: &Simulation) -> AgentsRecord {
         moments: Vec::new(),
         trails: (0..num).step_by(every).map(|m| (m, Vec::new())).collect(),
         ways: Vec::new(),
-        obstacles: layout.setup.obstacles.iter().filter_map(seen_obstacle).collect(),
+        obstacles: layout.walls_and_doors().0.iter().filter_map(seen_obstacle).collect(),
+        doors: layout.walls_and_doors().1.iter().filter_map(seen_obstacle).collect(),
+        places: sim.scene().places.iter().map(seen_place).collect(),
     }
 }
 
@@ -324,8 +333,9 @@ impl AgentsRecord {
         let is_last = time_s >= seconds;
         let due = seconds * self.moments.len() as f64 / (MOMENTS - 1) as f64;
         if is_last || time_s >= due && self.moments.len() < MOMENTS - 1 {
+            let is_open = (0..self.doors.len()).map(|d| agents.is_open(d)).collect();
             let agents = (0..agents.num_agents()).map(|m| seen(agents, m)).collect();
-            self.moments.push(CrowdMoment { time_s, agents });
+            self.moments.push(CrowdMoment { time_s, agents, is_open });
         }
         for (m, trail) in &mut self.trails {
             if is_last || time_s >= trail.len() as f64 * TRAIL_S {
@@ -344,6 +354,25 @@ impl AgentsRecord {
 fn seen<V: Space>(agents: &Agents<V>, m: usize) -> Option<SeenAgent> {
     let disc = agents.disc(m)?;
     Some(SeenAgent { at: disc.centre, velocity: disc.velocity, knows: disc.knows })
+}
+
+/// A place of the scene, for pictures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenPlace {
+    /// Its name.
+    pub name: String,
+    /// Its middle (m).
+    pub at: Vec3,
+    /// (m)
+    pub radius: f32,
+    /// Where people stand there (m).
+    pub slots: Vec<Vec3>,
+}
+
+fn seen_place(site: &SiteConfig) -> SeenPlace {
+    let point = |p: &[f32]| if let [x, y, z] = *p { Vec3::new(x, y, z) } else { Vec3::new(p[0], 0.0, p[1]) };
+    let slots = site.slots.iter().map(|s| point(&s.at)).chain(site.queue.iter().flat_map(|q| &q.points).map(|p| point(p)));
+    SeenPlace { name: site.name.clone(), at: point(&site.at), radius: site.radius_m, slots: slots.collect() }
 }
 
 /// An obstacle as one of the world; none of a kind that is not known.

@@ -101,6 +101,11 @@ impl<V: Space> Layout<V> {
         self.setup.config.largest_speed_mps = most;
     }
 
+    /// Obstacles that always stand, and doors, in the order of the file.
+    pub fn walls_and_doors(&self) -> (&[Obstacle<V>], &[Obstacle<V>]) {
+        self.setup.obstacles.split_at(self.first_door)
+    }
+
     /// The scene.
     pub(super) fn scene(&self) -> Arc<Scene> {
         Arc::clone(&self.scene)

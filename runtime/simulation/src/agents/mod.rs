@@ -171,6 +171,11 @@ impl<V: Space> Agents<V> {
         self.minds.as_ref().map_or(0, |m| m.num_known(agent))
     }
 
+    /// True for a door that is open (door < number of doors).
+    pub fn is_open(&self, door: usize) -> bool {
+        self.crowd().is_open(self.layout().first_door + door)
+    }
+
     /// How often an agent was given another way (agent < num_agents).
     pub fn times_sent(&self, agent: usize) -> u32 {
         self.outside.sent[agent]

@@ -137,7 +137,11 @@ impl<V: Space> AgentWatch<V> {
         self.places.clear();
         self.places.extend(all().filter_map(|m| Some((at(m)?, layout.setup.agents[m].radius))));
         self.overlaps.observe(&self.places);
-        self.overlaps.observe_solids(&self.places, &layout.setup.obstacles);
+        let (walls, doors) = layout.walls_and_doors();
+        self.overlaps.observe_solids(&self.places, walls);
+        for (_, door) in doors.chunks(1).enumerate().filter(|(d, _)| !agents.is_open(*d)) {
+            self.overlaps.observe_solids(&self.places, door);
+        }
         self.looks += 1;
         let sight = |m: usize| Sight {
             at: at(m),

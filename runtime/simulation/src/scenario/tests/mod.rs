@@ -2,6 +2,7 @@
 
 mod hand;
 mod language;
+mod plain;
 mod random;
 
 use super::minds::{Minds, Signal};

@@ -41,7 +41,7 @@ fn random_events_come_as_often_as_they_say() {
 }
 
 /// A lively scene, whose numbers are drawn.
-fn lively(period: f64, rate: f64, probability: f64) -> String {
+pub(super) fn lively(period: f64, rate: f64, probability: f64) -> String {
     format!(
         "[agents]\ncell_m = 3.0\n[values.anger]\nstart = [0.0, 0.6]\nrate_per_s = {rate}\n[values.joy]\nstart = [0.1, 0.9]\nrest = 0.4\n\
          half_life_s = 2.0\n[[relations]]\nof = \"people\"\nto = \"people\"\nshare = 0.5\nfriendship = 0.7\n\
