@@ -60,7 +60,8 @@ impl<V: Space> Engine<V> {
     /// - `level`: who is near is met now, if that is enough for one of them.
     pub fn look_about(&mut self, agent: u32, level: bool) {
         let sense = self.sensors.of[agent as usize].sense;
-        if sense == (Sense { arrivals: sense.arrivals, ..Sense::default() }) || self.states[agent as usize].cell == NONE {
+        if sense == (Sense { arrivals: sense.arrivals, ..Sense::default() }) || self.states[agent as usize].cell == NONE
+        {
             if self.sensors.of[agent as usize].next.take().is_some() {
                 self.queue_senses(agent);
             }
@@ -80,7 +81,8 @@ impl<V: Space> Engine<V> {
         if sense.zones {
             sensors.zones.near(&bounds, |z| {
                 let zone = &sensors.senses.zones[z];
-                let there = Plan { start: now, end: plan.end, position: zone.centre, moving: f32::INFINITY, ..Plan::default() };
+                let there =
+                    Plan { start: now, end: plan.end, position: zone.centre, moving: f32::INFINITY, ..Plan::default() };
                 let near = is_near(&plan, &there, zone.radius, now);
                 if let Some(at) = first_change(&plan, &there, zone.radius, now, plan.end, near) {
                     let z = z as u32;

@@ -167,7 +167,11 @@ impl<V: Space> Sensors<V> {
         let is_next = |(time, what): (f64, Sensed)| (now..=1e10).contains(&time) && is_sensed(what);
         saved.windows(2).all(|w| w[0].0 < w[1].0)
             && saved.iter().all(|(m, own)| {
-                *m < num && is_there(*m) && own.timer >= now && own.next.is_none_or(is_next) && !own.partner_start.is_nan()
+                *m < num
+                    && is_there(*m)
+                    && own.timer >= now
+                    && own.next.is_none_or(is_next)
+                    && !own.partner_start.is_nan()
             })
     }
 

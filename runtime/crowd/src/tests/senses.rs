@@ -58,7 +58,10 @@ fn told_is_true(num: usize, spacing: f32, scheme: Scheme, seconds: f64) {
         let time = k as f64 * STEP_S;
         let mut now = before.clone();
         while let Some(signal) = crowd.advance_to_signal(time, &mut |_| {}).unwrap() {
-            assert!(signal.time >= last && signal.time <= time && crowd.now() == signal.time, "{signal:?} after {last}");
+            assert!(
+                signal.time >= last && signal.time <= time && crowd.now() == signal.time,
+                "{signal:?} after {last}"
+            );
             last = signal.time;
             let m = signal.agent.index();
             match signal.kind {
