@@ -146,10 +146,14 @@ impl Crowd {
         each!(&mut self.engine, e => e.set_speed(id, speed_mps))
     }
 
-    /// Opens an obstacle of the setup, as if it were not there, or closes it again. Moving obstacles cannot be opened. Takes memory.
+    /// Opens an obstacle of the setup, as if it were not there, or closes it again. Where the crowd knows its streets, ways lead
+    /// through open ones and round closed ones; where all ways lead through closed ones, agents go there and wait. Those on
+    /// their way look for it again at their next event. Goals are refused in open ones too. Takes memory, and the first
+    /// time that one is opened the time to make the streets.
     ///
     /// # Errors
-    /// [`CrowdError::Inside`] with an agent that stands where it closes, or could not stop before it; nothing has changed then.
+    /// [`CrowdError::Inside`] with an agent that stands where it closes, or could not stop before it; [`CrowdError::Other`] for
+    /// a moving obstacle, and for more than 64 of the streets that were ever opened. Nothing has changed then.
     pub fn set_open(&mut self, obstacle: usize, open: bool) -> Result<()> {
         each!(&mut self.engine, e => e.set_open(obstacle, open))
     }
@@ -229,7 +233,9 @@ impl Crowd {
         each!(&mut self.engine, e => e.place(id, Space::from_world(position)))
     }
 
-    /// Gives an agent an order, from its next event on; it holds until the next order.
+    /// Gives an agent an order, from its next event on; it holds until the next order. Along a route of the crowd, it takes no
+    /// memory; to a goal, none after the first such order of the agent; through subgoals, it always does. Where the crowd
+    /// knows its streets, a goal that somebody goes to already, or went to lately, costs no search.
     ///
     /// # Errors
     /// [`throng_base::Error::NoWay`] where no way leads to the goal, and [`CrowdError`] for a goal in an obstacle or a

@@ -3,7 +3,8 @@
 #[cfg(feature = "baselines")]
 use crate::Scheme;
 use crate::error::{CrowdError, check};
-use crate::routes::path::{KnownCosts, Path};
+use crate::routes::goals::Goals;
+use crate::routes::path::{Path, is_in};
 use crate::routes::streets::Streets;
 #[cfg(feature = "baselines")]
 use crate::safety::bound::narrowest_cell;
@@ -14,6 +15,7 @@ use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::keep_right::is_wall_within;
 use crate::{Agent, Field, Id, Interest, Obstacle, Route, Setup, Space};
+use serde::{Deserialize, Serialize};
 use throng_base::error::check_index;
 use throng_base::prefetch;
 
@@ -24,13 +26,17 @@ pub(crate) struct Scenery<V> {
     pub paths: Vec<Path<V>>,
     /// Finds ways round obstacles.
     pub streets: Option<Streets>,
+    /// Subgoals of all routes, where there are streets.
+    pub goals: Goals,
+    /// Of each obstacle of the streets: its number here, if it is one of these.
+    of_streets: Vec<Option<usize>>,
     /// What stands or moves, as it was given.
     pub obstacles: Vec<Obstacle<V>>,
     /// Which of the solids are whose (obstacles.len()).
     ranges: Vec<std::ops::Range<usize>>,
     pub solids: Vec<Solid<V>>,
-    /// Which obstacles are open, as if they were not there (obstacles.len()).
-    pub is_open: Vec<bool>,
+    /// Which obstacles are doors, and which of these are open, as if they were not there (obstacles.len()).
+    pub doors: Vec<Door>,
     /// Obstacle that each solid is a part of.
     pub owners: Vec<u32>,
     pub movers: Vec<Mover<V>>,
@@ -53,6 +59,16 @@ pub(crate) struct Scenery<V> {
     /// Longest distance to stop from the largest speed (m).
     pub stopping: f32,
     pub steering: SteeringConfig,
+}
+
+/// What an obstacle is beside something solid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Door {
+    /// It was never opened.
+    #[default]
+    Never,
+    Closed,
+    Open,
 }
 
 /// A ball on its way.
@@ -109,11 +125,13 @@ impl<V: Space> Scenery<V> {
         let mut scenery = Self {
             fields: setup.fields.clone(),
             paths: Vec::with_capacity(setup.routes.len()),
-            streets: setup.streets.clone(),
+            of_streets: of_streets(setup),
+            streets: setup.streets.clone().filter(|s| !s.is_open()),
+            goals: Goals::default(),
             obstacles: setup.obstacles.clone(),
             ranges: Vec::new(),
             solids: Vec::new(),
-            is_open: vec![false; setup.obstacles.len()],
+            doors: vec![Door::Never; setup.obstacles.len()],
             owners: Vec::new(),
             movers: Vec::new(),
             interests: setup.interests.clone(),
@@ -133,9 +151,8 @@ impl<V: Space> Scenery<V> {
         let square = config.steering.square_radii * radius.max(1e-3);
         let grid = DensityGrid::new(square, high - low, capacity);
         scenery.add_obstacles()?;
-        let mut known = KnownCosts::new();
         for (index, route) in setup.routes.iter().enumerate() {
-            let path = scenery.path_with(index, route, &mut known)?;
+            let path = scenery.path(index, route)?;
             scenery.paths.push(path);
         }
         for (agent, m) in setup.agents.iter().enumerate() {
@@ -150,8 +167,7 @@ impl<V: Space> Scenery<V> {
         if self.solids.is_empty() {
             return;
         }
-        let (near, walls) =
-            (self.list(cells, |_| Some(0.0)), self.list(cells, |s| is_wall_within(s, &self.steering)));
+        let (near, walls) = (self.list(cells, |_| Some(0.0)), self.list(cells, |s| is_wall_within(s, &self.steering)));
         self.first = near.0.into_iter().zip(walls.0).map(<[u32; 2]>::from).collect();
         (self.near, self.walls) = (near.1, walls.1);
     }
@@ -204,33 +220,62 @@ impl<V: Space> Scenery<V> {
     ///
     /// # Errors
     /// [`CrowdError`] for a route that cannot be.
-    pub fn path(&self, number: usize, route: &Route<V>) -> Result<Path<V>, CrowdError> {
-        self.path_with(number, route, &mut KnownCosts::new())
+    pub fn path(&mut self, number: usize, route: &Route<V>) -> Result<Path<V>, CrowdError> {
+        let mut goals = std::mem::take(&mut self.goals);
+        let path = self.path_with(number, route, &mut goals);
+        self.goals = goals;
+        path
     }
 
-    /// The same, one of many.
-    pub fn path_with(&self, number: usize, route: &Route<V>, known: &mut KnownCosts) -> Result<Path<V>, CrowdError> {
-        let path = Path::new(number, route, &self.solids, (self.streets.as_ref(), known))?;
-        self.check_route(number, &path)?;
+    /// The same, with other goals than those of this crowd.
+    pub fn path_with(&self, number: usize, route: &Route<V>, goals: &mut Goals) -> Result<Path<V>, CrowdError> {
+        let mut path = Path::new(number, route, &self.solids)?;
+        let mut subgoals = route.subgoals.iter().enumerate();
+        subgoals.try_for_each(|(subgoal, &g)| self.check_goal(number, subgoal, g))?;
+        if let Some(streets) = &self.streets {
+            path.goals = path.subgoals().map(|g| goals.take(streets, g.to_world())).collect();
+        }
         Ok(path)
     }
 
-    /// No subgoal of a route is in an obstacle.
-    fn check_route(&self, route: usize, path: &Path<V>) -> Result<(), CrowdError> {
-        for ((obstacle, body), range) in self.obstacles.iter().enumerate().zip(&self.ranges) {
-            if let Some(subgoal) = path.blocked_by(body, &self.solids[range.clone()]) {
-                return Err(CrowdError::Goal { route, subgoal, obstacle });
-            }
+    /// A subgoal is in no obstacle, be it an open one.
+    pub fn check_goal(&self, route: usize, subgoal: usize, goal: V) -> Result<(), CrowdError> {
+        let mut obstacles = self.obstacles.iter().zip(&self.ranges);
+        match obstacles.position(|(body, range)| is_in(goal, body, &self.solids[range.clone()])) {
+            Some(obstacle) => Err(CrowdError::Goal { route, subgoal, obstacle }),
+            None => Ok(()),
         }
+    }
+
+    /// True for an obstacle that is open.
+    pub fn is_open(&self, obstacle: usize) -> bool {
+        self.doors[obstacle] == Door::Open
+    }
+
+    /// Opens and closes obstacles; ways lead accordingly. Takes memory.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Value`] where streets know too many doors; nothing has changed then.
+    pub fn set_doors(&mut self, doors: &[Door], cells: &Cells<V>) -> Result<(), CrowdError> {
+        if self.doors == doors {
+            return Ok(());
+        }
+        if let Some(streets) = &mut self.streets {
+            let open = |n: &Option<usize>| n.map(|n| doors[n]).filter(|d| *d != Door::Never).map(|d| d == Door::Open);
+            let open_of: Vec<Option<bool>> = self.of_streets.iter().map(open).collect();
+            let is_new = streets.set_doors(&open_of)?;
+            self.goals.find_again(streets, is_new);
+        }
+        self.doors.copy_from_slice(doors);
+        self.list_solids(cells);
         Ok(())
     }
 
     /// An agent's centre is in no polygon; of these, only the sides are solids.
     pub fn check_place(&self, agent: Id, position: V) -> Result<(), CrowdError> {
-        let inside = |(o, is_open): (&Obstacle<V>, &bool)| {
-            matches!(o, Obstacle::Polygon { corners } if !is_open && is_inside(corners, position))
-        };
-        self.obstacles.iter().zip(&self.is_open).position(inside).map_or(Ok(()), |obstacle| Err(CrowdError::Inside { agent, obstacle }))
+        let inside = |(o, door): (&Obstacle<V>, &Door)| matches!(o, Obstacle::Polygon { corners } if *door != Door::Open && is_inside(corners, position));
+        let held = self.obstacles.iter().zip(&self.doors).position(inside);
+        held.map_or(Ok(()), |obstacle| Err(CrowdError::Inside { agent, obstacle }))
     }
 
     /// Prefetches where the lists of a cell are.
@@ -267,7 +312,7 @@ impl<V: Space> Scenery<V> {
     fn list(&self, cells: &Cells<V>, within: impl Fn(&Solid<V>) -> Option<f32>) -> (Vec<u32>, Vec<u32>) {
         let mut pairs = Vec::new();
         for (number, solid) in (0u32..).zip(&self.solids) {
-            let is_open = self.is_open[self.owners[number as usize] as usize];
+            let is_open = self.is_open(self.owners[number as usize] as usize);
             let Some(within) = within(solid).filter(|_| !is_open) else { continue };
             let (min, max) = solid.extents();
             let side = V::from_coordinates([cells.side() + within; 3]);
@@ -295,6 +340,15 @@ impl<V: Space> Scenery<V> {
         let first = (0..=cells.num_cells() as u32).map(|c| pairs.partition_point(|p| p.0 < c) as u32).collect();
         (first, pairs.into_iter().map(|p| p.1).collect())
     }
+}
+
+/// Of each obstacle of the streets: its number in the setup, if it is one of these.
+fn of_streets<V: Space>(setup: &Setup<V>) -> Vec<Option<usize>> {
+    let number = |(n, known): (usize, &Obstacle)| {
+        let known = known.clone().map(V::from_world);
+        if setup.obstacles.get(n) == Some(&known) { Some(n) } else { setup.obstacles.iter().position(|o| *o == known) }
+    };
+    setup.streets.iter().flat_map(|s| s.obstacles()).enumerate().map(number).collect()
 }
 
 /// Every setting within its limits.

@@ -230,7 +230,8 @@ impl<V: Space> Decider<'_, V> {
 
     /// What agents find their ways by.
     pub fn guide(&self) -> Guide<'_, V> {
-        Guide { streets: self.scenery.streets.as_ref(), grid: self.grid, steering: &self.scenery.steering }
+        let Scenery { streets, goals, steering, .. } = self.scenery;
+        Guide { streets: streets.as_ref(), goals, grid: self.grid, steering }
     }
 
     /// Follows the route, filters the velocity, and notes whether the agent makes progress.

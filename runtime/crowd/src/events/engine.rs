@@ -251,7 +251,7 @@ impl<V: Space> Engine<V> {
             self.tell(agent, EventKind::Left);
             self.take_out(agent);
         } else if self.sensors.of[agent as usize].sense != Sense::default() {
-            self.look_about(agent, false);
+            self.look_about(agent);
         }
         decision.leaves
     }

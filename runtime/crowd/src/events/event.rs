@@ -157,9 +157,10 @@ impl Counts {
             EventKind::Left => &mut self.left,
             EventKind::Struck { .. } => &mut self.struck,
             EventKind::Stuck => &mut self.stuck,
-            EventKind::Met { .. } | EventKind::CameTo { .. } | EventKind::WentFrom { .. } | EventKind::Crossed { .. } => {
-                &mut self.sensed
-            }
+            EventKind::Met { .. }
+            | EventKind::CameTo { .. }
+            | EventKind::WentFrom { .. }
+            | EventKind::Crossed { .. } => &mut self.sensed,
             EventKind::Timer => &mut self.timers,
         } += 1;
     }

@@ -5,9 +5,10 @@ use crate::error::CrowdError;
 use crate::events::baselines::Baseline;
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
-use crate::routes::path::{KnownCosts, Path};
+use crate::routes::goals::Goals;
+use crate::routes::path::Path;
 use crate::safety::kept;
-use crate::scenery::Scenery;
+use crate::scenery::{Door, Scenery};
 use crate::senses::Sensing;
 use crate::space::cells::Cells;
 use crate::space::plan::Plan;
@@ -18,7 +19,7 @@ use std::collections::HashMap;
 use throng_base::{Error, Hash128, SnapshotKind, StateHash};
 
 /// Grows by one with every change of what is kept.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// All that time changes.
 #[derive(Serialize, Deserialize)]
@@ -29,13 +30,15 @@ struct Saved<V> {
     free: Vec<u32>,
     states: Vec<AgentState<V>>,
     routes: Vec<Route<V>>,
+    /// Routes of agents that stay where they are.
+    staying: Vec<u32>,
     own_routes: Vec<u32>,
     /// In the order in which they are put back into the cells.
     plans: Vec<Plan<V>>,
     grid: DensityGrid<V>,
     refreshes: u64,
-    /// Obstacles that are open.
-    is_open: Vec<bool>,
+    /// What obstacles are open.
+    doors: Vec<Door>,
     /// Of those who sense anything.
     sensing: Vec<(u32, Sensing)>,
     #[cfg(feature = "baselines")]
@@ -62,7 +65,16 @@ impl<V: Space> Engine<V> {
         let sizes = [*radius, *speed, *stopping, cells.side(), V::DIMENSIONS as f32];
         let capacity = setup.config.capacity.max(setup.agents.len());
         let clearance = setup.streets.as_ref().map(|s| s.clearance());
-        let all = (fields, obstacles, (interests, &setup.senses), setup.config, sizes, cells.num_cells(), capacity, clearance);
+        let all = (
+            fields,
+            obstacles,
+            (interests, &setup.senses),
+            setup.config,
+            sizes,
+            cells.num_cells(),
+            capacity,
+            clearance,
+        );
         let config = bincode::config::standard().with_fixed_int_encoding();
         // Writing to memory what can be written cannot fail.
         Hash128::of(&bincode::serde::encode_to_vec(all, config).unwrap_or_default())
@@ -77,11 +89,12 @@ impl<V: Space> Engine<V> {
             free: self.free.clone(),
             states: self.states.clone(),
             routes: self.scenery.paths.iter().map(|s| s.route.clone()).collect(),
+            staying: (0u32..).zip(&self.scenery.paths).filter(|(_, p)| p.stays).map(|(n, _)| n).collect(),
             own_routes: self.own_routes.clone(),
             plans: self.cells.plans(),
             grid: self.grid.clone(),
             refreshes: self.refreshes,
-            is_open: self.scenery.is_open.clone(),
+            doors: self.scenery.doors.clone(),
             sensing: self.sensors.saved(),
             #[cfg(feature = "baselines")]
             baseline: self.baseline.clone(),
@@ -95,24 +108,19 @@ impl<V: Space> Engine<V> {
     /// [`Error::Snapshot`]; nothing has changed then.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), CrowdError> {
         let saved: Saved<V> = self.snapshot_kind().read_all(bytes)?;
-        let was_open = self.scenery.is_open.clone();
-        if saved.is_open.len() != was_open.len() {
+        let before = self.scenery.doors.clone();
+        if saved.doors.len() != before.len() {
             return Err(Error::Snapshot { what: "crowd", why: "it has other obstacles".to_owned() }.into());
         }
         // Agents are checked against what stood then.
-        self.set_all_open(&saved.is_open);
+        if let Err(e) = self.scenery.set_doors(&saved.doors, &self.cells) {
+            return Err(Error::Snapshot { what: "crowd", why: e.to_string() }.into());
+        }
         let loaded = self.load_checked(saved);
         if loaded.is_err() {
-            self.set_all_open(&was_open);
+            self.scenery.set_doors(&before, &self.cells)?;
         }
         loaded
-    }
-
-    fn set_all_open(&mut self, is_open: &[bool]) {
-        if self.scenery.is_open != is_open {
-            self.scenery.is_open.copy_from_slice(is_open);
-            self.scenery.list_solids(&self.cells);
-        }
     }
 
     fn load_checked(&mut self, saved: Saved<V>) -> Result<(), CrowdError> {
@@ -120,15 +128,23 @@ impl<V: Space> Engine<V> {
         if let Err(why) = self.check_saved(&saved) {
             return refused(why);
         }
-        let paths: Result<Vec<_>, _> = {
-            let mut known = KnownCosts::new();
-            saved.routes.iter().enumerate().map(|(i, r)| self.scenery.path_with(i, r, &mut known)).collect()
-        };
-        match paths {
-            Ok(paths) if Self::fit(&saved, &paths) => self.scenery.paths = paths,
-            Ok(_) => return refused("an agent is on a leg that its route has not".to_owned()),
-            Err(e) => return refused(e.to_string()),
+        let mut goals = Goals::default();
+        let mut paths = Vec::with_capacity(saved.routes.len());
+        for (number, route) in saved.routes.iter().enumerate() {
+            let stays = saved.staying.binary_search(&(number as u32)).is_ok();
+            match (stays, route.subgoals.as_slice()) {
+                (true, &[at]) if at.is_finite() => paths.push(Path::staying(at)),
+                (true, _) => return refused(format!("route {number} is of nobody who stays")),
+                (false, _) => match self.scenery.path_with(number, route, &mut goals) {
+                    Ok(path) => paths.push(path),
+                    Err(e) => return refused(e.to_string()),
+                },
+            }
         }
+        if !Self::fit(&saved, &paths) {
+            return refused("an agent is on a leg that its route has not".to_owned());
+        }
+        (self.scenery.paths, self.scenery.goals) = (paths, goals);
         self.take_over(saved);
         Ok(())
     }

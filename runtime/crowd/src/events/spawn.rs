@@ -7,10 +7,10 @@ use crate::routes::order::{Go, Way};
 use crate::routes::path::{Cursor, Path};
 use crate::safety::others::violation;
 use crate::safety::rule::{Candidate, MARGIN, clearance, violation_of_solid};
-use crate::scenery::check_agent;
+use crate::scenery::{Door, Scenery, check_agent};
 use crate::space::plan::Plan;
 use crate::steering::filter::Filter;
-use crate::{Agent, AtEnd, Id, NONE, Route, Space};
+use crate::{Agent, AtEnd, Id, NONE, Obstacle, Route, Space};
 use throng_base::Error;
 use throng_base::error::check_index;
 
@@ -154,8 +154,8 @@ impl<V: Space> Engine<V> {
         let is_own = state.route == self.own_routes[id.index()];
         if is_own && path.at_end() == AtEnd::Stay && path.is_there(&state.cursor, old.at(self.now).0) {
             self.stay(id.index, position);
-        } else if is_own {
-            self.check_way(id, position, path.goal())?;
+        } else if let Some(&goal) = path.goals.last().filter(|_| is_own) {
+            self.check_way(id, position, path.goal(), goal)?;
         }
         self.cells.remove(state.cell, id.index);
         #[cfg(feature = "baselines")]
@@ -202,22 +202,17 @@ impl<V: Space> Engine<V> {
                 check_index("route", Some(id), *number, self.scenery.paths.len())?;
                 *number
             }
-            Way::To(_) | Way::Along(_) => {
-                let subgoals = match &order.way {
-                    Way::To(goal) => {
-                        self.check_way(id, position, *goal)?;
-                        vec![*goal]
-                    }
-                    Way::Along(subgoals) => subgoals.clone(),
-                    Way::Route(_) => Vec::new(),
-                };
+            Way::To(goal) => self.lead_to(id, position, (*goal, order.arrival_m, order.at_end))?,
+            Way::Along(subgoals) => {
+                let subgoals = subgoals.clone();
                 let route = Route { subgoals, arrival_radius: order.arrival_m, at_end: order.at_end };
-                let number = self.set_own_route(id.index, &route)?;
-                // Whatever route it was on before, it begins this one.
-                self.states[id.index()].route = NONE;
-                number
+                self.set_own_route(id.index, &route)?
             }
         };
+        if !matches!(order.way, Way::Route(_)) {
+            // Whatever route it was on before, it begins this one.
+            self.states[id.index()].route = NONE;
+        }
         let kept = self.states[id.index()];
         let is_on_it = kept.route == number as u32;
         let cursor = if is_on_it { kept.cursor } else { self.begin(number, position, plan.radius) };
@@ -235,7 +230,9 @@ impl<V: Space> Engine<V> {
     /// [`CrowdError::Inside`] with an agent that stands where it closes, or could not stop before it; nothing has changed then.
     pub fn set_open(&mut self, obstacle: usize, open: bool) -> Result<(), CrowdError> {
         check_index("obstacle", None, obstacle, self.scenery.obstacles.len())?;
-        if self.scenery.is_open[obstacle] == open {
+        let stands = !matches!(self.scenery.obstacles[obstacle], Obstacle::Mover { .. });
+        throng_base::error::check("obstacle", None, obstacle as f64, stands, "one that does not move")?;
+        if self.scenery.is_open(obstacle) == open {
             return Ok(());
         }
         if !open {
@@ -247,8 +244,11 @@ impl<V: Space> Engine<V> {
                 }
             }
         }
-        self.scenery.is_open[obstacle] = open;
-        self.scenery.list_solids(&self.cells);
+        let mut doors = self.scenery.doors.clone();
+        doors[obstacle] = if open { Door::Open } else { Door::Closed };
+        self.scenery.set_doors(&doors, &self.cells)?;
+        // Everybody looks for the way again at the next event.
+        self.states.iter_mut().for_each(|s| s.cursor.look_at = 0.0);
         Ok(())
     }
 
@@ -286,10 +286,48 @@ impl<V: Space> Engine<V> {
     }
 
     /// A way leads from a place to a goal, as far as the crowd knows its streets.
-    fn check_way(&self, id: Id, from: V, goal: V) -> Result<(), CrowdError> {
-        let Some(streets) = &self.scenery.streets else { return Ok(()) };
+    ///
+    /// - `number`: that of the goal.
+    fn check_way(&self, id: Id, from: V, goal: V, number: u32) -> Result<(), CrowdError> {
+        let Scenery { streets: Some(streets), goals, .. } = &self.scenery else { return Ok(()) };
         let (from, to) = (from.to_world(), goal.to_world());
-        streets.corners(from, to).map(|_| ()).map_err(|_| Error::NoWay { who: Some(id), from, to }.into())
+        goals.check_way(streets, from, number).map_err(|_| Error::NoWay { who: Some(id), from, to }.into())
+    }
+
+    /// Sends an agent to a goal, on a route of its own. Allocates nothing where it has one. Returns its number.
+    fn lead_to(&mut self, id: Id, from: V, (goal, arrival_m, at_end): (V, f32, AtEnd)) -> Result<usize, CrowdError> {
+        let own = self.own_routes[id.index()];
+        let number = if own == NONE { self.scenery.paths.len() } else { own as usize };
+        Path::check_goal(number, goal, arrival_m)?;
+        let route = self.own_route(id.index, from);
+        self.reserve_goal(route);
+        let Scenery { streets, goals, .. } = &mut self.scenery;
+        let new = streets.as_ref().map(|s| goals.take(s, goal.to_world()));
+        let way = new.map_or(Ok(()), |new| self.check_way(id, from, goal, new));
+        if let Err(refused) = way.and_then(|()| self.scenery.check_goal(number, 0, goal)) {
+            new.into_iter().for_each(|new| self.scenery.goals.release(new));
+            return Err(refused);
+        }
+        self.release_goals(route);
+        let path = &mut self.scenery.paths[route];
+        path.lead_to(goal, arrival_m, at_end);
+        path.goals.extend(new);
+        Ok(route)
+    }
+
+    /// Takes memory for a goal of a route of its own, when that has its first one.
+    fn reserve_goal(&mut self, route: usize) {
+        let Scenery { paths, goals, streets, .. } = &mut self.scenery;
+        if let Some(streets) = streets.as_ref().filter(|_| paths[route].goals.capacity() == 0) {
+            paths[route].goals.reserve(1);
+            goals.reserve(streets);
+        }
+    }
+
+    /// Forgets the goals of a route.
+    fn release_goals(&mut self, number: usize) {
+        let Scenery { paths, goals, .. } = &mut self.scenery;
+        paths[number].goals.drain(..).for_each(|g| goals.release(g));
     }
 
     /// Where an agent begins on a route.
@@ -303,19 +341,26 @@ impl<V: Space> Engine<V> {
 
     /// Lets an agent stay at a place, on a route of its own. Returns its number.
     fn stay(&mut self, index: u32, at: V) -> usize {
+        let number = self.own_route(index, at);
+        self.release_goals(number);
+        self.scenery.paths[number].stay(at);
+        number
+    }
+
+    /// Number of the route that belongs to the place of an agent alone; at first, it stays.
+    fn own_route(&mut self, index: u32, at: V) -> usize {
         let own = &mut self.own_routes[index as usize];
         if *own == NONE {
             *own = self.scenery.paths.len() as u32;
             self.scenery.paths.push(self.spare.pop().unwrap_or_else(|| Path::staying(at)));
         }
-        self.scenery.paths[*own as usize].stay(at);
         *own as usize
     }
 
     /// Takes memory for the first routes of those to come.
     pub fn fill_spare(&mut self) {
         let missing = self.own_routes.iter().take(self.room).filter(|&&own| own == NONE).count();
-        self.spare.resize(missing, Path::staying(V::default()));
+        self.spare.resize_with(missing, || Path::staying(V::default()));
         self.scenery.paths.reserve(missing);
     }
 
@@ -325,12 +370,10 @@ impl<V: Space> Engine<V> {
         let own = self.own_routes[index as usize];
         let number = if own == NONE { self.scenery.paths.len() } else { own as usize };
         let path = self.scenery.path(number, route)?;
-        if own == NONE {
-            self.scenery.paths.push(path);
-        } else {
-            self.scenery.paths[number] = path;
-        }
-        self.own_routes[index as usize] = number as u32;
+        let number = self.own_route(index, V::default());
+        self.reserve_goal(number);
+        self.release_goals(number);
+        self.scenery.paths[number] = path;
         Ok(number)
     }
 }

@@ -12,6 +12,7 @@
 //! line at a corner.
 
 use crate::Space;
+use crate::routes::goals::Goals;
 use crate::routes::path::{Cursor, Path};
 use crate::routes::streets::{Corner, MOST_CORNERS, Streets};
 use crate::steering::config::SteeringConfig;
@@ -22,6 +23,7 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 /// What an agent that looks for its way knows.
 pub(crate) struct Guide<'a, V> {
     pub streets: Option<&'a Streets>,
+    pub goals: &'a Goals,
     pub grid: &'a DensityGrid<V>,
     pub steering: &'a SteeringConfig,
 }
@@ -39,9 +41,11 @@ impl<V: Space> Guide<'_, V> {
         let (target, rest) = path.target(cursor.leg, x, radius);
         let before = cursor.aim;
         (cursor.aim, cursor.rest) = (target, rest);
-        let Some((streets, costs)) = self.streets.zip(path.costs(cursor.leg)) else { return };
+        let Some((streets, costs)) = self.streets.zip(path.goal_of(cursor.leg).map(|n| self.goals.costs(n))) else {
+            return;
+        };
         let (from, to) = (x.to_world(), target.to_world());
-        let sees_it = streets.sees_place(from.xz(), to.xz(), radius.min(costs.near));
+        let sees_it = streets.sees_place(from.xz(), to.xz(), radius.min(costs.near), false);
         let straight_way = to.xz() - from.xz();
         if sees_it && !self.is_anybody_coming(x, straight_way) {
             return;
@@ -50,7 +54,16 @@ impl<V: Space> Guide<'_, V> {
         let goal = goal.to_world();
         let mut corners = [None; MOST_CORNERS];
         let longer = self.steering.detour_m;
-        let num = streets.corners_ahead((from.xz(), radius, longer), (goal.xz(), costs), &mut corners);
+        let me = (from.xz(), radius, longer);
+        let mut num = streets.corners_ahead(me, (goal.xz(), costs, false), &mut corners);
+        // Where all ways lead through closed doors, it waits before one.
+        let through = num == 0 && !sees_it;
+        if through {
+            if streets.sees_place(from.xz(), to.xz(), radius.min(costs.near), true) {
+                return;
+            }
+            num = streets.corners_ahead(me, (goal.xz(), costs, true), &mut corners);
+        }
         let ahead = Space::unit_and_length(corners[0].map_or(Vec2::ZERO, |c| c.next - from.xz())).0;
         let coming = coming(self.grid, x, over_ground(ahead), f32::INFINITY, self.steering)[0].min(1.0);
         let mut best = (f32::INFINITY, Vec2::ZERO, 0.0);
@@ -85,7 +98,7 @@ impl<V: Space> Guide<'_, V> {
                 if at.distance(before.to_world().xz()) < step {
                     cost -= self.steering.keep_aim_m;
                 }
-                if cost < best.0 && (k == 0 || streets.sees_place(from.xz(), at, radius)) {
+                if cost < best.0 && (k == 0 || streets.sees_place(from.xz(), at, radius, through)) {
                     best = (cost, at, at.distance(corner.next) + corner.rest);
                 }
             }

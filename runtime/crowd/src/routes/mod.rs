@@ -1,5 +1,6 @@
 //! Where agents go: orders, routes, routes made ready, and ways round obstacles.
 
+pub(crate) mod goals;
 pub(crate) mod guide;
 pub(crate) mod order;
 pub(crate) mod outline;

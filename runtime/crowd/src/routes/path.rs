@@ -1,12 +1,9 @@
-//! Routes made ready: lines across the way at each subgoal, and how far it is from every corner to it.
+//! Routes made ready: lines across the way at each subgoal, and the goals of whoever finds its own way there.
 
 use crate::error::check;
-use crate::routes::streets::{Costs, Streets};
 use crate::space::solid::{Solid, is_inside};
 use crate::{AtEnd, Obstacle, Route, Space};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
-use std::sync::Arc;
 use throng_base::{Result, prefetch};
 
 /// Farthest that a line across the way reaches to either side (m).
@@ -35,12 +32,11 @@ pub(crate) struct Cursor<V> {
 pub(crate) struct Path<V> {
     pub route: Route<V>,
     legs: Vec<Leg<V>>,
-    /// Of each subgoal: how far it is from every corner of the streets; none where there are no streets.
-    costs: Vec<Arc<Costs>>,
+    /// Of each subgoal: its number among the goals of the crowd; none where there are no streets.
+    pub goals: Vec<u32>,
+    /// It is that of an agent that stays where it is, which does not look for ways.
+    pub stays: bool,
 }
-
-/// Costs of subgoals that are known already, while many routes are made ready: those with the same goal share them.
-pub(crate) type KnownCosts = HashMap<[u32; 3], Arc<Costs>>;
 
 /// A subgoal and what leads to it.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +53,11 @@ struct Leg<V> {
 }
 
 impl<V: Space> Leg<V> {
+    /// A leg that is the only one: nothing is passed on it.
+    fn to(at: V) -> Self {
+        Self { to: at, along: V::default(), normal: V::default(), free: [0.0; 2], rest: 0.0 }
+    }
+
     /// How far a place is to the right of the subgoal, in the direction of the line across the way.
     fn side(&self, off: V) -> f32 {
         if V::DIMENSIONS == 2 {
@@ -78,21 +79,34 @@ impl<V: Space> Path<V> {
     /// The route of an agent that stays at a place.
     pub fn staying(at: V) -> Self {
         let route = Route { subgoals: vec![at], arrival_radius: STAY_M, at_end: AtEnd::Stay };
-        Self {
-            route,
-            legs: vec![Leg { to: at, along: V::default(), normal: V::default(), free: [0.0; 2], rest: 0.0 }],
-            costs: Vec::new(),
-        }
+        Self { route, legs: vec![Leg::to(at)], goals: Vec::new(), stays: true }
     }
 
     /// Makes it the route of an agent that stays at a place. Allocates nothing.
     pub fn stay(&mut self, at: V) {
+        self.lead_to(at, STAY_M, AtEnd::Stay);
+        self.stays = true;
+    }
+
+    /// Makes it a route with a single goal, which was checked, and whose number is still to be set. Allocates nothing.
+    pub fn lead_to(&mut self, goal: V, arrival_radius: f32, at_end: AtEnd) {
         self.route.subgoals.clear();
-        self.route.subgoals.push(at);
-        (self.route.arrival_radius, self.route.at_end) = (STAY_M, AtEnd::Stay);
+        self.route.subgoals.push(goal);
+        (self.route.arrival_radius, self.route.at_end) = (arrival_radius, at_end);
         self.legs.clear();
-        self.legs.push(Leg { to: at, along: V::default(), normal: V::default(), free: [0.0; 2], rest: 0.0 });
-        self.costs.clear();
+        self.legs.push(Leg::to(goal));
+        self.stays = false;
+    }
+
+    /// Checks a goal and how near to it is there.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Value`].
+    pub fn check_goal(n: usize, goal: V, arrival_radius: f32) -> Result<()> {
+        let good = goal.is_finite() && goal.length() < 1e6;
+        check("route.subgoals", n, goal.length(), good, "finite and within 1e6 m")?;
+        let good = arrival_radius > 0.0 && arrival_radius < 1e6;
+        check("route.arrival_radius", n, arrival_radius, good, "above 0 and below 1e6")
     }
 
     /// Makes a route ready.
@@ -101,18 +115,10 @@ impl<V: Space> Path<V> {
     ///
     /// # Errors
     /// [`throng_base::Error::Value`] for a route without subgoals or with numbers that are out of range.
-    pub fn new(
-        n: usize,
-        route: &Route<V>,
-        solids: &[Solid<V>],
-        (streets, known): (Option<&Streets>, &mut KnownCosts),
-    ) -> Result<Self> {
+    pub fn new(n: usize, route: &Route<V>, solids: &[Solid<V>]) -> Result<Self> {
         let goals = &route.subgoals;
         check("route.subgoals", n, goals.len() as f32, !goals.is_empty(), "at least 1")?;
-        let far = goals.iter().find(|g| !(g.is_finite() && g.length() < 1e6)).map(|g| g.length());
-        check("route.subgoals", n, far.unwrap_or(0.0), far.is_none(), "finite and within 1e6 m")?;
-        let radius = route.arrival_radius;
-        check("route.arrival_radius", n, radius, radius > 0.0 && radius < 1e6, "above 0 and below 1e6")?;
+        goals.iter().try_for_each(|&g| Self::check_goal(n, g, route.arrival_radius))?;
         let mut points = goals.clone();
         points.dedup_by(|a, b| (*a - *b).length() < 1e-3);
         let is_round = route.at_end == AtEnd::Again && points.len() > 1;
@@ -135,21 +141,12 @@ impl<V: Space> Path<V> {
         for i in (0..num - 1).rev() {
             legs[i].rest = legs[i + 1].rest + (points[i + 1] - points[i]).length();
         }
-        let mut costs_of = |streets: &Streets, p: &V| {
-            let key = p.coordinates().map(f32::to_bits);
-            Arc::clone(known.entry(key).or_insert_with(|| Arc::new(streets.costs(p.to_world()))))
-        };
-        let costs = streets.filter(|s| !s.is_open()).map(|s| points.iter().map(|p| costs_of(s, p)).collect());
-        Ok(Self { route: route.clone(), legs, costs: costs.unwrap_or_default() })
+        Ok(Self { route: route.clone(), legs, goals: Vec::new(), stays: false })
     }
 
-    /// The first subgoal that is in an obstacle.
-    pub fn blocked_by(&self, obstacle: &Obstacle<V>, solids: &[Solid<V>]) -> Option<usize> {
-        let inside = |&g: &V| {
-            let polygon = matches!(obstacle, Obstacle::Polygon { corners } if is_inside(corners, g));
-            polygon || solids.iter().any(|s| s.away(g).1 <= 0.0)
-        };
-        self.route.subgoals.iter().position(inside)
+    /// Subgoals that agents go to.
+    pub fn subgoals(&self) -> impl Iterator<Item = V> + '_ {
+        self.legs.iter().map(|l| l.to)
     }
 
     /// The leg on which an agent at `x` begins: the one that it is nearest to.
@@ -225,9 +222,9 @@ impl<V: Space> Path<V> {
         (own.to + own.normal.right() * side, own.rest)
     }
 
-    /// How far it is from the corners of the streets to a subgoal.
-    pub fn costs(&self, leg: u32) -> Option<&Costs> {
-        self.costs.get(leg as usize).map(Arc::as_ref)
+    /// Number of a subgoal among the goals of the crowd; none where agents do not look for their ways.
+    pub fn goal_of(&self, leg: u32) -> Option<u32> {
+        self.goals.get(leg as usize).copied()
     }
 
     /// A subgoal, and the way from it to the end (m).
@@ -272,6 +269,12 @@ impl<V: Space> Path<V> {
     }
 }
 
+/// True where a goal is in an obstacle.
+pub(crate) fn is_in<V: Space>(goal: V, obstacle: &Obstacle<V>, solids: &[Solid<V>]) -> bool {
+    let polygon = matches!(obstacle, Obstacle::Polygon { corners } if is_inside(corners, goal));
+    polygon || solids.iter().any(|s| s.away(goal).1 <= 0.0)
+}
+
 /// How far it is free from a place along a unit vector (m).
 fn free_way<V: Space>(from: V, along: V, solids: &[Solid<V>]) -> f32 {
     let mut way = 0.0;
@@ -296,13 +299,7 @@ mod tests {
     fn path(points: &[[f32; 2]], at_end: AtEnd) -> Path<Vec2> {
         let subgoals = points.iter().map(|&p| Vec2::from_array(p)).collect();
         let wall = |y: f32| Solid::Rod { from: Vec2::new(-99.0, y), to: Vec2::new(99.0, y), radius: 0.0 };
-        Path::new(
-            0,
-            &Route { subgoals, arrival_radius: 0.5, at_end },
-            &[wall(-5.0), wall(5.0)],
-            (None, &mut KnownCosts::new()),
-        )
-        .unwrap()
+        Path::new(0, &Route { subgoals, arrival_radius: 0.5, at_end }, &[wall(-5.0), wall(5.0)]).unwrap()
     }
 
     proptest! {

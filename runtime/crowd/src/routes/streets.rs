@@ -3,6 +3,10 @@
 //! A visibility graph: around every corner stand points at a little more than the clearance; points that see each other
 //! are joined, and A* (Hart, Nilsson and Raphael 1968) finds the shortest way. Scenes have tens of corners: for these the
 //! graph is small and, unlike a mesh of triangles, gives the shortest ways themselves.
+//!
+//! Doors are what was opened once. The graph leads through them too, and knows of each line between two points which doors it
+//! goes through: a door that closes makes no new graph. A closed one is as good as a very long way: none leads there where
+//! there is another.
 
 use crate::routes::outline::Outline;
 use crate::{AtEnd, NONE, Obstacle, Route};
@@ -23,22 +27,61 @@ pub struct Streets {
     clearance: f32,
     /// How near to an obstacle a goal may be (m).
     nearest: f32,
+    /// Which of the doors each outline is; 0 where it is none.
+    doors: Vec<Doors>,
+    /// Those that are closed.
+    closed: Doors,
     /// Points to go round corners by.
     points: Vec<Vec2>,
     /// Of each point: where it lies from its corner (unit vector), how far it is free that way (m), and the number of its
     /// corner.
     around: Vec<(Vec2, f32, u32)>,
-    /// Of each point: those that it sees and ways may lead to, and how far they are (m).
-    seen: Vec<Vec<(u32, f32)>>,
+    /// Of each point: the doors that it is in, and the one whose corner it is at.
+    at_doors: Vec<[Doors; 2]>,
+    /// Of each point: those that it sees and ways may lead to, how far they are (m), and the doors in between.
+    seen: Vec<Vec<(u32, f32, Doors)>>,
 }
 
+/// A set of doors.
+type Doors = u64;
+
 /// How far a goal is from all points of some streets: where it is seen from, or by which point to go on.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Costs {
-    /// (way (m), point to go on by; [`NONE`] where the goal is seen) (points)
-    of: Vec<(f32, u32)>,
+    goal: Vec2,
+    /// Points that see the goal, how far they are (m), and the doors in between.
+    seen: Vec<(u32, f32, Doors)>,
+    /// (points)
+    of: Vec<Cost>,
     /// How far the goal is from what stands, if that is less than the clearance (m).
     pub near: f32,
+}
+
+impl Costs {
+    /// Memory for so many points.
+    pub(crate) fn with_capacity(num_points: usize) -> Self {
+        Self { seen: Vec::with_capacity(num_points), of: Vec::with_capacity(num_points), ..Self::default() }
+    }
+}
+
+/// How far a goal is from a point.
+#[derive(Clone, Copy, Debug)]
+struct Cost {
+    /// (m)
+    way: f32,
+    /// Point to go on by; [`NONE`] where the goal is seen.
+    next: u32,
+    /// Closed doors on the way.
+    closed: u32,
+}
+
+impl Cost {
+    const NO_WAY: Self = Self { way: f32::INFINITY, next: NONE, closed: 0 };
+
+    /// Way that is as bad as this one (m).
+    fn key(&self) -> f32 {
+        self.way + CLOSED_M * self.closed as f32
+    }
 }
 
 /// A corner on the way to a goal, as seen from somewhere.
@@ -63,6 +106,8 @@ pub(crate) struct Corner {
 const WIDEST_M: f32 = 12.0;
 /// Largest part of a straight way at a corner that may lead away from the corner or to it: others are no shortest ways.
 const TAUT: f32 = 0.5;
+/// Way that is as bad as a closed door (m).
+const CLOSED_M: f32 = 1e4;
 /// Most corners between which an agent chooses.
 pub(crate) const MOST_CORNERS: usize = 6;
 
@@ -110,24 +155,82 @@ impl Streets {
         check("number of an obstacle", None, odd.unwrap_or(0) as f64, odd.is_none(), expected)?;
         let mut streets = Self {
             obstacles: obstacles.to_vec(),
+            doors: vec![0; outlines.len()],
             outlines,
             owners,
             bounds,
             clearance: clearance_m,
             nearest: nearest_m,
+            closed: 0,
             points: Vec::new(),
             around: Vec::new(),
+            at_doors: Vec::new(),
             seen: Vec::new(),
         };
-        let around: Vec<_> = streets.outlines.iter().flat_map(|s| s.points_around(clearance_m)).collect();
+        streets.make_graph();
+        Ok(streets)
+    }
+
+    /// Joins all points that see each other, through doors too.
+    fn make_graph(&mut self) {
+        self.points.clear();
+        self.around.clear();
+        self.at_doors.clear();
+        self.seen.clear();
+        let outlines = self.outlines.iter().zip(&self.doors);
+        let of = |(s, &own): (&Outline, &Doors)| s.points_around(self.clearance).into_iter().map(move |p| (p, own));
+        let around: Vec<_> = outlines.flat_map(of).collect();
         let mut number = 0;
-        for (i, &(p, corner)) in around.iter().enumerate() {
-            number += u32::from(i > 0 && around[i - 1].1 != corner);
-            if streets.is_clear(p, p, clearance_m) {
-                streets.join(p, (p - corner).normalize_or_zero(), number);
+        for (i, &((p, corner), own)) in around.iter().enumerate() {
+            number += u32::from(i > 0 && around[i - 1].0.1 != corner);
+            if let Some(doors) = self.doors_between(p, p, self.clearance) {
+                self.join(p, (p - corner).normalize_or_zero(), number, [doors, own]);
             }
         }
-        Ok(streets)
+    }
+
+    /// Opens an obstacle, or closes it: ways lead through open ones, and round closed ones where there is a way round. The
+    /// first time that one is opened or closed costs as much as [`Streets::new`].
+    ///
+    /// - `obstacle`: number in [`Streets::obstacles`].
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a number out of range, and more than 64 obstacles that were ever opened or closed.
+    pub fn set_open(&mut self, obstacle: usize, open: bool) -> Result<()> {
+        throng_base::error::check_index("obstacle", None, obstacle, self.obstacles.len())?;
+        let mut open_of = vec![None; self.obstacles.len()];
+        for (&owner, door) in self.owners.iter().zip(&self.doors).filter(|(_, door)| **door != 0) {
+            open_of[owner] = Some(door & self.closed == 0);
+        }
+        open_of[obstacle] = Some(open);
+        self.set_doors(&open_of).map(|_| ())
+    }
+
+    /// Makes some obstacles doors that are open or not, and all others none; true where there are other doors than before.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for more than 64 doors; nothing has changed then.
+    pub(crate) fn set_doors(&mut self, open_of: &[Option<bool>]) -> Result<bool> {
+        let num = self.owners.iter().filter(|&&o| open_of[o].is_some()).count();
+        check("number of doors", None, num as f64, num <= Doors::BITS as usize, "at most 64")?;
+        let mut is_new = false;
+        let mut next: Doors = 1;
+        self.closed = 0;
+        for (&owner, door) in self.owners.iter().zip(&mut self.doors) {
+            let open = open_of[owner];
+            is_new |= open.is_some() != (*door != 0);
+            *door = if open.is_some() { next } else { 0 };
+            self.closed |= if open == Some(false) { next } else { 0 };
+            next = if open.is_some() { next.wrapping_shl(1) } else { next };
+        }
+        if is_new {
+            self.make_graph();
+        } else {
+            for n in 0..self.points.len() {
+                self.around[n].1 = self.free_way(self.points[n], self.around[n].0);
+            }
+        }
+        Ok(is_new)
     }
 
     /// Clearance that ways keep (m).
@@ -177,46 +280,76 @@ impl Streets {
     }
 
     fn flat_corners(&self, from: Vec2, to: Vec2) -> std::result::Result<Vec<Vec2>, NoWay> {
-        if let Some(i) = self.outlines.iter().position(|s| s.distance(from) <= 0.0) {
-            return Err(NoWay::Start(self.owners[i]));
-        }
-        if let Some(i) = self.outlines.iter().position(|s| s.distance(to) < self.nearest) {
-            return Err(NoWay::Goal(self.owners[i]));
-        }
-        // A hair less, so that rounding does not close the way out.
-        let at = |p: Vec2| self.outlines.iter().map(|s| s.distance(p)).fold(self.clearance, f32::min) * 0.999;
-        let (at_start, at_goal) = (at(from), at(to));
+        let [at_start, at_goal] = self.check_ends(from, to)?;
         if self.is_clear(from, to, at_start.min(at_goal)) {
             return Ok(vec![from, to]);
         }
-        let ends = Ends { from, to, start: self.sees(from, at_start), goal: self.sees(to, at_goal) };
+        let straight = self.doors_between(from, to, at_start.min(at_goal));
+        let sees = |p, clearance| (0..self.points.len()).map(|n| self.sees(p, n, clearance)).collect();
+        let ends = Ends { from, to, start: sees(from, at_start), goal: sees(to, at_goal), straight };
         self.search(&ends).ok_or(NoWay::Separated)
     }
 
-    /// Adds a point, joined with all that it sees.
-    fn join(&mut self, p: Vec2, out: Vec2, corner: u32) {
-        let new = self.points.len();
-        let sees = self.sees(p, self.clearance);
-        let is_taut = |n: usize, d: f32| corner == self.around[n].2 || (self.points[n] - p).dot(out).abs() <= TAUT * d;
-        let sees: Vec<(usize, f32)> =
-            sees.iter().enumerate().filter_map(|(n, d)| Some((n, (*d)?))).filter(|&(n, d)| is_taut(n, d)).collect();
-        for &(n, distance) in &sees {
-            self.seen[n].push((new as u32, distance));
+    /// How near the ends of a way are to what stands, and a hair less, so that rounding does not close the way out (m).
+    fn check_ends(&self, from: Vec2, to: Vec2) -> std::result::Result<[f32; 2], NoWay> {
+        let stands = |i: &usize| self.doors[*i] == 0 || self.doors[*i] & self.closed != 0;
+        let all = 0..self.outlines.len();
+        if let Some(i) = all.clone().filter(stands).find(|&i| self.outlines[i].distance(from) <= 0.0) {
+            return Err(NoWay::Start(self.owners[i]));
         }
-        self.seen.push(sees.into_iter().rev().map(|(n, d)| (n as u32, d)).collect());
+        if let Some(i) = all.clone().find(|&i| self.outlines[i].distance(to) < self.nearest) {
+            return Err(NoWay::Goal(self.owners[i]));
+        }
+        let at_start = all.filter(stands).map(|i| self.outlines[i].distance(from)).fold(self.clearance, f32::min);
+        Ok([at_start * 0.999, self.near(to)])
+    }
+
+    /// How far a goal is from all outlines, if that is less than the clearance, and a hair less (m).
+    fn near(&self, goal: Vec2) -> f32 {
+        self.outlines.iter().map(|s| s.distance(goal)).fold(self.clearance, f32::min) * 0.999
+    }
+
+    /// Checks that a way leads from a place to a goal, be it through closed doors. Allocates nothing.
+    pub(crate) fn check_way(&self, from: Vec2, goal: &Costs) -> std::result::Result<(), NoWay> {
+        let [at_start, at_goal] = self.check_ends(from, goal.goal)?;
+        let leads = |n: usize| goal.of[n].way.is_finite() && self.sees(from, n, at_start).is_some();
+        let straight = self.doors_between(from, goal.goal, at_start.min(at_goal)).is_some();
+        if straight || (0..self.points.len()).any(leads) { Ok(()) } else { Err(NoWay::Separated) }
+    }
+
+    /// Adds a point, joined with all that it sees.
+    fn join(&mut self, p: Vec2, out: Vec2, corner: u32, at_doors: [Doors; 2]) {
+        let new = self.points.len();
+        let is_taut = |n: usize, d: f32| corner == self.around[n].2 || (self.points[n] - p).dot(out).abs() <= TAUT * d;
+        let sees = (0..new).filter_map(|n| self.sees(p, n, self.clearance).map(|(d, doors)| (n as u32, d, doors)));
+        let sees: Vec<_> = sees.filter(|&(n, d, _)| is_taut(n as usize, d)).collect();
+        for &(n, distance, doors) in &sees {
+            self.seen[n as usize].push((new as u32, distance, doors));
+        }
+        self.seen.push(sees.into_iter().rev().collect());
         let free = self.free_way(p, out);
         self.points.push(p);
         self.around.push((out, free, corner));
+        self.at_doors.push(at_doors);
     }
 
-    /// How far the points are that can be seen with a clearance, and that ways may lead to (points).
-    fn sees(&self, p: Vec2, clearance: f32) -> Vec<Option<f32>> {
-        let sees = |(q, (out, ..)): (&Vec2, &(Vec2, f32, u32))| {
-            let distance = p.distance(*q);
-            let is_taut = (p - *q).dot(*out).abs() <= TAUT * distance || distance < 2.0 * self.clearance;
-            (is_taut && self.is_clear(p, *q, clearance)).then_some(distance)
-        };
-        self.points.iter().zip(&self.around).map(sees).collect()
+    /// How far a point is that can be seen with a clearance, and that ways may lead to, and the doors in between.
+    fn sees(&self, p: Vec2, n: usize, clearance: f32) -> Option<(f32, Doors)> {
+        let (q, (out, ..)) = (self.points[n], self.around[n]);
+        let distance = p.distance(q);
+        let is_taut = (p - q).dot(out).abs() <= TAUT * distance || distance < 2.0 * self.clearance;
+        let doors = is_taut.then(|| self.doors_between(p, q, clearance)).flatten()?;
+        Some((distance, doors))
+    }
+
+    /// True for a point round a door that is open: nothing is there to go round.
+    fn is_idle(&self, n: usize) -> bool {
+        self.at_doors[n][1] & !self.closed != 0
+    }
+
+    /// Number of closed doors of a line, but for those at one of its ends.
+    fn num_closed(&self, doors: Doors, but: Doors) -> u32 {
+        (doors & self.closed & !but).count_ones()
     }
 
     /// How far it is free from a point along a unit vector, less the clearance (m).
@@ -224,7 +357,8 @@ impl Streets {
         let mut way = 0.0;
         while way < WIDEST_M {
             let x = from + along * way;
-            let nearest = self.outlines.iter().map(|s| s.distance(x)).fold(WIDEST_M, f32::min) - self.clearance;
+            let stands = self.outlines.iter().zip(&self.doors).filter(|(_, d)| **d == 0 || **d & self.closed != 0);
+            let nearest = stands.map(|(s, _)| s.distance(x)).fold(WIDEST_M, f32::min) - self.clearance;
             if way > 0.0 && nearest < 0.02 {
                 break;
             }
@@ -234,42 +368,69 @@ impl Streets {
         way.min(WIDEST_M)
     }
 
-    /// How far a goal is from all points: Dijkstra (1959), from the goal on. Equal ways are resolved by the numbers of points.
-    pub(crate) fn costs(&self, goal: Vec3) -> Costs {
-        let goal = goal.xz();
-        let near = self.outlines.iter().map(|s| s.distance(goal)).fold(self.clearance, f32::min) * 0.999;
-        let mut of: Vec<(f32, u32)> = vec![(f32::INFINITY, NONE); self.points.len()];
-        let mut open = BinaryHeap::new();
-        for (n, distance) in self.sees(goal, near).into_iter().enumerate().filter_map(|(n, d)| Some((n, d?))) {
-            of[n].0 = distance;
-            open.push(Open { estimate: distance, left: n as f32, length: distance, n });
+    /// Finds out from where a goal is seen, and how far it is from all points.
+    ///
+    /// - `open`: memory for [`Streets::find_ways`].
+    pub(crate) fn find_costs(&self, goal: Vec2, costs: &mut Costs, open: &mut BinaryHeap<Open>) {
+        (costs.goal, costs.near) = (goal, self.near(goal));
+        costs.seen.clear();
+        let seen = |n: usize| self.sees(goal, n, costs.near).map(|(far, doors)| (n as u32, far, doors));
+        costs.seen.extend((0..self.points.len()).filter_map(seen));
+        self.find_ways(costs, open);
+    }
+
+    /// How far a goal is from all points, as doors are now: Dijkstra (1959), from the goal on. Equal ways are resolved by the
+    /// numbers of points.
+    pub(crate) fn find_ways(&self, costs: &mut Costs, open: &mut BinaryHeap<Open>) {
+        open.clear();
+        let Costs { of, seen, .. } = costs;
+        of.clear();
+        of.resize(self.points.len(), Cost::NO_WAY);
+        for &(n, way, doors) in &*seen {
+            self.reach(n, Cost { way, next: NONE, closed: self.num_closed(doors, 0) }, of, open);
         }
         while let Some(Open { length, n, .. }) = open.pop() {
-            if of[n].0 < length {
+            let at = of[n];
+            if at.key() < length {
                 continue;
             }
-            for &(next, far) in &self.seen[n] {
-                let then = length + far;
-                if then < of[next as usize].0 {
-                    of[next as usize] = (then, n as u32);
-                    open.push(Open { estimate: then, left: next as f32, length: then, n: next as usize });
-                }
+            for &(next, far, doors) in &self.seen[n] {
+                let closed = at.closed + self.num_closed(doors, self.at_doors[n][0]);
+                self.reach(next, Cost { way: at.way + far, next: n as u32, closed }, of, open);
             }
         }
-        Costs { of, near }
+    }
+
+    /// Notes a way to a point if it is the best one so far.
+    fn reach(&self, n: u32, then: Cost, of: &mut [Cost], open: &mut BinaryHeap<Open>) {
+        let (key, at) = (then.key(), n as usize);
+        if key < of[at].key() && !self.is_idle(at) {
+            of[at] = then;
+            open.push(Open { estimate: key, left: n as f32, length: key, n: at });
+        }
+    }
+
+    /// Memory that [`Streets::find_costs`] takes at most: points, and points that wait to be looked at.
+    pub(crate) fn sizes(&self) -> [usize; 2] {
+        [self.points.len(), self.points.len() + self.seen.iter().map(Vec::len).sum::<usize>()]
     }
 
     /// True if an agent sees a place: nothing is nearer to the straight line than its radius.
-    pub(crate) fn sees_place(&self, from: Vec2, to: Vec2, radius: f32) -> bool {
-        self.is_clear(from, to, 0.98 * radius)
+    ///
+    /// - `through`: closed doors do not count.
+    pub(crate) fn sees_place(&self, from: Vec2, to: Vec2, radius: f32, through: bool) -> bool {
+        let doors = self.doors_between(from, to, 0.98 * radius);
+        doors.is_some_and(|d| through || d & self.closed == 0)
     }
 
     /// The corners by which shortest ways lead from a place to a goal, the best first, one point of each corner; those that
     /// are more than `longer` longer than the best are left out. Returns their number; none where nothing leads there.
+    ///
+    /// - `through`: closed doors are passed, as none leads round them; otherwise they are walls.
     pub(crate) fn corners_ahead(
         &self,
         (from, radius, longer): (Vec2, f32, f32),
-        (goal, costs): (Vec2, &Costs),
+        (goal, costs, through): (Vec2, &Costs, bool),
         out: &mut [Option<Corner>; MOST_CORNERS],
     ) -> usize {
         let mut num = 0;
@@ -278,10 +439,11 @@ impl Streets {
         let mut last = (f32::NEG_INFINITY, 0);
         while num < MOST_CORNERS {
             let mut best = (most, NONE);
-            for (n, ((p, &(cost, _)), (away, ..))) in (0u32..).zip(self.points.iter().zip(&costs.of).zip(&self.around))
-            {
+            for (n, ((p, cost), (away, ..))) in (0u32..).zip(self.points.iter().zip(&costs.of).zip(&self.around)) {
                 // The straight line is no longer than any way.
-                if cost >= best.0 {
+                let is_closed = cost.closed > 0 && !through;
+                let cost = cost.key();
+                if cost >= best.0 || is_closed {
                     continue;
                 }
                 let off = *p - from;
@@ -301,17 +463,17 @@ impl Streets {
                 continue;
             }
             let n = n as usize;
-            if !self.sees_place(from, self.points[n], radius) {
+            if !self.sees_place(from, self.points[n], radius, through) {
                 continue;
             }
             let (away, free, number) = self.around[n];
             // On to where the way leaves this corner.
             let mut on = n;
-            while costs.of[on].1 != NONE && self.around[on].2 == number {
-                on = costs.of[on].1 as usize;
+            while costs.of[on].next != NONE && self.around[on].2 == number {
+                on = costs.of[on].next as usize;
             }
             let (next, rest) =
-                if self.around[on].2 == number { (goal, 0.0) } else { (self.points[on], costs.of[on].0) };
+                if self.around[on].2 == number { (goal, 0.0) } else { (self.points[on], costs.of[on].way) };
             out[num] = Some(Corner { at: self.points[n], out: away, free, number, next, rest, way });
             num += 1;
             most = most.min(way + longer);
@@ -319,12 +481,18 @@ impl Streets {
         num
     }
 
-    /// True if a straight line keeps a clearance from everything.
+    /// True if a straight line keeps a clearance from everything that stands.
     fn is_clear(&self, a: Vec2, b: Vec2, clearance: f32) -> bool {
+        self.doors_between(a, b, clearance).is_some_and(|doors| doors & self.closed == 0)
+    }
+
+    /// Doors that are nearer to a straight line than a clearance; `None` if anything else is.
+    fn doors_between(&self, a: Vec2, b: Vec2, clearance: f32) -> Option<Doors> {
         let (low, high) = (a.min(b) - clearance, a.max(b) + clearance);
         let is_near = |(l, h): &(Vec2, Vec2)| l.cmple(high).all() && h.cmpge(low).all();
-        let mut near = self.outlines.iter().zip(&self.bounds).filter(|(_, b)| is_near(b));
-        near.all(|(s, _)| s.distance_of_line(a, b) >= clearance)
+        let near = self.outlines.iter().zip(&self.doors).zip(&self.bounds).filter(|(_, b)| is_near(b));
+        let mut in_the_way = near.map(|(o, _)| o).filter(|(s, _)| s.distance_of_line(a, b) < clearance);
+        in_the_way.try_fold(0, |all, (_, &door)| (door != 0).then_some(all | door))
     }
 
     /// A* from the start to the goal, which do not see each other. Equal lengths are resolved by the order in which points
@@ -360,9 +528,10 @@ impl Streets {
             if best[n] < length {
                 continue;
             }
-            let mut reach = |next: usize, far: f32| {
-                let then = length + far;
-                if then < best[next] {
+            let here = self.at_doors.get(n).map_or(0, |d| d[0]);
+            let mut reach = |next: usize, far: f32, doors: Doors| {
+                let then = length + far + CLOSED_M * self.num_closed(doors, here) as f32;
+                if then < best[next] && (next >= goal || !self.is_idle(next)) {
                     (best[next], previous[next]) = (then, n);
                     let left = place(next).distance(ends.to);
                     open.push(Open { estimate: then + left, left, length: then, n: next });
@@ -370,31 +539,36 @@ impl Streets {
             };
             if n == start {
                 let seen = ends.start.iter().enumerate().rev();
-                seen.filter_map(|(next, far)| Some((next, (*far)?))).for_each(|(next, far)| reach(next, far));
+                seen.filter_map(|(next, s)| Some((next, (*s)?))).for_each(|(next, (far, d))| reach(next, far, d));
+                if let Some(doors) = ends.straight {
+                    reach(goal, ends.from.distance(ends.to), doors);
+                }
                 continue;
             }
             let (smaller, larger): (Vec<_>, Vec<_>) = self.seen[n].iter().partition(|s| (s.0 as usize) < n);
-            smaller.into_iter().for_each(|(next, far)| reach(next as usize, far));
-            if let Some(far) = ends.goal[n] {
-                reach(goal, far);
+            smaller.into_iter().for_each(|(next, far, doors)| reach(next as usize, far, doors));
+            if let Some((far, doors)) = ends.goal[n] {
+                reach(goal, far, doors);
             }
-            larger.into_iter().rev().for_each(|(next, far)| reach(next as usize, far));
+            larger.into_iter().rev().for_each(|(next, far, doors)| reach(next as usize, far, doors));
         }
         None
     }
 }
 
-/// Both ends of a way, and how far the points are that they see.
+/// Both ends of a way, how far the points are that they see, and the doors in between.
 struct Ends {
     from: Vec2,
     to: Vec2,
-    start: Vec<Option<f32>>,
-    goal: Vec<Option<f32>>,
+    start: Vec<Option<(f32, Doors)>>,
+    goal: Vec<Option<(f32, Doors)>>,
+    /// Doors on the straight line, if nothing else is.
+    straight: Option<Doors>,
 }
 
 /// A point whose neighbours are to be looked at; the one with the smallest estimate comes first.
 #[derive(Clone, Copy, Debug)]
-struct Open {
+pub(crate) struct Open {
     /// Of the whole way (m).
     estimate: f32,
     /// In a straight line to the goal (m).
@@ -565,6 +739,56 @@ mod tests {
         let inside = streets.route(from, Vec3::ZERO).unwrap_err();
         assert!(matches!(inside, Error::NoWay { to: Vec3::ZERO, .. }), "{inside}");
         assert!(matches!(Streets::new(&[], 0.0), Err(Error::Value { what: "clearance_m", .. })));
+    }
+
+    /// Two rooms with a door between them, and a way round the wall or none.
+    fn rooms(far: f32) -> Vec<Obstacle> {
+        vec![wall([0.0, -far], [0.0, -0.6]), wall([0.0, 0.6], [0.0, far + 1.0]), wall([0.0, -0.6], [0.0, 0.6])]
+    }
+
+    #[test]
+    fn ways_lead_through_open_doors_and_round_closed_ones() {
+        let mut map = streets(rooms(8.0), 0.4, 0.3);
+        let (from, to) = (Vec2::new(-3.0, 4.0), Vec2::new(3.0, 1.0));
+        let closed = map.flat_corners(from, to).unwrap();
+        map.set_open(2, true).unwrap();
+        let open = map.flat_corners(from, to).unwrap();
+        // As if the door were not there.
+        let without = streets(rooms(8.0)[..2].to_vec(), 0.4, 0.3).flat_corners(from, to).unwrap();
+        assert!((length(&open) - length(&without)).abs() < 1e-3, "{open:?} {without:?}");
+        assert!(length(&open) < 0.7 * length(&closed));
+        map.set_open(2, false).unwrap();
+        let again = map.flat_corners(from, to).unwrap();
+        assert!((length(&again) - length(&closed)).abs() < 1e-3, "{again:?} {closed:?}");
+        assert!(map.set_open(3, true).is_err());
+    }
+
+    #[test]
+    fn ways_lead_to_a_closed_door_where_no_other_leads_on() {
+        let room = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0], [-9.0, -9.0]];
+        let around = room.windows(2).map(|w| wall(w[0], w[1]));
+        let mut map = streets(rooms(9.0).into_iter().chain(around).collect(), 0.4, 0.3);
+        let (from, to) = (Vec2::new(-3.0, 4.0), Vec2::new(3.0, 1.0));
+        assert_eq!(map.flat_corners(from, to), Err(NoWay::Separated));
+        map.set_open(2, true).unwrap();
+        let open = map.flat_corners(from, to).unwrap();
+        map.set_open(2, false).unwrap();
+        assert_eq!(map.flat_corners(from, to), Ok(open), "it was a door once");
+        // Two doors beside each other, one closed.
+        let doors = [wall([0.0, -5.0], [0.0, -3.8])];
+        let mut walls = vec![wall([0.0, -9.0], [0.0, -5.0]), wall([0.0, -3.8], [0.0, -0.6])];
+        walls.extend(rooms(9.0)[1..].iter().cloned().chain(doors));
+        walls.extend(room.windows(2).map(|w| wall(w[0], w[1])));
+        let mut map = streets(walls, 0.4, 0.3);
+        for (first, second) in [(3, 4), (4, 3)] {
+            map.set_open(second, false).unwrap();
+            map.set_open(first, true).unwrap();
+            let way = map.flat_corners(from, to).unwrap();
+            let (z, half) = if first == 3 { (0.0, 0.6) } else { (-4.4, 0.6) };
+            let at = |w: &[Vec2]| w[0].lerp(w[1], w[0].x / (w[0].x - w[1].x)).y;
+            let crosses = way.windows(2).find(|w| w[0].x <= 0.0 && w[1].x > 0.0).map(at).unwrap();
+            assert!((crosses - z).abs() < half, "door {first}: {way:?}");
+        }
     }
 
     #[test]

@@ -60,7 +60,13 @@ fn bisected<V: Space>(a: &Plan<V>, b: &Plan<V>, distance: f32, times: (f64, f64)
 }
 
 /// The first time after `from`, and not after `until`, at which a plan leaves the square cell that it is in at `from`.
-pub(crate) fn leaves_cell<V: Space>(plan: &Plan<V>, cell: impl Fn(V) -> [i32; 2], side: f32, from: f64, until: f64) -> Option<f64> {
+pub(crate) fn leaves_cell<V: Space>(
+    plan: &Plan<V>,
+    cell: impl Fn(V) -> [i32; 2],
+    side: f32,
+    from: f64,
+    until: f64,
+) -> Option<f64> {
     let here = cell(plan.at(from).0);
     let mut at = from;
     let end = until.min(plan.start + f64::from(plan.moving)).max(from);

@@ -16,11 +16,13 @@ impl<V: Space> Engine<V> {
     pub fn set_sense(&mut self, id: Id, sense: Sense) -> Result<(), CrowdError> {
         self.check_id(id)?;
         let own = &mut self.sensors.of[id.index()];
-        if (own.sense.tells, own.sense.hears) != (sense.tells, sense.hears) {
-            own.last = (-1.0, NONE);
+        let channels = |s: &Sense| (s.tells, s.hears, s.once);
+        if channels(&own.sense) != channels(&sense) {
+            self.sensors.changes += 1;
+            (own.changed, own.last) = ((self.now, self.sensors.changes), None);
         }
         own.sense = sense;
-        self.look_about(id.index, true);
+        self.look_about(id.index);
         Ok(())
     }
 
@@ -56,11 +58,10 @@ impl<V: Space> Engine<V> {
     }
 
     /// Looks for what an agent with a new plan, or with new senses, senses next.
-    ///
-    /// - `level`: who is near is met now, if that is enough for one of them.
-    pub fn look_about(&mut self, agent: u32, level: bool) {
+    pub fn look_about(&mut self, agent: u32) {
         let sense = self.sensors.of[agent as usize].sense;
-        if sense == (Sense { arrivals: sense.arrivals, ..Sense::default() }) || self.states[agent as usize].cell == NONE {
+        if sense == (Sense { arrivals: sense.arrivals, ..Sense::default() }) || self.states[agent as usize].cell == NONE
+        {
             if self.sensors.of[agent as usize].next.take().is_some() {
                 self.queue_senses(agent);
             }
@@ -80,7 +81,8 @@ impl<V: Space> Engine<V> {
         if sense.zones {
             sensors.zones.near(&bounds, |z| {
                 let zone = &sensors.senses.zones[z];
-                let there = Plan { start: now, end: plan.end, position: zone.centre, moving: f32::INFINITY, ..Plan::default() };
+                let there =
+                    Plan { start: now, end: plan.end, position: zone.centre, moving: f32::INFINITY, ..Plan::default() };
                 let near = is_near(&plan, &there, zone.radius, now);
                 if let Some(at) = first_change(&plan, &there, zone.radius, now, plan.end, near) {
                     let z = z as u32;
@@ -106,7 +108,7 @@ impl<V: Space> Engine<V> {
                 if o == agent as usize || any == 0 {
                     return true;
                 }
-                if let Some(at) = self.meets(&plan, o as u32, now, level && at_once != 0) {
+                if let Some(at) = self.meets(&plan, o as u32, now, at_once != 0) {
                     take(at, 3, Sensed::Met(o as u32));
                 }
                 true
@@ -131,8 +133,9 @@ impl<V: Space> Engine<V> {
         let mut near = is_near(plan, &theirs, meet_m, now);
         let mut from = now;
         if near && at_once {
-            let (when, last) = self.sensors.of[plan.index as usize].last;
-            if when != now || last == NONE || other > last {
+            let (own, its) = (&self.sensors.of[plan.index as usize], &self.sensors.of[other as usize]);
+            let is_new = own.changed.0 == now && own.last.is_none_or(|last| other > last);
+            if is_new && (its.changed.0 != now || its.changed.1 < own.changed.1) {
                 return Some(now);
             }
         }
@@ -162,19 +165,24 @@ impl<V: Space> Engine<V> {
             Sensed::Met(other) => {
                 let theirs = self.sensors.of[other as usize];
                 let is_there = self.states[other as usize].cell != NONE;
-                let is_same = is_there && self.cells.plan(other).start == own.partner_start;
+                let is_same = is_there && self.cells.plan(other).start == own.partner_start && {
+                    let (mine, its) = (self.cells.plan(agent), self.cells.plan(other));
+                    is_near(&mine, &its, self.sensors.senses.meet_m, time)
+                };
                 if is_same && own.sense.channels(&theirs.sense).0 != 0 {
-                    self.sensors.of[agent as usize].last = (time, other);
+                    if own.changed.0 == time {
+                        self.sensors.of[agent as usize].last = Some(other);
+                    }
                     let (first, second) = (agent.min(other), agent.max(other));
                     self.tell(first, EventKind::Met { other: self.id(second) });
-                    self.look_about(other, false);
+                    self.look_about(other);
                 }
             }
             Sensed::CameTo(zone) => self.tell(agent, EventKind::CameTo { zone: zone as usize }),
             Sensed::WentFrom(zone) => self.tell(agent, EventKind::WentFrom { zone: zone as usize }),
             Sensed::Crossed { from, to } => self.tell(agent, EventKind::Crossed { from, to }),
         }
-        self.look_about(agent, false);
+        self.look_about(agent);
     }
 
     /// Looks for everybody, as after a step of everybody.
@@ -182,7 +190,7 @@ impl<V: Space> Engine<V> {
     pub fn look_about_all(&mut self) {
         for agent in 0..self.states.len() as u32 {
             if self.sensors.of[agent as usize] != Sensing::default() {
-                self.look_about(agent, false);
+                self.look_about(agent);
             }
         }
     }
@@ -191,6 +199,7 @@ impl<V: Space> Engine<V> {
     pub fn relink_senses(&mut self) {
         self.sensors.boxes.clear();
         self.sensors.signals.clear();
+        self.sensors.changes = self.sensors.of.iter().map(|own| own.changed.1).max().unwrap_or(0);
         for agent in 0..self.states.len() as u32 {
             let own = self.sensors.of[agent as usize];
             if self.states[agent as usize].cell == NONE {

@@ -8,8 +8,8 @@
 pub(crate) mod crossing;
 mod look;
 
+use crate::Space;
 use crate::space::plan::Plan;
-use crate::{NONE, Space};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
@@ -108,15 +108,25 @@ pub(crate) struct Sensing {
     pub next: Option<(f64, Sensed)>,
     /// Start of the plan of the partner that it meets next (s).
     pub partner_start: f64,
-    /// Whom it met last for being near, and when: of several at one time, each once, in the order of their numbers.
-    pub last: (f64, u32),
+    /// When its channels changed last, and how many changes of anybody there were then. Whoever changed later meets
+    /// the other one.
+    pub changed: (f64, u64),
+    /// Whom it met last for being near at that time: each once, in the order of their numbers.
+    pub last: Option<u32>,
     /// When it is woken (s).
     pub timer: f64,
 }
 
 impl Default for Sensing {
     fn default() -> Self {
-        Self { sense: Sense::default(), next: None, partner_start: 0.0, last: (-1.0, NONE), timer: f64::INFINITY }
+        Self {
+            sense: Sense::default(),
+            next: None,
+            partner_start: 0.0,
+            changed: (-1.0, 0),
+            last: None,
+            timer: f64::INFINITY,
+        }
     }
 }
 
@@ -129,6 +139,8 @@ pub(crate) struct Sensors<V> {
     /// Swept boxes of all who tell or hear.
     pub boxes: BoxGrid,
     zones: BoxGrid,
+    /// How often anybody's channels changed.
+    pub changes: u64,
     /// Events at which the engine stops are noted.
     pub stops: bool,
     /// Those that were noted, in their order.
@@ -146,6 +158,7 @@ impl<V: Space> Sensors<V> {
             of: vec![Sensing::default(); capacity],
             boxes: BoxGrid::with_capacity(capacity),
             zones,
+            changes: 0,
             stops: false,
             signals: std::collections::VecDeque::with_capacity(64),
         }
@@ -167,7 +180,12 @@ impl<V: Space> Sensors<V> {
         let is_next = |(time, what): (f64, Sensed)| (now..=1e10).contains(&time) && is_sensed(what);
         saved.windows(2).all(|w| w[0].0 < w[1].0)
             && saved.iter().all(|(m, own)| {
-                *m < num && is_there(*m) && own.timer >= now && own.next.is_none_or(is_next) && !own.partner_start.is_nan()
+                *m < num
+                    && is_there(*m)
+                    && own.timer >= now
+                    && own.next.is_none_or(is_next)
+                    && !own.partner_start.is_nan()
+                    && own.changed.1 < 1 << 62
             })
     }
 

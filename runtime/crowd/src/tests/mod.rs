@@ -1,12 +1,13 @@
 //! Tests of whole crowds.
 
+mod doors;
 pub(crate) mod drive;
 mod forged;
 mod interface;
 mod jams;
-mod senses;
 #[cfg(feature = "baselines")]
 mod schemes;
+mod senses;
 
 use crate::events::engine::Engine;
 use crate::safety::rule::clearance;

@@ -58,7 +58,10 @@ fn told_is_true(num: usize, spacing: f32, scheme: Scheme, seconds: f64) {
         let time = k as f64 * STEP_S;
         let mut now = before.clone();
         while let Some(signal) = crowd.advance_to_signal(time, &mut |_| {}).unwrap() {
-            assert!(signal.time >= last && signal.time <= time && crowd.now() == signal.time, "{signal:?} after {last}");
+            assert!(
+                signal.time >= last && signal.time <= time && crowd.now() == signal.time,
+                "{signal:?} after {last}"
+            );
             last = signal.time;
             let m = signal.agent.index();
             match signal.kind {
@@ -212,4 +215,35 @@ fn senses_out_of_range_are_refused() {
         let e = Crowd::on_ground(Setup { senses, ..Setup::default() }).unwrap_err().to_string();
         assert!(e.contains("senses"), "{e}");
     }
+}
+
+/// Who begins to tell is met by all near at once, each once, though nobody answers.
+#[test]
+fn level_channels_reach_all_who_are_near_though_masks_stay() {
+    let mut crowd = standing(&[0.0, 1.5, -1.5, 8.0]);
+    let ids: Vec<Id> = crowd.ids().collect();
+    let told = |crowd: &mut Crowd, until: f64| {
+        let mut all = Vec::new();
+        while let Some(Event { time, agent, kind }) = crowd.advance_to_signal(until, &mut |_| {}).unwrap() {
+            let EventKind::Met { other } = kind else { panic!("{kind:?}") };
+            all.push((time, agent.index(), other.index()));
+        }
+        all
+    };
+    let sense = |tells: u32, hears: u32| Sense { tells, hears, ..Sense::default() };
+    for &id in &ids[1..] {
+        crowd.sense(id, sense(0, 1)).unwrap();
+    }
+    assert!(told(&mut crowd, 1.0).is_empty());
+    crowd.sense(ids[0], sense(1, 0)).unwrap();
+    assert_eq!(told(&mut crowd, 2.0), [(1.0, 0, 1), (1.0, 0, 2)]);
+    crowd.sense(ids[0], sense(1, 0)).unwrap();
+    assert!(told(&mut crowd, 3.0).is_empty(), "nothing has changed");
+    // All begin at one time, in any order.
+    ids.iter().for_each(|&id| crowd.sense(id, sense(0, 0)).unwrap());
+    [2, 0, 1].iter().for_each(|&i| crowd.sense(ids[i], sense(1, 1)).unwrap());
+    let all = told(&mut crowd, 4.0);
+    let mut pairs: Vec<_> = all.iter().map(|a| (a.1, a.2)).collect();
+    pairs.sort_unstable();
+    assert_eq!(pairs, [(0, 1), (0, 2)], "1 and 2 are 3 m apart: {all:?}");
 }

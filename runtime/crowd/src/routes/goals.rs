@@ -1,0 +1,146 @@
+//! Goals of agents, and how far they are from everywhere: found once, and shared by all who go there.
+
+use crate::routes::streets::{Costs, NoWay, Open, Streets};
+use glam::{Vec3, Vec3Swizzles};
+use std::collections::{BinaryHeap, HashMap, VecDeque};
+
+/// All goals of a crowd that knows its streets. Those that nobody goes to any more are kept until their memory is needed.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Goals {
+    all: Vec<Goal>,
+    /// Those that are known, by place.
+    known: HashMap<[u32; 3], u32>,
+    /// Those that nobody goes to, the oldest first, and some that somebody goes to again.
+    idle: VecDeque<u32>,
+    /// Goals for which there is memory.
+    reserved: usize,
+    open: BinaryHeap<Open>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Goal {
+    place: Option<[u32; 3]>,
+    /// Number of subgoals of routes that it is.
+    users: u32,
+    is_idle: bool,
+    costs: Costs,
+}
+
+impl Goals {
+    /// How far a goal is.
+    pub fn costs(&self, number: u32) -> &Costs {
+        &self.all[number as usize].costs
+    }
+
+    /// Takes memory for one more that is a goal at the same time, and for one that is looked at before the last is released.
+    pub fn reserve(&mut self, streets: &Streets) {
+        self.reserved += 1;
+        let [points, waiting] = streets.sizes();
+        self.open.reserve(waiting.saturating_sub(self.open.len()));
+        while self.all.len() <= self.reserved {
+            self.idle.push_back(self.all.len() as u32);
+            self.all.push(Goal { is_idle: true, costs: Costs::with_capacity(points), ..Goal::default() });
+        }
+        self.known.reserve(2 * self.all.len());
+    }
+
+    /// The number of a goal, which has one user more. Allocates nothing where there is memory for it.
+    pub fn take(&mut self, streets: &Streets, place: Vec3) -> u32 {
+        let key = place.to_array().map(f32::to_bits);
+        let number = self.known.get(&key).copied().unwrap_or_else(|| self.find(streets, place, key));
+        self.all[number as usize].users += 1;
+        number
+    }
+
+    /// Finds out how far a goal is that is not known, in the place of one that nobody goes to.
+    fn find(&mut self, streets: &Streets, place: Vec3, key: [u32; 3]) -> u32 {
+        let number = loop {
+            let Some(number) = self.idle.pop_front() else {
+                self.all.push(Goal::default());
+                break self.all.len() - 1;
+            };
+            let goal = &mut self.all[number as usize];
+            goal.is_idle = false;
+            if goal.users == 0 {
+                break number as usize;
+            }
+        };
+        let goal = &mut self.all[number];
+        if let Some(before) = goal.place.replace(key) {
+            self.known.remove(&before);
+        }
+        self.known.insert(key, number as u32);
+        streets.find_costs(place.xz(), &mut goal.costs, &mut self.open);
+        number as u32
+    }
+
+    /// One user less.
+    pub fn release(&mut self, number: u32) {
+        let goal = &mut self.all[number as usize];
+        goal.users -= 1;
+        if goal.users == 0 && !std::mem::replace(&mut goal.is_idle, true) {
+            self.idle.push_back(number);
+        }
+    }
+
+    /// Checks that a way leads to a goal.
+    ///
+    /// # Errors
+    /// [`NoWay`].
+    pub fn check_way(&self, streets: &Streets, from: Vec3, number: u32) -> Result<(), NoWay> {
+        streets.check_way(from.xz(), self.costs(number))
+    }
+
+    /// Finds all ways anew, as a door has opened or closed.
+    ///
+    /// - `is_new`: it is a door for the first time.
+    pub fn find_again(&mut self, streets: &Streets, is_new: bool) {
+        let Self { all, known, open, .. } = self;
+        for goal in all {
+            match goal.place {
+                Some(place) if goal.users > 0 => {
+                    let [x, _, z] = place.map(f32::from_bits);
+                    if is_new {
+                        streets.find_costs(glam::Vec2::new(x, z), &mut goal.costs, open);
+                    } else {
+                        streets.find_ways(&mut goal.costs, open);
+                    }
+                }
+                _ => {
+                    if let Some(place) = goal.place.take() {
+                        known.remove(&place);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Obstacle;
+
+    #[test]
+    fn goals_are_shared_and_their_memory_is_used_again() {
+        let block = Obstacle::Ball { centre: Vec3::ZERO, radius: 1.0 };
+        let streets = Streets::new(&[block], 0.4).unwrap();
+        let mut goals = Goals::default();
+        (0..2).for_each(|_| goals.reserve(&streets));
+        let at = |x: f32| Vec3::new(x, 0.0, 2.0);
+        let (a, b) = (goals.take(&streets, at(1.0)), goals.take(&streets, at(2.0)));
+        assert_eq!(goals.take(&streets, at(1.0)), a, "the same place");
+        goals.release(a);
+        goals.release(b);
+        assert_eq!(goals.take(&streets, at(2.0)), b, "still known");
+        goals.release(b);
+        for k in 0..100 {
+            let number = goals.take(&streets, at(10.0 + k as f32));
+            assert_ne!(number, a, "somebody goes there");
+            goals.release(number);
+        }
+        assert_eq!((goals.all.len(), goals.idle.len()), (3, 2));
+        assert!(goals.check_way(&streets, at(-5.0), a).is_ok());
+        assert_eq!(goals.check_way(&streets, Vec3::X * 0.5, a), Err(NoWay::Start(0)));
+    }
+}

@@ -1,0 +1,130 @@
+//! Doors: ways lead through open ones and round closed ones, for those on their way too.
+
+use crate::*;
+use glam::Vec3;
+
+fn ground(x: f32, z: f32) -> Vec3 {
+    Vec3::new(x, 0.0, z)
+}
+
+fn wall(from: [f32; 2], to: [f32; 2]) -> Obstacle {
+    Obstacle::Wall { from: ground(from[0], from[1]), to: ground(to[0], to[1]), radius: 0.05 }
+}
+
+/// Number of the door between two rooms.
+const DOOR: usize = 5;
+
+/// Two rooms with a door of 1.4 m between them; the wall reaches from one end to the other, or leaves a way round.
+fn rooms(is_closed_off: bool) -> Crowd {
+    let end = if is_closed_off { 6.0 } else { 4.0 };
+    let walls = vec![
+        wall([-8.0, -6.0], [8.0, -6.0]),
+        wall([-8.0, 6.0], [8.0, 6.0]),
+        wall([-8.0, -6.0], [-8.0, 6.0]),
+        wall([8.0, -6.0], [8.0, 6.0]),
+        wall([0.0, -6.0], [0.0, -1.7]),
+        wall([0.0, -1.7], [0.0, -0.3]),
+        wall([0.0, -0.3], [0.0, end]),
+    ];
+    let streets = Streets::new(&walls, 0.4).unwrap();
+    Crowd::on_ground(Setup::in_streets(&streets, 12)).unwrap()
+}
+
+fn enter(crowd: &mut Crowd, num: usize) -> Vec<Id> {
+    let at = |i: usize| ground(-6.0 + 1.2 * (i / 4) as f32, -4.0 + 1.2 * (i % 4) as f32);
+    (0..num).map(|i| crowd.spawn(Agent::at(at(i))).unwrap()).collect()
+}
+
+fn goal(i: usize) -> Vec3 {
+    ground(3.0 + 1.2 * (i / 4) as f32, -4.0 + 1.2 * (i % 4) as f32)
+}
+
+fn at(crowd: &Crowd, id: Id) -> Vec3 {
+    crowd.position(id, crowd.now()).unwrap()
+}
+
+fn run(crowd: &mut Crowd, seconds: f64) {
+    crowd.advance(crowd.now() + seconds, &mut |_| {}).unwrap();
+}
+
+#[test]
+fn those_on_their_way_turn_round_when_a_door_closes_and_back_when_it_opens() {
+    let mut crowd = rooms(false);
+    let id = enter(&mut crowd, 1)[0];
+    crowd.set_open(DOOR, true).unwrap();
+    crowd.order(id, Go::to(ground(3.0, -1.0))).unwrap();
+    let short = crowd.way_left(id).unwrap();
+    run(&mut crowd, 2.0);
+    crowd.set_open(DOOR, false).unwrap();
+    run(&mut crowd, 1.0);
+    let round = crowd.way_left(id).unwrap();
+    assert!(short < 10.5 && round > 10.5, "{short} m through the door, {round} m round the wall");
+    assert!(crowd.desired_direction(id).unwrap().z > 0.7, "round the end of the wall");
+    crowd.set_open(DOOR, true).unwrap();
+    run(&mut crowd, 1.0);
+    assert!(crowd.way_left(id).unwrap() < 8.0);
+    run(&mut crowd, 8.0);
+    assert_eq!(crowd.status(id).unwrap(), Status::There);
+}
+
+#[test]
+fn all_wait_before_a_closed_door_that_is_the_only_way_and_go_on_when_it_opens() {
+    let mut crowd = rooms(true);
+    let ids = enter(&mut crowd, 12);
+    let lost = crowd.order(ids[0], Go::to(goal(0)));
+    assert!(matches!(lost.unwrap_err().into(), throng_base::Error::NoWay { .. }), "a wall for all that it knows");
+    crowd.set_open(DOOR, true).unwrap();
+    crowd.set_open(DOOR, false).unwrap();
+    for (i, &id) in ids.iter().enumerate() {
+        crowd.order(id, Go::to(goal(i))).unwrap();
+    }
+    run(&mut crowd, 12.0);
+    let near = |&&id: &&Id| at(&crowd, id).distance(ground(0.0, -1.0)) < 3.0;
+    assert_eq!(ids.iter().filter(near).count(), 12, "they wait before it");
+    assert!(ids.iter().all(|&id| at(&crowd, id).x < -0.3), "nobody went through");
+    assert!(ids.iter().all(|&id| crowd.way_left(id).unwrap() < 30.0), "a closed door is no way");
+    crowd.set_open(DOOR, true).unwrap();
+    run(&mut crowd, 20.0);
+    assert!(ids.iter().all(|&id| crowd.status(id).unwrap() == Status::There));
+}
+
+/// Doors that open and close all the time, while agents go to and fro.
+fn busy(crowd: &mut Crowd, ids: &[Id], round: usize) {
+    let _ = crowd.set_open(DOOR, !round.is_multiple_of(3));
+    for (i, &id) in ids.iter().enumerate() {
+        let there = goal((i + round) % 12);
+        let to = if (i + round / 6).is_multiple_of(2) { there } else { ground(-there.x, there.z) };
+        let _ = crowd.order(id, Go::to(to).at_speed(1.0 + 0.05 * i as f32));
+    }
+    run(crowd, 0.9);
+}
+
+#[test]
+fn snapshots_go_on_the_same_with_the_doors_of_then() {
+    let mut crowd = rooms(true);
+    let ids = enter(&mut crowd, 12);
+    let mut kept = Vec::new();
+    let mut hashes = Vec::new();
+    for round in 0..30 {
+        let mut bytes = Vec::new();
+        crowd.save(&mut bytes);
+        kept.push(bytes);
+        busy(&mut crowd, &ids, round);
+        hashes.push(crowd.hash());
+    }
+    // In a crowd whose doors were never opened, and in one whose doors were.
+    for (mut other, first) in [(rooms(true), 7), (rooms(true), 0), (crowd, 13)] {
+        other.load(&kept[first]).unwrap();
+        for round in first..30 {
+            busy(&mut other, &ids, round);
+            assert_eq!(other.hash(), hashes[round], "round {round} from {first} on");
+        }
+    }
+}
+
+#[test]
+fn moving_obstacles_are_no_doors() {
+    let obstacles = vec![Obstacle::Mover { way: vec![(0.0, Vec3::ZERO)], radius: 1.0 }];
+    let mut crowd = Crowd::on_ground(Setup { obstacles, ..Setup::default() }).unwrap();
+    assert!(crowd.set_open(0, true).is_err());
+}
