@@ -114,6 +114,8 @@ pub struct Setup<V = Vec3> {
     pub fields: Vec<Field>,
     /// What is in their way.
     pub obstacles: Vec<Obstacle<V>>,
+    /// Obstacles that are doors, by number: open at the start. See [`crate::Crowd::set_open`].
+    pub doors: Vec<usize>,
     /// What attracts or repels them.
     pub interests: Vec<Interest<V>>,
     /// What agents may sense beside each other's bounds.
@@ -132,6 +134,7 @@ impl<V> Default for Setup<V> {
             routes: Vec::new(),
             fields: vec![Field::default()],
             obstacles: Vec::new(),
+            doors: Vec::new(),
             interests: Vec::new(),
             senses: Senses::default(),
             streets: None,
@@ -162,6 +165,7 @@ impl<V> Setup<V> {
             routes: self.routes.into_iter().map(|r| r.map(&f)).collect(),
             fields: self.fields,
             obstacles: self.obstacles.into_iter().map(|o| o.map(&f)).collect(),
+            doors: self.doors,
             interests: self.interests.into_iter().map(|i| i.map(&f)).collect(),
             senses: self.senses.map(&f),
             streets: self.streets,

@@ -160,7 +160,7 @@ impl Crowd {
 
     /// True for an obstacle that is open; false for one that is not there.
     pub fn is_open(&self, obstacle: usize) -> bool {
-        each!(&self.engine, e => e.scenery.is_open.get(obstacle).copied().unwrap_or(false))
+        each!(&self.engine, e => obstacle < e.scenery.obstacles.len() && e.scenery.is_open(obstacle))
     }
 
     /// Lets an agent act as soon as it may, and not only at its next event: at once, or when the smallest interval since its last

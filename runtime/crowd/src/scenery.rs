@@ -151,6 +151,12 @@ impl<V: Space> Scenery<V> {
         let square = config.steering.square_radii * radius.max(1e-3);
         let grid = DensityGrid::new(square, high - low, capacity);
         scenery.add_obstacles()?;
+        let mut doors = scenery.doors.clone();
+        for &door in &setup.doors {
+            check_index("door", None, door, doors.len())?;
+            doors[door] = Door::Open;
+        }
+        scenery.set_doors(&doors, &cells)?;
         for (index, route) in setup.routes.iter().enumerate() {
             let path = scenery.path(index, route)?;
             scenery.paths.push(path);

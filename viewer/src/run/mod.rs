@@ -173,7 +173,7 @@ impl Run {
         match &input {
             Input::Target { character, to } => self.simulation.move_target(*character, *to),
             Input::Weights { weights, .. } => self.simulation.around.weights = weights.as_slice().into(),
-            Input::Play { .. } | Input::Wish { .. } => {}
+            Input::Play { .. } | Input::Wish { .. } | Input::Event(_) => {}
         }
         self.recording.branch(next, input);
         self.show_now();

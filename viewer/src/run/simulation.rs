@@ -43,6 +43,8 @@ pub enum Input {
         /// Which segment.
         segment: u32,
     },
+    /// An event of the scene happens.
+    Event(String),
     /// A character of a world is told what to do.
     Wish {
         /// Which character.
@@ -154,7 +156,7 @@ impl Simulation {
             Input::Target { character, to } => self.move_target(*character, *to),
             Input::Weights { weights, .. } => self.around.weights = weights.as_slice().into(),
             Input::Play { character, segment } => self.characters.play(bundle.motion_set(), *character, *segment)?,
-            Input::Wish { .. } => {}
+            Input::Wish { .. } | Input::Event(_) => {}
         }
         Ok(())
     }

@@ -69,9 +69,9 @@ impl Recording {
     /// The scene that ran.
     ///
     /// # Errors
-    /// As [`Scene::parse`].
+    /// As [`Scene::parse_written`].
     pub fn scene(&self) -> Result<Scene, BuildError> {
-        Scene::parse(&self.scene, Path::new(&format!("{}.toml", self.name))).map_err(fault)
+        Scene::parse_written(&self.scene).map_err(fault)
     }
 
     /// Runs it again until a time, or to its end: the same, bit by bit.

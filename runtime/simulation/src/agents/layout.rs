@@ -77,11 +77,12 @@ impl<V: Space> Layout<V> {
             layout.groups.extend(std::iter::repeat_n(g, starts.len()));
             layout.setup.agents.extend(starts.iter().map(|&s| agent(group, s, &mut rng)));
         }
+        layout.setup.doors = (first_door..layout.setup.obstacles.len()).collect();
         layout.setup.config.largest_speed_mps = layout.largest_speed();
         if scene.agents.routes {
-            let map = RouteMap::new(&layout.setup.obstacles[..first_door], layout.heights(), &scene.groups);
+            let map = RouteMap::new(&layout.setup.obstacles, first_door, layout.heights(), &scene.groups);
             layout.map = map.map_err(|e| layout.explain(&e.into()))?;
-            layout.setup.streets = layout.map.streets.clone();
+            layout.setup.streets = layout.map.with_doors.clone();
         }
         for m in 0..layout.setup.agents.len() {
             layout.send(m, &mut rng)?;

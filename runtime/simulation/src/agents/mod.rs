@@ -57,8 +57,9 @@ impl<V: Space> Agents<V> {
         }
         let mut outside = Outside::new(layout)?;
         for (d, door) in scene.environment.doors.iter().enumerate() {
-            if door.open {
-                outside.set_open(d as u16, true)?;
+            if !door.open && !outside.set_open(d as u16, false)? {
+                let why = "somebody starts in it: move the group, or let it be `open` at the start";
+                return Err(scene.fault(&format!("environment.doors[{d}]"), why));
             }
         }
         let mut agents = Self { outside, minds: None, followers: Vec::new(), recorded: None, spent: None };

@@ -11,14 +11,18 @@ const MARGIN_M: f32 = 0.15;
 /// The map of a scene by which ways are found.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RouteMap {
-    /// None where nothing stands in the way.
+    /// Without doors, as if all were open; none where nothing stands in the way.
     pub streets: Option<Streets>,
+    /// The same with doors, for those who are on their way.
+    pub with_doors: Option<Streets>,
 }
 
 impl RouteMap {
+    /// - `first_door`: number of the first door among the obstacles.
     /// - `heights`: lowest and highest that agents start (m).
     pub fn new<V: Space>(
         obstacles: &[Obstacle<V>],
+        first_door: usize,
         heights: [f32; 2],
         groups: &[GroupConfig],
     ) -> throng_base::Result<Self> {
@@ -26,8 +30,13 @@ impl RouteMap {
         let heights = (V::DIMENSIONS == 3).then_some(heights);
         let of_agents = groups.iter().filter(|g| g.is_of_agents());
         let radius = of_agents.map(|g| g.radius_m[1]).fold(0.01, f32::max);
-        let streets = Streets::with(&obstacles, heights, radius + MARGIN_M, radius)?;
-        Ok(Self { streets: Some(streets).filter(|s| !s.is_open()) })
+        let streets = |of: &[Obstacle]| -> throng_base::Result<Option<Streets>> {
+            let streets = Streets::with(of, heights, radius + MARGIN_M, radius)?;
+            Ok(Some(streets).filter(|s| !s.is_open()))
+        };
+        let free = streets(&obstacles[..first_door])?;
+        let with_doors = if first_door < obstacles.len() { streets(&obstacles)? } else { free.clone() };
+        Ok(Self { streets: free, with_doors })
     }
 
     /// Corners of the shortest way from one point to another, both included.
@@ -74,7 +83,7 @@ mod tests {
         let low = Obstacle::Wall { from: Vec3::new(5.0, 0.0, 0.0), to: Vec3::new(5.0, 3.0, 0.0), radius: 1.0 };
         let text = "motion = \"none\"\ncount = 1\nplace = { disc = { centre = [0.0, 0.0, 0.0], density = 1.0 } }\ngoal = { stay = {} }\n";
         let group: GroupConfig = toml::from_str(text).unwrap();
-        let map = RouteMap::new(&[low, column], [5.0, 20.0], &[group]).unwrap();
+        let map = RouteMap::new(&[low, column], 2, [5.0, 20.0], &[group]).unwrap();
         let (from, to) = (Vec3::new(-9.0, 6.0, 0.0), Vec3::new(9.0, 16.0, 0.0));
         let way = map.leg(from, to).unwrap();
         assert!(way.len() > 2 && way[0] == from && way[way.len() - 1] == to, "{way:?}");

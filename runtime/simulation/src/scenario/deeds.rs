@@ -96,10 +96,13 @@ impl Minds {
         let mut said = self.said(stage, agent, context, &words);
         if claims == Claims::Nothing {
             self.release(stage, agent)?;
+            if let Some(place) = self.place_of(&words[0], context) {
+                said.arrival_m = self.nearness(place);
+            }
         } else if let Some(place) = self.place_of(&words[0], context) {
             let [first, last] = self.scenario.places[usize::from(place)].slots;
             if first == last {
-                said.arrival_m = (0.8 * self.scenario.places[usize::from(place)].radius_m).max(0.5);
+                said.arrival_m = self.nearness(place);
             } else if let Some(slot) = self.claim(stage, agent, place, claims)? {
                 let slot = self.scenario.slots[slot as usize];
                 (said.targets[0], said.facing, said.arrival_m) = (Some(slot.at), Some(slot.facing), SLOT_M);
@@ -142,7 +145,7 @@ impl Minds {
                 return self.arrived(stage, agent);
             }
             Walk::To { at, arrival_m } => stage.go(agent, at, arrival_m, false)?,
-            Walk::Out { at } => stage.go(agent, at, 0.5, true)?,
+            Walk::Out { at, arrival_m } => stage.go(agent, at, arrival_m, true)?,
             Walk::Along => {
                 let scenario = self.scenario.clone();
                 let points = way.map_or(&[] as &[Vec3], |w| &scenario.ways[usize::from(w)]);
@@ -233,6 +236,11 @@ impl Minds {
             self.scenario.amount(amount, &mut View { minds: self, stage, agent, context, draws: &mut draws });
         self.minds[agent as usize].draws = draws;
         value
+    }
+
+    /// How near to the middle of a place is there (m).
+    fn nearness(&self, place: u16) -> f32 {
+        (0.8 * self.scenario.places[usize::from(place)].radius_m).max(0.5)
     }
 
     fn place_of(&self, word: &Operand, context: Context) -> Option<u16> {

@@ -744,6 +744,16 @@ impl Minds {
         !self.scenario.events.is_empty()
     }
 
+    /// Number of agents, of whom some may enter later or have left.
+    pub fn len(&self) -> usize {
+        self.minds.len()
+    }
+
+    /// True where there is nobody.
+    pub fn is_empty(&self) -> bool {
+        self.minds.is_empty()
+    }
+
     /// Agents that know of any event.
     pub fn num_informed(&self) -> usize {
         self.minds.iter().filter(|m| m.news != 0).count()

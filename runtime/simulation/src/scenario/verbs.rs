@@ -148,6 +148,8 @@ pub enum Walk {
     Out {
         /// Where.
         at: Vec3,
+        /// How near is there.
+        arrival_m: f32,
     },
     /// Along the points that the words name.
     Along,
@@ -299,7 +301,7 @@ const BUILT_IN: &[Primitive] = &[
     primitive!("leave", [("leave", Word::Target), SPEED], None, |sight, said| Deed {
         speed_mps: speed(said),
         stay_s: f64::INFINITY,
-        ..Deed::walk(Walk::Out { at: said.targets[0].unwrap_or(sight.position) })
+        ..Deed::walk(Walk::Out { at: said.targets[0].unwrap_or(sight.position), arrival_m: said.arrival_m })
     }),
 ];
 

@@ -132,6 +132,18 @@ impl Scene {
         Self::of(Source::new(text, path))
     }
 
+    /// Reads what a scene was written as by itself: every key is there, and paths start where it was used.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn parse_written(text: &str) -> Result<Self> {
+        let source = Source::new(text, Path::new("recorded scene"));
+        let mut scene: Self = source.parse(HELP)?;
+        scene.source = source;
+        scene.check()?;
+        Ok(scene)
+    }
+
     fn of(source: Source) -> Result<Self> {
         old::refuse(&source)?;
         let mut scene: Self = source.parse(HELP)?;

@@ -4,6 +4,7 @@ mod agent;
 mod drawn;
 mod events;
 mod figures;
+mod minds;
 mod rates;
 
 use super::paint::empty;
@@ -39,6 +40,10 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     drawn::show(ui, model, commands);
     section(ui, "Now", |ui| figures::show(ui, scene));
     section(ui, "Agent", |ui| agent::show(ui, model, scene, commands));
+    if let Some(minds) = scene.run().simulation().minds() {
+        section(ui, "What it has in mind", |ui| minds::show_agent(ui, model, scene, minds));
+        section(ui, "News", |ui| minds::show_news(ui, minds, commands));
+    }
     section(ui, "Event rate", |ui| rates::show(ui, model, scene, commands));
     section(ui, "Events", |ui| events::show(ui, model, scene, state, commands));
 }

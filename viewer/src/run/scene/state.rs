@@ -117,6 +117,7 @@ impl State {
                     _ => {}
                 }
             }
+            Input::Event(name) => self.simulation.raise(name)?,
             Input::Wish { character, wish } => {
                 let number = self.simulation.locate(*character).1;
                 let group = self.simulation.groups().iter().find(|g| g.characters.contains(character));
