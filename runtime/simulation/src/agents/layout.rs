@@ -69,11 +69,17 @@ impl<V: Space> Layout<V> {
         let mut rng = Pcg64Mcg::seed_from_u64(scene.seed);
         for (g, group) in scene.groups.iter().enumerate() {
             let place = group.place.as_ref().filter(|_| group.is_of_agents());
-            let starts: Vec<V> =
-                place.map_or(Vec::new(), |place| places(place, group.count, group.radius_m[1], &mut rng));
+            let num = group.source.as_ref().map_or(group.count, |s| s.start);
+            let mut starts: Vec<V> = place.map_or(Vec::new(), |place| places(place, num, group.radius_m[1], &mut rng));
             let wide = |(low, high): (V, V), &s: &V| (low.min(s), high.max(s));
             let first = starts.first().copied().unwrap_or_default();
             layout.boxes.push(starts.iter().fold((first, first), wide));
+            if let Some(source) = group.source.as_ref().filter(|_| place.is_some()) {
+                // Who enters later is told where when it does.
+                let from = source.place.as_ref().or(group.place.as_ref());
+                let later = from.map_or(Vec::new(), |from| places(from, 1, group.radius_m[1], &mut rng));
+                starts.resize(group.count, later.first().copied().unwrap_or(first));
+            }
             layout.groups.extend(std::iter::repeat_n(g, starts.len()));
             layout.setup.agents.extend(starts.iter().map(|&s| agent(group, s, &mut rng)));
         }

@@ -208,6 +208,8 @@ impl<V: Space> Stage for Outside<V> {
                 self.ids[agent as usize] = Some(id);
                 self.agent_of[id.index()] = agent;
                 self.newcomers.push(agent);
+                self.layout.ways[agent as usize].clear();
+                self.layout.ways[agent as usize].push(start.position);
                 self.sent[agent as usize] = 0;
                 return Ok(true);
             }

@@ -173,3 +173,8 @@ fn what_is_wrong_is_told_with_its_place_and_the_way_out() {
         }
     }
 }
+
+#[test]
+fn a_mind_is_small() {
+    assert!(size_of::<super::super::Mind>() <= 208, "{}", size_of::<super::super::Mind>());
+}
