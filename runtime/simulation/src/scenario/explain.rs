@@ -203,7 +203,7 @@ impl Minds {
             + of(self.feelings.len(), size_of::<super::mind::Feeling>())
             + of(self.learnt.len(), size_of::<Option<super::mind::Learnt>>())
             + of(self.followed.len(), size_of::<f64>())
-            + size_of::<[(u32, f32); 4]>()
+            + of(self.bonds.len(), size_of::<[(u32, f32); 4]>())
             + size_of::<u32>()
             + size_of::<bool>()
     }

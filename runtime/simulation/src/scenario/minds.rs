@@ -121,7 +121,7 @@ impl Minds {
             feelings: vec![Feeling::default(); num * scenario.values.len()],
             learnt: vec![None; num * num_events],
             followed: vec![f64::NEG_INFINITY; num * scenario.num_pauses],
-            bonds: vec![[(NONE, 0.0); 4]; num],
+            bonds: vec![[(NONE, 0.0); 4]; if scenario.befriends() { num } else { 0 }],
             holders: vec![NONE; scenario.slots.len()],
             is_open: doors.to_vec(),
             closing: vec![f64::INFINITY; doors.len()],

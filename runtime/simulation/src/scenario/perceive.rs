@@ -133,7 +133,8 @@ impl<S: Stage> Perception for View<'_, S> {
 impl Minds {
     /// What one feels for another (-1 to 1).
     pub(super) fn friendship(&self, of: u32, to: u32) -> f32 {
-        let bond = self.bonds[of as usize].iter().find(|b| b.0 == to).map_or(0.0, |b| b.1);
+        let bonds = self.bonds.get(of as usize).map_or(&[] as &[(u32, f32)], |b| b);
+        let bond = bonds.iter().find(|b| b.0 == to).map_or(0.0, |b| b.1);
         (self.relation(of, Party::Agent(to), |r| r.friendship) + bond).clamp(-1.0, 1.0)
     }
 

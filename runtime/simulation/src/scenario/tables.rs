@@ -256,6 +256,11 @@ impl Scenario {
         self.meets || self.events.iter().any(|e| e.channel.is_some())
     }
 
+    /// True where likings change.
+    pub(super) fn befriends(&self) -> bool {
+        self.actions.iter().any(|a| matches!(a, Action::Effect(Effect::Befriend, _)))
+    }
+
     /// The largest speed that an action names, and some more for those that work it out (m/s).
     pub(crate) fn largest_speed_mps(&self) -> f32 {
         self.actions.iter().filter_map(|a| a.speed(&self.primitives)).fold(0.0, f32::max)

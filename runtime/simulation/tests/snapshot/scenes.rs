@@ -153,6 +153,112 @@ time_s = 1.0
 goal = { point = { at = [0.0, 9.0, 0.0] } }
 "#;
 
+/// People who queue, buy, greet, fear and are told, through a door that opens, while others enter.
+pub const STORY: &str = r#"
+agents.cell_m = 3.0
+
+[[groups]]
+name = "guests"
+motion = "blend"
+bundle = "GOLDEN"
+count = 12
+spaces = ["walks", "walks"]
+place = { block = { from = [-9.0, 12.0], to = [-4.0, 18.0] } }
+graph = "life"
+source = { start = 8, rates = [[0.0, 3.0]], place = { block = { from = [-9.0, 19.0], to = [-4.0, 22.0] } } }
+
+[[groups]]
+name = "walkers"
+motion = "none"
+count = 10
+place = { block = { from = [-2.0, 12.0], to = [4.0, 18.0] } }
+goal = { wander = { from = [-3.0, 12.0], to = [5.0, 18.0] } }
+
+[values.hunger]
+start = [0.3, 0.6]
+rate_per_s = 0.15
+
+[values.mood]
+start = [0.2, 0.9]
+rest = 0.5
+half_life_s = 2.0
+
+[[relations]]
+of = "guests"
+to = "walkers"
+share = 0.5
+friendship = 0.8
+
+[[environment.obstacles]]
+wall = { points = [[-3.0, 11.0], [-3.0, 14.0]], radius_m = 0.1 }
+[[environment.obstacles]]
+wall = { points = [[-3.0, 16.0], [-3.0, 23.0]], radius_m = 0.1 }
+
+[[environment.doors]]
+name = "door"
+from = [-3.0, 14.2]
+to = [-3.0, 15.8]
+radius_m = 0.1
+
+[[places]]
+name = "line"
+at = [-4.5, 14.0]
+queue = { points = [[-4.5, 14.0], [-9.0, 14.0]], spacing_m = 0.9 }
+[[places]]
+name = "till"
+kind = "shop"
+at = [-4.5, 12.5]
+guidepost = true
+slots = [{ at = [-4.5, 12.7], facing = [-4.5, 11.0] }]
+
+[[events]]
+name = "bell"
+at_s = 0.8
+who = "me.group == 'guests' and random < 0.5"
+told_on = true
+opens = ["door"]
+[[events]]
+name = "night"
+at_s = 2.4
+closes = ["door"]
+[[events]]
+name = "scare"
+
+[[rules]]
+name = "greet"
+on = "meets"
+when = "friendship(me, other) > 0.3 and not other.busy"
+pause_s = 3.0
+do = [{ greet = "other", for_s = "0.5 + random" }, { add = "mood", by = 0.2 }]
+[[rules]]
+name = "cry"
+on = "mood > 0.8"
+who = ["walkers"]
+do = [{ convey = "scare", within_m = 4.0 }, { post = "scare", cells = 1, for_s = 3.0 }]
+[[rules]]
+name = "jump"
+on = "scare"
+when = "event.how == 'felt'"
+priority = 1
+do = [{ flee = "other", distance_m = 2.0, speed = 1.6 }]
+
+[graphs.life]
+level = "social"
+start = "stroll"
+edges = [
+    { from = "stroll", to = "shop", on = "hunger > 0.7" },
+    { from = "stroll", to = "out", on = "bell", probability = 0.4 },
+    { from = "shop", to = "stroll" },
+    { from = "shop", to = "stroll", on = "full" },
+    { from = "out", to = "stroll", on = "night" },
+    { from = "stroll", to = "stroll" },
+]
+[graphs.life.states]
+stroll = { do = [{ roam = "home", within_m = 2.0 }, { stay = "random" }] }
+shop = { do = [{ queue = "line", into = "till" }, { buy = "till", for_s = 0.7 }, { set = "hunger", to = 0.0 }, { release = true }] }
+out = { do = [{ go = [0.0, 15.0] }, { leave = [3.0, 15.0] }] }
+"#;
+
 /// Groups of a scene, on a bundle of boxing.
 pub fn compile(groups: &str, bundle: &Bundle) -> CompiledScene {
     let text = groups.replace("FOLDER", &folder().to_string_lossy()).replace("GOLDEN", &golden().to_string_lossy());
@@ -172,6 +278,7 @@ pub fn all() -> Vec<(&'static str, CompiledScene)> {
         ("patches", PATCHES),
         ("agents", AGENTS),
         ("air", AIR),
+        ("story", STORY),
         ("mixed", &mixed),
     ];
     texts.map(|(name, text)| (name, compile(text, &boxing))).into()
