@@ -116,7 +116,12 @@ pub fn scene() -> Vec<Vec<u8>> {
         include_str!("../../../../data/scenes/square.toml"),
         include_str!("../../../../data/scenes/plaza-all.toml"),
         include_str!("../../../../data/scenes/boxing-target.toml"),
+        include_str!("../../../../data/scenes/museum.toml"),
+        include_str!("../../../../data/scenes/race.toml"),
     ]);
+    // Small enough to be run: people who find a door locked.
+    let concert = include_str!("../../../../data/scenes/concert-exit.toml").replace("count = 5000", "count = 12");
+    all.push(concert.into_bytes());
     let bundle = "bundle = \"own.throng\"\n";
     all.extend(snapshots::texts().iter().map(|t| format!("{bundle}{t}").into_bytes()));
     all

@@ -200,6 +200,10 @@ impl Minds {
             chance: [0.0; 2],
         };
         let deed: Deed = (self.scenario.primitives.get(number).act)(&sight, &said);
+        if deed.walk == Walk::Along && words[2] == Operand::Flag(true) {
+            // Round again.
+            return Ok(());
+        }
         if deed.stay_s <= 0.0 {
             return self.next_action(stage, agent);
         }
