@@ -7,7 +7,7 @@ use crate::routes::order::{Go, Status};
 use crate::safety::rule::Candidate;
 use crate::space::Space;
 use crate::space::plan::Plan;
-use crate::{Agent, AtEnd, Forces, Id, Route, Sense, Setup};
+use crate::{Agent, AtEnd, Forces, Id, PersonalInterest, Route, Sense, Setup};
 use glam::{Vec2, Vec3};
 use throng_base::Run;
 use throng_base::ground::{Held, Outsider, Rod};
@@ -144,6 +144,34 @@ impl Crowd {
     /// [`throng_base::Error::Gone`], and [`throng_base::Error::Value`] for a speed out of range.
     pub fn set_speed(&mut self, id: Id, speed_mps: f32) -> Result<()> {
         each!(&mut self.engine, e => e.set_speed(id, speed_mps))
+    }
+
+    /// Something that draws one agent near or drives it away from its next event on, beside [`Setup::interests`]; `None` for
+    /// nothing any more. Allocates nothing.
+    ///
+    /// - `n`: which of its interests (< 4).
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`] of either agent, and [`throng_base::Error::Value`] for a setting out of its range.
+    pub fn set_interest(&mut self, id: Id, n: usize, interest: Option<PersonalInterest>) -> Result<()> {
+        each!(&mut self.engine, e => e.set_interest(id, n, interest.map(|i| i.map(Space::from_world))))
+    }
+
+    /// Lets two to four agents walk together, in place of the groups they were in; one alone walks alone again. They need orders
+    /// of their own, which lead the same way. From their next events on they go abreast where there is room, three and four
+    /// bent to a V in a crowd, and one after the other in narrow ways and where others come; whoever is ahead waits. In the
+    /// air, nothing of this happens. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`], and [`throng_base::Error::Value`] for another number of them, or one twice.
+    pub fn set_companions(&mut self, ids: &[Id]) -> Result<()> {
+        each!(&mut self.engine, e => e.set_companions(ids))
+    }
+
+    /// Who walks together with an agent: up to three others.
+    pub fn companions(&self, id: Id) -> impl Iterator<Item = Id> + '_ {
+        let companions = each!(&self.engine, e => e.companions(id));
+        companions.into_iter().flatten()
     }
 
     /// Opens an obstacle of the setup, as if it were not there, or closes it again. Where the crowd knows its streets, ways lead

@@ -37,6 +37,7 @@ pub use routes::streets::{NoWay, Streets};
 pub use senses::{Sense, Senses, Zone};
 pub use space::Space;
 pub use space::obstacle::{Interest, Obstacle};
+pub use steering::bonds::{InterestAt, PersonalInterest};
 pub use steering::config::SteeringConfig;
 pub use steering::field::{Field, Forces};
 pub use throng_base::Id;

@@ -10,7 +10,10 @@ use crate::safety::rule::{Candidate, Violation, lever, violation_of_held, violat
 use crate::scenery::Scenery;
 use crate::space::cells::Cells;
 use crate::space::plan::Plan;
+use crate::steering::bonds::{Bonds, MOST_COMPANIONS};
+use crate::steering::company::{Ahead, Companion, keep_together};
 use crate::steering::density_grid::DensityGrid;
+use crate::steering::far_field::coming;
 use crate::steering::filter::Filter;
 use crate::steering::forces::{Surroundings, Walker, contact_horizon, felt_within, forces};
 use crate::steering::keep_right::between_walls;
@@ -27,6 +30,9 @@ const SLOWEST_MPS: f32 = 0.5;
 
 /// Longest plan of an agent near somebody whom others move: those may do something else at any time (s).
 const LOOK_AGAIN_S: f32 = 0.25;
+
+/// Longest plan of an agent that walks together with others (s).
+const TOGETHER_S: f32 = 0.4;
 
 /// Why an agent acts next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -115,6 +121,7 @@ pub(crate) struct Decider<'a, V> {
     pub states: &'a [AgentState<V>],
     pub grid: &'a DensityGrid<V>,
     pub outsiders: &'a Outsiders,
+    pub bonds: &'a Bonds<V>,
     pub time: f64,
 }
 
@@ -136,6 +143,7 @@ impl<V: Space> Decider<'_, V> {
             // Regaining the ground it yielded counts as progress.
             state.least_left = state.least_left.max(walker.left);
         }
+        let is_together = self.keep_company(agent, &state, &mut walker);
         let at = self.cells.coordinates(position);
         state.cell = self.cells.number(at);
         let (centre, half) = (self.cells.centre(at), V::from_coordinates([self.cells.side(); 3]));
@@ -145,12 +153,13 @@ impl<V: Space> Decider<'_, V> {
         self.look_around((agent, at), &walker, &state, scheme.map(|t| (t, &mut meeting)), scratch);
         let near = self.scenery.near(state.cell);
         let sees_outsiders = self.sees_outsiders(&walker, scratch);
-        let f = self.feel(&walker, &state, near, scratch);
+        let f = self.feel((agent, &walker), &state, near, scratch);
         let slow = self.scenery.steering.slow_mps;
         let soon = 2.0 * self.scenery.fields[state.field as usize].relaxation_s;
         let slows = walker.left < soon * state.speed && velocity.length_squared() > slow * slow;
         let longest = if slows { soon } else { f32::INFINITY };
         let longest = if sees_outsiders { longest.min(LOOK_AGAIN_S) } else { longest };
+        let longest = if is_together { longest.min(TOGETHER_S) } else { longest };
         DesiredMotion { state, fresh, acceleration: total(&f).at_most(old.limit), region, meeting, longest }
     }
 
@@ -196,7 +205,13 @@ impl<V: Space> Decider<'_, V> {
         Some(Decision { plan, state, leaves, struck_by })
     }
 
-    fn feel(&self, walker: &Walker<V>, state: &AgentState<V>, near: &[u32], scratch: &Scratch<V>) -> Forces<V> {
+    fn feel(
+        &self,
+        (agent, walker): (u32, &Walker<V>),
+        state: &AgentState<V>,
+        near: &[u32],
+        scratch: &Scratch<V>,
+    ) -> Forces<V> {
         let (scenery, seen) = (self.scenery, &scratch.seen);
         let walls = scenery.walls(state.cell);
         let around = Surroundings {
@@ -208,7 +223,9 @@ impl<V: Space> Decider<'_, V> {
             interests: &scenery.interests,
             steering: &scenery.steering,
         };
-        forces(walker, &scenery.fields[state.field as usize], &around)
+        let mut f = forces(walker, &scenery.fields[state.field as usize], &around);
+        f.interaction += self.bonds.pull((agent, walker.position), self.time, self.states, self.cells);
+        f
     }
 
     /// The forces on an agent now.
@@ -219,12 +236,13 @@ impl<V: Space> Decider<'_, V> {
         self.update(&mut state, &plan, position, velocity);
         let mut walker = self.walker(&state, &plan, position, velocity);
         self.give_way(agent, &state, &mut walker);
+        self.keep_company(agent, &state, &mut walker);
         let at = self.cells.coordinates(position);
         state.cell = self.cells.number(at);
         self.look_around((agent, at), &walker, &state, None, scratch);
         self.sees_outsiders(&walker, scratch);
         let near = self.scenery.near(state.cell);
-        let f = self.feel(&walker, &state, near, scratch);
+        let f = self.feel((agent, &walker), &state, near, scratch);
         Forces { taken: plan.acceleration, ..f }
     }
 
@@ -311,6 +329,37 @@ impl<V: Space> Decider<'_, V> {
             *walker = Walker { desired: way, speed: steering.retreat_speed * state.speed, retreats: true, ..*walker };
         }
         yields
+    }
+
+    /// Lets an agent keep to its place among those it walks together with; true where it does.
+    fn keep_company(&self, agent: u32, state: &AgentState<V>, walker: &mut Walker<V>) -> bool {
+        let Some(bond) = self.bonds.of(agent).filter(|b| b.companions[0] != NONE) else { return false };
+        if V::DIMENSIONS == 3 || walker.retreats || state.is_there || walker.speed == 0.0 {
+            return false;
+        }
+        let mut others =
+            [Companion { index: NONE, offset: V::default(), intent: V::default(), speed: 0.0 }; MOST_COMPANIONS];
+        let mut num = 0;
+        for index in bond.companions() {
+            let its = &self.states[index as usize];
+            // Nobody waits for those who are there already, or have nowhere to go.
+            if !its.is_there {
+                let offset = self.cells.plan(index).at(self.time).0 - walker.position;
+                others[num] = Companion { index, offset, intent: its.intent, speed: its.speed };
+                num += 1;
+            }
+        }
+        let (grid, steering) = (self.grid, &self.scenery.steering);
+        let cell = self.cells.number(self.cells.coordinates(walker.position));
+        let ahead = Ahead {
+            solids: &self.scenery.solids,
+            near: self.scenery.near(cell),
+            density: [walker.desired, -walker.desired]
+                .map(|along| grid.density(walker.position, along, &steering.density_places)),
+            coming: coming(grid, walker.position, walker.desired, walker.left, steering)[0],
+        };
+        keep_together((agent, walker), &others[..num], &ahead);
+        num > 0
     }
 
     /// Finds the neighbours that an agent reacts to; for a new plan also all others in its own and the neighbouring

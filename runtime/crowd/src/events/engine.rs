@@ -11,6 +11,7 @@ use crate::routes::path::Path;
 use crate::scenery::Scenery;
 use crate::senses::Sensors;
 use crate::space::cells::Cells;
+use crate::steering::bonds::Bonds;
 use crate::steering::density_grid::DensityGrid;
 use crate::{AtEnd, Id, NONE, Sense, Setup, Space};
 use throng_base::ground::Outsiders;
@@ -52,6 +53,7 @@ pub(crate) struct Engine<V> {
     pub baseline: Option<crate::events::baselines::Baseline<V>>,
     pub scratch: Scratch<V>,
     pub sensors: Sensors<V>,
+    pub bonds: Bonds<V>,
     pub watchdog: Watchdog,
     /// Hash of all that a snapshot is meaningless without.
     pub setup_hash: u128,
@@ -72,6 +74,7 @@ impl<V: Space> Engine<V> {
             watchdog: Watchdog::new(capacity, scenery.interval, setup.config.scheme.most_events()),
             scratch: Scratch::new(capacity, scenery.movers.len()),
             sensors: Sensors::new(&setup.senses, capacity),
+            bonds: Bonds::new(capacity),
             #[cfg(feature = "baselines")]
             baseline: crate::events::baselines::Baseline::new(&setup.config, &cells, capacity),
             setup_hash: Self::hash_setup(&setup, &scenery, &cells),
@@ -169,6 +172,7 @@ impl<V: Space> Engine<V> {
         state.cell = NONE;
         state.generation = state.generation.wrapping_add(1);
         self.forget_senses(index);
+        self.bonds.forget(index);
     }
 
     /// When the grid is filled next: times do not depend on calls.
@@ -221,8 +225,8 @@ impl<V: Space> Engine<V> {
 
     /// Lets an agent take a new plan; false where it has to keep the one it has.
     pub fn decide(&mut self, agent: u32, scheme: SchemeRef<'_>) -> bool {
-        let Self { scenery, cells, states, grid, outsiders, scratch, .. } = self;
-        let decider = Decider { scenery, cells, states, grid, outsiders, time: self.now };
+        let Self { scenery, cells, states, grid, outsiders, bonds, scratch, .. } = self;
+        let decider = Decider { scenery, cells, states, grid, outsiders, bonds, time: self.now };
         let Some(decision) = decider.decide(agent, scheme, scratch) else { return false };
         self.queue.set(agent, decision.plan.end);
         if self.apply(agent, &decision) {

@@ -200,8 +200,11 @@ impl<V: Space> Engine<V> {
         for item in &mut windows.items {
             let mut level = base;
             let agents = [item.agent, item.partner];
-            let here = agents.iter().filter(|&&m| m != NONE);
-            let cells = here.map(|&m| self.cells.coordinates(self.cells.plan(m).at(item.time).0));
+            let here = agents.iter().copied().filter(|&m| m != NONE);
+            // Some look at others that are far away.
+            let afar = here.clone().filter_map(|m| self.bonds.of(m)).flat_map(|bond| bond.agents());
+            let afar = afar.filter(|&m| self.states[m as usize].cell != NONE);
+            let cells = here.chain(afar).map(|m| self.cells.coordinates(self.cells.plan(m).at(item.time).0));
             for at in cells.clone() {
                 self.cells.around(at, |c| level = level.max(levels[c as usize]));
             }

@@ -5,6 +5,7 @@ use crate::events::engine::Engine;
 use crate::routes::order::Status;
 use crate::safety::bound::Bound;
 use crate::space::plan::Plan;
+use crate::steering::bonds::MOST_COMPANIONS;
 use crate::{Agent, Forces, Id, NONE, Space};
 
 impl<V: Space> Engine<V> {
@@ -91,6 +92,13 @@ impl<V: Space> Engine<V> {
         })
     }
 
+    /// Who walks together with an agent.
+    pub fn companions(&self, id: Id) -> [Option<Id>; MOST_COMPANIONS] {
+        let bond = self.bonds.of(id.index).filter(|_| self.check_id(id).is_ok());
+        let companions = bond.map_or([NONE; MOST_COMPANIONS], |b| b.companions);
+        companions.map(|c| Some(c).filter(|&c| c != NONE).map(|c| self.id(c)))
+    }
+
     /// The nearest agent in front of another one, in its own cell or one next to it.
     fn in_front_of(&self, id: Id, position: V) -> Option<Id> {
         let ahead = self.desired_direction(id)?;
@@ -109,7 +117,7 @@ impl<V: Space> Engine<V> {
 
     /// What an agent may look at.
     pub fn decider(&self, time: f64) -> Decider<'_, V> {
-        let Self { scenery, cells, states, grid, outsiders, .. } = self;
-        Decider { scenery, cells, states, grid, outsiders, time }
+        let Self { scenery, cells, states, grid, outsiders, bonds, .. } = self;
+        Decider { scenery, cells, states, grid, outsiders, bonds, time }
     }
 }

@@ -12,6 +12,7 @@ use crate::scenery::{Door, Scenery};
 use crate::senses::Sensing;
 use crate::space::cells::Cells;
 use crate::space::plan::Plan;
+use crate::steering::bonds::Bond;
 use crate::steering::density_grid::DensityGrid;
 use crate::{Counts, NONE, Route, Setup, Space};
 use serde::{Deserialize, Serialize};
@@ -41,6 +42,8 @@ struct Saved<V> {
     doors: Vec<Door>,
     /// Of those who sense anything.
     sensing: Vec<(u32, Sensing)>,
+    /// Of those who care for anything.
+    bonds: Vec<(u32, Bond<V>)>,
     #[cfg(feature = "baselines")]
     baseline: Option<Baseline<V>>,
 }
@@ -96,6 +99,7 @@ impl<V: Space> Engine<V> {
             refreshes: self.refreshes,
             doors: self.scenery.doors.clone(),
             sensing: self.sensors.saved(),
+            bonds: self.bonds.saved(),
             #[cfg(feature = "baselines")]
             baseline: self.baseline.clone(),
         };
@@ -173,6 +177,7 @@ impl<V: Space> Engine<V> {
         self.sensors.of.fill(Sensing::default());
         saved.sensing.iter().for_each(|(m, own)| self.sensors.of[*m as usize] = *own);
         self.relink_senses();
+        self.bonds.take_over(&saved.bonds);
         #[cfg(feature = "baselines")]
         {
             self.baseline = saved.baseline;
@@ -210,6 +215,10 @@ impl<V: Space> Engine<V> {
         }
         if !self.sensors.may_be(&saved.sensing, saved.now, |m| saved.states[m as usize].cell != NONE) {
             return Err("somebody senses what cannot be".to_owned());
+        }
+        let is_there = |m: u32| saved.states.get(m as usize).is_some_and(|s| s.cell != NONE);
+        if !self.bonds.may_be(&saved.bonds, is_there) {
+            return Err("somebody cares for what cannot be".to_owned());
         }
         let num_there = saved.states.iter().filter(|m| m.cell != NONE).count();
         for &number in &saved.free {
@@ -333,6 +342,9 @@ impl<V: Space> Engine<V> {
             }
             hash.add(u64::from(state.route) << 32 | u64::from(state.speed.to_bits()));
         }
+        self.bonds.hash(|word| hash.add(word));
+        let open = self.scenery.doors.iter().enumerate().filter(|(_, d)| **d == Door::Open);
+        open.for_each(|(n, _)| hash.add(n as u64));
         hash.get()
     }
 }

@@ -10,7 +10,7 @@ use crate::safety::rule::{Candidate, MARGIN, clearance, violation_of_solid};
 use crate::scenery::{Door, Scenery, check_agent};
 use crate::space::plan::Plan;
 use crate::steering::filter::Filter;
-use crate::{Agent, AtEnd, Id, NONE, Obstacle, Route, Space};
+use crate::{Agent, AtEnd, Id, InterestAt, NONE, Obstacle, PersonalInterest, Route, Space};
 use throng_base::Error;
 use throng_base::error::check_index;
 
@@ -250,6 +250,27 @@ impl<V: Space> Engine<V> {
         // Everybody looks for the way again at the next event.
         self.states.iter_mut().for_each(|s| s.cursor.look_at = 0.0);
         Ok(())
+    }
+
+    /// What draws an agent near or drives it away, from its next event on.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], [`Error::Index`], [`Error::Value`].
+    pub fn set_interest(&mut self, id: Id, n: usize, interest: Option<PersonalInterest<V>>) -> Result<(), CrowdError> {
+        self.check_id(id)?;
+        if let Some(PersonalInterest { at: InterestAt::Agent(other), .. }) = interest {
+            self.check_id(other)?;
+        }
+        self.bonds.set_interest(id, n, interest)
+    }
+
+    /// Lets agents walk together.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], [`Error::Value`].
+    pub fn set_companions(&mut self, ids: &[Id]) -> Result<(), CrowdError> {
+        ids.iter().try_for_each(|&id| self.check_id(id))?;
+        self.bonds.set_companions(ids)
     }
 
     /// Desired speed of an agent from its next event on.

@@ -160,7 +160,7 @@ impl<V: Space> Sensors<V> {
             zones,
             changes: 0,
             stops: false,
-            signals: std::collections::VecDeque::with_capacity(64),
+            signals: std::collections::VecDeque::with_capacity(3 * capacity.max(16)),
         }
     }
 

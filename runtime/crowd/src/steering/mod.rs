@@ -1,5 +1,7 @@
 //! What an agent would do at an event: a force field over what it sees near and far.
 
+pub(crate) mod bonds;
+pub(crate) mod company;
 pub(crate) mod config;
 pub(crate) mod density_grid;
 pub(crate) mod far_field;

@@ -47,6 +47,10 @@ fn corrected(mut bytes: Vec<u8>) -> Vec<u8> {
 /// Flips bits, overwrites floats and copies parts of the state over others; returns how many mutants were taken.
 fn mutants<V: Space>(setup: &Setup<V>, num: usize, seed: u64) -> usize {
     let mut crowd = Engine::new(setup.clone()).unwrap();
+    let ids: Vec<Id> = crowd.ids().collect();
+    crowd.set_companions(&ids[..3]).unwrap();
+    let at = InterestAt::Agent(ids[1]);
+    crowd.set_interest(ids[5], 1, Some(PersonalInterest { at, strength: 1.0, reach: 5.0 })).unwrap();
     crowd.advance(1.3, &mut |_| {}).unwrap();
     let kept = crowd.bytes();
     let mut shares = Shares(seed);

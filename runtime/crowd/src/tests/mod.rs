@@ -1,5 +1,6 @@
 //! Tests of whole crowds.
 
+mod bonds;
 mod doors;
 pub(crate) mod drive;
 mod forged;

@@ -130,8 +130,8 @@ impl<V: Space> Engine<V> {
 
     /// What an agent does if nothing but the forces moves it (Kim, Kim and Shin 2003b, eq. 14), no faster than any other scheme lets it.
     fn desired_motion(&mut self, agent: u32, step: f32) -> Decision<V> {
-        let Self { scenery, cells, states, grid, outsiders, scratch, .. } = self;
-        let decider = Decider { scenery, cells, states, grid, outsiders, time: self.now };
+        let Self { scenery, cells, states, grid, outsiders, bonds, scratch, .. } = self;
+        let decider = Decider { scenery, cells, states, grid, outsiders, bonds, time: self.now };
         let desired = decider.desired_motion(agent, None, scratch);
         let fresh = desired.fresh;
         let fastest = scenery.fastest;

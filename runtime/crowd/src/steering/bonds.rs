@@ -1,0 +1,221 @@
+//! What single agents care for: places and agents that draw them near or drive them away, and with whom they walk.
+
+use crate::error::CrowdError;
+use crate::events::decide::AgentState;
+use crate::space::cells::Cells;
+use crate::{Id, NONE, Space};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use throng_base::error::check;
+
+/// Most interests of one agent.
+const MOST_INTERESTS: usize = 4;
+/// Most agents that walk together with one.
+pub(crate) const MOST_COMPANIONS: usize = 3;
+
+/// Something that draws one agent near or drives it away: as [`crate::Interest`], of one agent alone (Kim, Kim and Shin 2003b,
+/// eq. 17, second term).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PersonalInterest<V = Vec3> {
+    /// Where it is.
+    pub at: InterestAt<V>,
+    /// c_int in eq. 17 at its place, less with the distance: above 0 attracts, below 0 repels (m/s2).
+    pub strength: f32,
+    /// How far it is felt (m, > 0).
+    pub reach: f32,
+}
+
+/// Where a [`PersonalInterest`] is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum InterestAt<V = Vec3> {
+    /// (m)
+    Place(V),
+    /// Wherever another agent is, as long as it is in the crowd.
+    Agent(Id),
+}
+
+impl<V> PersonalInterest<V> {
+    /// The same in another space.
+    pub fn map<W>(self, f: impl Fn(V) -> W) -> PersonalInterest<W> {
+        let at = match self.at {
+            InterestAt::Place(at) => InterestAt::Place(f(at)),
+            InterestAt::Agent(id) => InterestAt::Agent(id),
+        };
+        PersonalInterest { at, strength: self.strength, reach: self.reach }
+    }
+}
+
+/// What one agent cares for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "V: Space")]
+pub(crate) struct Bond<V> {
+    pub interests: [Option<PersonalInterest<V>>; MOST_INTERESTS],
+    /// Who walks together with it, in the order of numbers; [`NONE`] after the last.
+    pub companions: [u32; MOST_COMPANIONS],
+}
+
+impl<V> Bond<V> {
+    /// Cares for nothing.
+    pub const NONE: Self = Self { interests: [const { None }; MOST_INTERESTS], companions: [NONE; MOST_COMPANIONS] };
+
+    /// Who walks together with it.
+    pub fn companions(&self) -> impl Iterator<Item = u32> + Clone + '_ {
+        self.companions.iter().copied().filter(|&c| c != NONE)
+    }
+
+    /// All agents that it looks at, wherever they are.
+    pub fn agents(&self) -> impl Iterator<Item = u32> + Clone + '_ {
+        let of = |interest: &PersonalInterest<V>| match interest.at {
+            InterestAt::Agent(id) => Some(id.index),
+            InterestAt::Place(_) => None,
+        };
+        self.companions().chain(self.interests.iter().flatten().filter_map(of))
+    }
+}
+
+/// What all agents care for.
+#[derive(Clone, Debug)]
+pub(crate) struct Bonds<V> {
+    of: Vec<Bond<V>>,
+    /// Somebody had one.
+    is_any: bool,
+}
+
+impl<V: Space> Bonds<V> {
+    pub fn new(capacity: usize) -> Self {
+        Self { of: vec![Bond::NONE; capacity], is_any: false }
+    }
+
+    /// What an agent cares for; none where nobody cares for anything.
+    #[inline]
+    pub fn of(&self, agent: u32) -> Option<&Bond<V>> {
+        self.is_any.then(|| &self.of[agent as usize])
+    }
+
+    /// Sets one of the interests of an agent.
+    ///
+    /// # Errors
+    /// [`Error::Value`].
+    pub fn set_interest(&mut self, id: Id, n: usize, interest: Option<PersonalInterest<V>>) -> Result<(), CrowdError> {
+        throng_base::error::check_index("interest", Some(id), n, MOST_INTERESTS)?;
+        if let Some(PersonalInterest { at, strength, reach }) = interest {
+            let expected = "above 0 and below 1e6, with a strength and position that are finite, and not itself";
+            let somewhere = match at {
+                InterestAt::Place(at) => at.is_finite(),
+                InterestAt::Agent(other) => other.index != id.index,
+            };
+            let good = strength.is_finite() && somewhere && reach > 0.0 && reach < 1e6;
+            check("interest.reach", Some(id), reach, good, expected)?;
+        }
+        self.of[id.index()].interests[n] = interest;
+        self.is_any = true;
+        Ok(())
+    }
+
+    /// Lets two to four agents walk together, and nobody else with them; one alone walks alone.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for more than four, none, or one twice.
+    pub fn set_companions(&mut self, ids: &[Id]) -> Result<(), CrowdError> {
+        let good = (1..=MOST_COMPANIONS + 1).contains(&ids.len());
+        check("number of companions", None, ids.len() as f64, good, "one to four")?;
+        let twice = (0..ids.len()).find(|&n| ids[..n].contains(&ids[n]));
+        let who = twice.map(|n| ids[n]);
+        check("number of companions", who, ids.len() as f64, twice.is_none(), "each of them once")?;
+        ids.iter().for_each(|id| self.part(id.index));
+        for id in ids {
+            let mut others = [NONE; MOST_COMPANIONS];
+            ids.iter().filter(|o| *o != id).zip(&mut others).for_each(|(o, place)| *place = o.index);
+            others.sort_unstable();
+            self.of[id.index()].companions = others;
+        }
+        self.is_any = true;
+        Ok(())
+    }
+
+    /// Takes an agent out of its group.
+    fn part(&mut self, agent: u32) {
+        let others = std::mem::replace(&mut self.of[agent as usize].companions, [NONE; MOST_COMPANIONS]);
+        for other in others.into_iter().filter(|&o| o != NONE) {
+            let its = &mut self.of[other as usize].companions;
+            its.iter_mut().filter(|c| **c == agent).for_each(|c| *c = NONE);
+            its.sort_unstable();
+        }
+    }
+
+    /// Forgets an agent that leaves.
+    pub fn forget(&mut self, agent: u32) {
+        if self.is_any {
+            self.part(agent);
+            self.of[agent as usize] = Bond::NONE;
+        }
+    }
+
+    /// The acceleration by the interests of an agent.
+    pub fn pull(&self, (agent, position): (u32, V), time: f64, states: &[AgentState<V>], cells: &Cells<V>) -> V {
+        let mut pull = V::default();
+        for interest in self.of(agent).iter().flat_map(|bond| bond.interests.iter().flatten()) {
+            let at = match interest.at {
+                InterestAt::Place(at) => at,
+                InterestAt::Agent(Id { index, generation }) => {
+                    let state = &states[index as usize];
+                    if state.cell == NONE || state.generation != generation {
+                        continue;
+                    }
+                    cells.plan(index).at(time).0
+                }
+            };
+            let (toward, distance) = (at - position).unit_and_length();
+            pull += toward * (interest.strength * (1.0 - distance / interest.reach).max(0.0));
+        }
+        pull
+    }
+
+    /// What snapshots keep: of those who care for anything.
+    pub fn saved(&self) -> Vec<(u32, Bond<V>)> {
+        (0u32..).zip(&self.of).filter(|(_, bond)| **bond != Bond::NONE).map(|(m, bond)| (m, *bond)).collect()
+    }
+
+    /// Puts what a snapshot kept in place of this.
+    pub fn take_over(&mut self, saved: &[(u32, Bond<V>)]) {
+        self.of.fill(Bond::NONE);
+        saved.iter().for_each(|(m, bond)| self.of[*m as usize] = *bond);
+        self.is_any = !saved.is_empty();
+    }
+
+    /// True for what a snapshot of this crowd may hold.
+    pub fn may_be(&self, saved: &[(u32, Bond<V>)], is_there: impl Fn(u32) -> bool) -> bool {
+        let num = self.of.len();
+        let is_known = |m: u32| (m as usize) < num;
+        let bond = |m: u32| saved.binary_search_by_key(&m, |s| s.0).ok().map(|n| &saved[n].1);
+        let is_place = |i: &PersonalInterest<V>| match i.at {
+            InterestAt::Place(at) => at.is_finite(),
+            InterestAt::Agent(_) => true,
+        };
+        let is_interest = |i: &PersonalInterest<V>| i.strength.is_finite() && i.reach > 0.0 && is_place(i);
+        saved.windows(2).all(|w| w[0].0 < w[1].0)
+            && saved.iter().all(|(m, own)| {
+                is_known(*m)
+                    && is_there(*m)
+                    && own.agents().all(|o| is_known(o) && o != *m)
+                    && own.interests.iter().flatten().all(is_interest)
+                    && own.companions().all(|c| is_there(c) && bond(c).is_some_and(|b| b.companions.contains(m)))
+            })
+    }
+
+    /// Adds all to a hash.
+    pub fn hash(&self, mut add: impl FnMut(u64)) {
+        for (m, bond) in self.saved() {
+            add(u64::from(m));
+            bond.companions().for_each(|c| add(u64::from(c)));
+            for (n, interest) in bond.interests.iter().enumerate().filter_map(|(n, i)| Some((n, (*i)?))) {
+                add(n as u64 | u64::from(interest.strength.to_bits()) << 32);
+                add(u64::from(interest.reach.to_bits()));
+                match interest.at {
+                    InterestAt::Place(at) => at.coordinates().iter().for_each(|c| add(u64::from(c.to_bits()))),
+                    InterestAt::Agent(id) => add(u64::from(id.index) << 32 | u64::from(id.generation)),
+                }
+            }
+        }
+    }
+}
