@@ -125,6 +125,28 @@ impl<V: Space> Layout<V> {
         self.scene.groups[g].source.as_ref().is_none_or(|s| m - first < s.start)
     }
 
+    /// Those who walk together with an agent, itself among them: numbers that follow each other.
+    pub(super) fn companions_of(&self, m: usize) -> std::ops::Range<usize> {
+        let g = self.groups[m];
+        let [least, most] = self.scene.groups[g].companions;
+        let first = self.groups.partition_point(|&other| other < g);
+        let end = self.groups.partition_point(|&other| other <= g);
+        if most == 1 {
+            return m..m + 1;
+        }
+        // Sizes are drawn by the number of the first, one after the other.
+        let mut at = first;
+        loop {
+            let chance = hashed(self.scene.seed ^ 0xC04A, g as u32, at as u32);
+            let size = least + (chance * (most - least + 1) as f64) as usize;
+            let next = (at + size.max(1)).min(end);
+            if m < next {
+                return at..next;
+            }
+            at = next;
+        }
+    }
+
     /// Where an agent may enter: another place for each try.
     pub(super) fn entrance(&self, m: usize, tries: u32) -> V {
         let group = &self.scene.groups[self.groups[m]];

@@ -62,6 +62,11 @@ impl<V: Space> Agents<V> {
                 return Err(scene.fault(&format!("environment.doors[{d}]"), why));
             }
         }
+        let mut m = 0;
+        while m < outside.layout.num_agents() {
+            outside.join(m as u32)?;
+            m = outside.layout.companions_of(m).end;
+        }
         let mut agents = Self { outside, minds: None, followers: Vec::new(), recorded: None, spent: None };
         for (g, group) in scene.groups.iter().enumerate() {
             if group.is_of_agents() && group.motion == Motion::Blend {

@@ -6,7 +6,9 @@ use crate::scene::GoalConfig;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
-use throng_crowd::{AtEnd, Crowd, CrowdError, Event, EventKind, Go, Id, Route, Sense, Space};
+use throng_crowd::{
+    AtEnd, Crowd, CrowdError, Event, EventKind, Go, Id, InterestAt, PersonalInterest, Route, Sense, Space,
+};
 
 /// Places that are tried for one who enters.
 const TRIES: usize = 8;
@@ -77,6 +79,16 @@ impl<V: Space> Outside<V> {
             is_minded: false,
             layout,
         })
+    }
+
+    /// Lets an agent walk with those of its small group who are there.
+    pub fn join(&mut self, agent: u32) -> Result<()> {
+        let group = self.layout.companions_of(agent as usize);
+        if group.len() < 2 {
+            return Ok(());
+        }
+        let there: Vec<Id> = group.filter_map(|m| self.here(m as u32)).collect();
+        self.crowd.set_companions(&there).map_err(|e| self.layout.explain(&e))
     }
 
     /// What an event of the engine is to minds.
@@ -211,6 +223,7 @@ impl<V: Space> Stage for Outside<V> {
                 self.layout.ways[agent as usize].clear();
                 self.layout.ways[agent as usize].push(start.position);
                 self.sent[agent as usize] = 0;
+                self.join(agent)?;
                 return Ok(true);
             }
         }
@@ -230,6 +243,13 @@ impl<V: Space> Stage for Outside<V> {
         let Some(id) = self.here(agent) else { return Ok(()) };
         let now = self.crowd.now();
         self.crowd.set_timer(id, time_s.map(|t| t.max(now))).map_err(|e| self.layout.explain(&e))
+    }
+
+    fn attract(&mut self, agent: u32, n: usize, interest: Option<(Vec3, f32, f32)>) -> Result<()> {
+        let Some(id) = self.here(agent) else { return Ok(()) };
+        let interest =
+            interest.map(|(at, strength, reach)| PersonalInterest { at: InterestAt::Place(at), strength, reach });
+        self.crowd.set_interest(id, n, interest).map_err(|e| self.layout.explain(&e))
     }
 
     fn within(&self, at: Vec3, radius_m: f32, out: &mut Vec<u32>) {

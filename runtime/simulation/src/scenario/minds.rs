@@ -5,7 +5,7 @@ use super::language::{Program, run};
 use super::mind::{Context, Feeling, Learnt, Mind, NO, Phase, Reason};
 use super::perceive::{View, hashed};
 use super::stage::Stage;
-use super::tables::{Action, Edge, FELT, HAPPENS, NONE, READ, Scenario, Schedule, TOLD, trigger};
+use super::tables::{Action, Edge, FELT, HAPPENS, NONE, Party, READ, Scenario, Schedule, TOLD, trigger};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use throng_base::text::Source;
@@ -16,6 +16,12 @@ const MOST_AT_ONCE: u32 = 100;
 
 /// Bit of what agents sense of each other for meetings.
 const MEETINGS: u32 = 1 << 31;
+
+/// Most things that draw one agent at a time, in the order of the file.
+const INTERESTS: usize = 4;
+/// How strongly a place draws those who are most curious (m/s2), and from how many of its radii on.
+const INTEREST_MPS2: f32 = 1.0;
+const INTEREST_RADII: f32 = 4.0;
 
 /// After this time a door that could not close tries again, and a source that found no room (s).
 const RETRY_S: f64 = 0.5;
@@ -229,7 +235,7 @@ impl Minds {
                 self.touch(b);
                 self.meet(stage, a, b);
             }
-            Signal::CameTo(agent, place) => self.come_to(stage, agent, place),
+            Signal::CameTo(agent, place) => self.come_to(stage, agent, place)?,
             Signal::WentFrom(agent, place) => self.push(agent, trigger::LEAVES, at_place(place)),
             Signal::Crossed(agent) => {
                 self.read(stage, agent);
@@ -267,16 +273,34 @@ impl Minds {
         if group.start != NONE {
             self.enter_state(stage, agent, group.start, Context::default())?;
         }
+        self.attract(stage, agent)?;
         self.push(agent, trigger::STARTS, Context::default());
         if scenario.senses_zones {
             let at = stage.position(agent).unwrap_or_default();
             let is_at = |place: &&super::tables::PlaceTable| place.at.distance(at) <= place.radius_m;
             let inside = scenario.places.iter().enumerate().filter(|(_, p)| is_at(p));
             for (p, _) in inside {
-                self.come_to(stage, agent, p as u16);
+                self.come_to(stage, agent, p as u16)?;
             }
         }
         Ok(())
+    }
+
+    /// What an agent is curious about draws it near, or drives it away; what it has seen and enters once no longer does.
+    fn attract(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
+        if !self.scenario.relations.iter().any(|r| matches!(r.to, Party::Place(_))) {
+            return Ok(());
+        }
+        let mut n = 0;
+        for (p, place) in self.scenario.places.iter().enumerate() {
+            let is_seen = place.once.is_some_and(|bit| self.minds[agent as usize].entered >> bit & 1 == 1);
+            let curiosity = if is_seen { 0.0 } else { self.curiosity(agent, Party::Place(p as u16)) };
+            if curiosity != 0.0 && n < INTERESTS {
+                stage.attract(agent, n, Some((place.at, curiosity * INTEREST_MPS2, INTEREST_RADII * place.radius_m)))?;
+                n += 1;
+            }
+        }
+        (n..INTERESTS).try_for_each(|n| stage.attract(agent, n, None))
     }
 
     fn leave(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
@@ -359,19 +383,24 @@ impl Minds {
         }
     }
 
-    fn come_to(&mut self, stage: &mut impl Stage, agent: u32, place: u16) {
-        let table = &self.scenario.places[usize::from(place)];
-        if let Some(bit) = table.once {
+    fn come_to(&mut self, stage: &mut impl Stage, agent: u32, place: u16) -> Result<()> {
+        let (once, guidepost) = {
+            let table = &self.scenario.places[usize::from(place)];
+            (table.once, table.guidepost)
+        };
+        if let Some(bit) = once {
             let bit = 1u64 << bit;
             if self.minds[agent as usize].entered & bit != 0 {
-                return;
+                return Ok(());
             }
             self.minds[agent as usize].entered |= bit;
+            self.attract(stage, agent)?;
         }
-        if table.guidepost {
+        if guidepost {
             self.read(stage, agent);
         }
         self.push(agent, trigger::ENTERS, at_place(place));
+        Ok(())
     }
 
     /// An agent reads the boards where it is.

@@ -78,6 +78,16 @@ pub trait Stage {
     /// For an agent that is not there.
     fn set_timer(&mut self, agent: u32, time_s: Option<f64>) -> Result<()>;
 
+    /// Something that draws an agent near, or drives it away (eq. 17 of Kim, Kim and Shin 2003b), on its way; `None` for nothing
+    /// any more.
+    ///
+    /// - `n`: which of its interests (< 4).
+    /// - `interest`: where, how strongly (m/s2), and how far it is felt (m).
+    ///
+    /// # Errors
+    /// As [`Stage::go`].
+    fn attract(&mut self, agent: u32, n: usize, interest: Option<(Vec3, f32, f32)>) -> Result<()>;
+
     /// Everybody within a distance of a place, in the order of their numbers.
     fn within(&self, at: Vec3, radius_m: f32, out: &mut Vec<u32>);
 }

@@ -96,6 +96,9 @@ impl Stage for Paper {
         self.timers[agent as usize] = time_s.unwrap_or(f64::INFINITY);
         Ok(())
     }
+    fn attract(&mut self, _: u32, _: usize, _: Option<(Vec3, f32, f32)>) -> Result<()> {
+        Ok(())
+    }
     fn within(&self, at: Vec3, radius_m: f32, out: &mut Vec<u32>) {
         let near = |m: &u32| self.position(*m).is_some_and(|p| p.distance(at) <= radius_m);
         out.extend((0..self.at.len() as u32).filter(near));
