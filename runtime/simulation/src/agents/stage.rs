@@ -88,6 +88,9 @@ impl<V: Space> Outside<V> {
             return Ok(());
         }
         let there: Vec<Id> = group.filter_map(|m| self.here(m as u32)).collect();
+        if there.is_empty() {
+            return Ok(());
+        }
         self.crowd.set_companions(&there).map_err(|e| self.layout.explain(&e))
     }
 
