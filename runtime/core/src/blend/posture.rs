@@ -41,6 +41,11 @@ impl Posture {
         Quat::from_xyzw(x, y, z, w)
     }
 
+    /// Changes the rotation of a joint (unit).
+    pub(crate) fn set_rotation(&mut self, joint: usize, to: Quat) {
+        self.rotations.iter_mut().zip(to.to_array()).for_each(|(c, v)| c[joint] = v);
+    }
+
     /// A channel (channel::HIPS <= channel < NUM_CHANNELS).
     pub fn channel(&self, channel: usize) -> f32 {
         self.channels[channel - channel::HIPS]

@@ -1,9 +1,11 @@
 //! Every stored index against its table, every number for being finite.
 
+mod actions;
 mod blends;
 mod patches;
 mod stops;
 
+pub(super) use actions::actions;
 pub(super) use blends::blends;
 pub(super) use patches::{patches, pose_groups};
 pub(super) use stops::stops;

@@ -6,6 +6,7 @@ mod sections;
 
 pub use sections::tags;
 
+use crate::action::ActionSet;
 use crate::blend::{BlendSpace, Blends};
 use crate::contacts::Contacts;
 use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Meta, RotationCode, Storage, Table, Tag};
@@ -168,6 +169,7 @@ impl Bundle {
         check::pose_groups(&bundle)?;
         check::patches(&bundle)?;
         check::blends(&bundle)?;
+        check::actions(&bundle)?;
         Ok(bundle)
     }
 
@@ -265,8 +267,15 @@ impl Bundle {
     /// # Errors
     /// As [`Bundle::find_blend`].
     pub fn blend(&self, name: &str) -> Result<BlendSpace> {
-        let space = BlendSpace::new(self.blends(), self.find_blend(name)?);
-        space.map_err(|e| unreachable!("checked when the bundle was opened: {e}"))
+        match BlendSpace::new(self.blends(), self.find_blend(name)?) {
+            Ok(space) => Ok(space.with_actions(self.actions())),
+            Err(e) => unreachable!("checked when the bundle was opened: {e}"),
+        }
+    }
+
+    /// The actions; empty where the bundle was built without them.
+    pub fn actions(&self) -> ActionSet {
+        ActionSet::new(self)
     }
 
     /// A number that tells this bundle's content from others: of the checksums of all sections, and the length.

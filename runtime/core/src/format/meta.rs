@@ -43,6 +43,10 @@ pub struct Meta {
     pub frames_in: u64,
     /// Frames that its actions play.
     pub frames_kept: u64,
+    /// What bodies can do beside moving about, see [`crate::action`]. Written after all else, and only where there is
+    /// anything, so that files without it stay as they were.
+    #[serde(skip)]
+    pub actions: Vec<ActionMeta>,
 }
 
 /// A file of the input.
@@ -89,6 +93,25 @@ pub struct BlendMeta {
     pub examples: Vec<String>,
 }
 
+/// An action: frames of a clip that begin and end standing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ActionMeta {
+    /// Unique name.
+    pub name: String,
+    /// What it is asked for by; several actions may have one tag.
+    pub tag: String,
+    /// Its clip.
+    pub clip: u32,
+    /// First frame within the clip.
+    pub first_frame: u32,
+    /// Number of frames (>= 2).
+    pub num_frames: u32,
+    /// First frame within the action, and number of frames, of the part that goes on until the action is to end.
+    pub looped: Option<[u32; 2]>,
+    /// The body does not stand in the middle of it: it cannot just walk away.
+    pub is_seated: bool,
+}
+
 /// The bytes of a section that is encoded, by its tag.
 ///
 /// # Errors
@@ -103,10 +126,20 @@ pub fn encode(tag: &str, value: &impl Serialize) -> Result<Vec<u8>, FormatError>
 /// # Errors
 /// [`FormatError::Layout`] where they are damaged, ask for too much memory, or are followed by others.
 pub fn decode<T: DeserializeOwned>(tag: &str, bytes: &[u8]) -> Result<T, FormatError> {
+    match decode_first(tag, bytes)? {
+        (value, []) => Ok(value),
+        (_, rest) => {
+            let (got, used) = (bytes.len(), bytes.len() - rest.len());
+            Err(FormatError::layout(format!("{tag} has {got} bytes, expected {used}")))
+        }
+    }
+}
+
+/// As [`decode`], with the bytes that follow.
+fn decode_first<'a, T: DeserializeOwned>(tag: &str, bytes: &'a [u8]) -> Result<(T, &'a [u8]), FormatError> {
     let config = bincode::config::standard().with_limit::<LIMIT>();
     match bincode::serde::decode_from_slice(bytes, config) {
-        Ok((value, used)) if used == bytes.len() => Ok(value),
-        Ok((_, used)) => Err(FormatError::layout(format!("{tag} has {} bytes, expected {used}", bytes.len()))),
+        Ok((value, used)) => Ok((value, &bytes[used..])),
         Err(e) => Err(FormatError::layout(format!("{tag} cannot be read: {e}"))),
     }
 }
@@ -122,7 +155,11 @@ impl Meta {
     /// # Errors
     /// [`FormatError::Layout`] where it cannot be encoded.
     pub fn encode(&self) -> Result<Vec<u8>, FormatError> {
-        encode("META", self)
+        let mut bytes = encode("META", self)?;
+        if !self.actions.is_empty() {
+            bytes.extend(encode("META", &self.actions)?);
+        }
+        Ok(bytes)
     }
 
     /// Reads a section's bytes.
@@ -130,7 +167,10 @@ impl Meta {
     /// # Errors
     /// [`FormatError::Layout`] where they are damaged, ask for too much memory, or are followed by others.
     pub fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
-        let meta: Self = decode("META", bytes)?;
+        let (mut meta, rest): (Self, _) = decode_first("META", bytes)?;
+        if !rest.is_empty() {
+            meta.actions = decode("META", rest)?;
+        }
         if !RATES_HZ.contains(&meta.rate_hz) {
             return Err(FormatError::layout(format!("META gives a rate of {} Hz, expected 1 to 1000", meta.rate_hz)));
         }
@@ -141,6 +181,18 @@ impl Meta {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn actions_follow_all_else_and_none_leave_no_trace() {
+        let bare = Meta { rate_hz: 60.0, ..Meta::default() };
+        let wave = ActionMeta { name: "wave".into(), looped: Some([3, 4]), ..ActionMeta::default() };
+        let full = Meta { actions: vec![wave], ..bare.clone() };
+        let [short, long] = [&bare, &full].map(|m| m.encode().unwrap());
+        assert_eq!(long[..short.len()], short);
+        assert_eq!([&short, &long].map(|b| Meta::decode(b).unwrap()), [bare, full]);
+        assert!((short.len() + 1..long.len()).all(|cut| Meta::decode(&long[..cut]).is_err()));
+        assert!(Meta::decode(&[long, vec![0]].concat()).is_err());
+    }
 
     /// A rate that is infinite as `f32`, or so large that time no longer notices a segment's end, made steps endless.
     #[test]

@@ -1,6 +1,6 @@
 //! Walkers as a cast: they enter, leave, take orders, are saved and loaded.
 
-use super::{Control, State, WalkerStart, Walkers, config};
+use super::{Act, Control, State, WalkerStart, Walkers, config};
 use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};
 use crate::contacts::Contacts;
@@ -19,6 +19,8 @@ pub enum WalkerEvent {
     LeftFootDown,
     /// The right foot came down.
     RightFootDown,
+    /// What it performed is over: played, cut short, or given up before it began.
+    Performed,
 }
 
 const FEET: [(Contacts, WalkerEvent); 2] =
@@ -37,6 +39,7 @@ impl Cast for Walkers {
         self.state.bodies.push(start.body as u32);
         self.state.orders.push(Control::default());
         self.state.ordered.push(false);
+        self.state.acts.push(Act::default());
         self.resize();
         let row = self.len() - 1;
         let (block, lane) = (&mut self.state.blocks[row / LANES], row % LANES);
@@ -53,6 +56,7 @@ impl Cast for Walkers {
         self.state.bodies.swap_remove(row);
         self.state.orders.swap_remove(row);
         self.state.ordered.swap_remove(row);
+        self.state.acts.swap_remove(row);
         let from = self.state.blocks[last / LANES];
         self.state.blocks[row / LANES].put(row % LANES, &from, last % LANES);
         self.state.blocks[last / LANES].put(last % LANES, &Block::ZERO, 0);
@@ -79,6 +83,7 @@ impl Cast for Walkers {
         config::check_root(Some(id), root)?;
         self.state.blocks[row / LANES].place(row % LANES, root);
         self.state.orders[row].position = None;
+        self.state.acts[row] = Act::default();
         self.pose_rows(row..row + 1);
         Ok(())
     }
@@ -104,7 +109,9 @@ impl Cast for Walkers {
         for (row, stood) in self.stood.iter().enumerate() {
             let stands = self.state.blocks[row / LANES].contacts[row % LANES];
             let down = FEET.iter().filter(|(foot, _)| stands.any(*foot) && !stood.any(*foot));
-            self.events.extend(down.map(|(_, event)| (self.state.roster.ids()[row], *event)));
+            let done = self.state.acts[row].has_ended.then_some(WalkerEvent::Performed);
+            let id = self.state.roster.ids()[row];
+            self.events.extend(down.map(|(_, event)| *event).chain(done).map(|event| (id, event)));
         }
         Ok(())
     }
@@ -131,13 +138,16 @@ impl Cast for Walkers {
         let kept: State = self.kind().read_all(bytes)?;
         let refuse = |why: &str| Err(Error::Snapshot { what: "walkers", why: why.into() });
         let n = kept.roster.ids().len();
-        let lengths = [kept.bodies.len(), kept.orders.len(), kept.ordered.len()];
+        let lengths = [kept.bodies.len(), kept.orders.len(), kept.ordered.len(), kept.acts.len()];
         let has_bodies = kept.bodies.iter().all(|&body| (body as usize) < self.skeletons.len());
-        if lengths != [n; 3] || kept.blocks.len() != n.div_ceil(LANES) || !has_bodies {
+        if lengths != [n; 4] || kept.blocks.len() != n.div_ceil(LANES) || !has_bodies {
             return refuse("its rows do not fit together; it is damaged");
         }
-        let can_be =
-            |row: usize, id: Id| kept.orders[row].check(id).is_ok() && kept.blocks[row / LANES].can_be(row % LANES);
+        let can_be = |row: usize, id: Id| {
+            let act = &kept.acts[row];
+            let acts = act.acting.can_be(self.space.actions()) && act.gaze.can_be();
+            acts && kept.orders[row].check(id).is_ok() && kept.blocks[row / LANES].can_be(row % LANES)
+        };
         if !kept.roster.ids().iter().enumerate().all(|(row, &id)| can_be(row, id)) {
             return refuse("it has numbers that cannot be; it is damaged");
         }
@@ -147,6 +157,7 @@ impl Cast for Walkers {
         self.state.bodies.clone_from(&kept.bodies);
         self.state.orders.clone_from(&kept.orders);
         self.state.ordered.clone_from(&kept.ordered);
+        self.state.acts.clone_from(&kept.acts);
         self.state.blocks.clone_from(&kept.blocks);
         self.events.clear();
         self.pose_again();
@@ -160,7 +171,7 @@ impl Cast for Walkers {
     }
 
     /// Takes the blend space of the same name. Feet ease over; joint angles, which follow the new examples, change at
-    /// once, and so do parameters where the space has other axes.
+    /// once, and so do parameters where the space has other axes. Actions of names that are gone are given up.
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
         let space = new.blend(self.space.name())?;
         if self.is_database_body {
@@ -171,6 +182,8 @@ impl Cast for Walkers {
         if kinds(space.axes()) != kinds(self.space.axes()) {
             self.state.blocks.iter_mut().for_each(|block| block.placed = [0.0; LANES]);
         }
+        let old = self.space.actions();
+        self.state.acts.iter_mut().for_each(|act| act.acting.adopt(old, space.actions()));
         self.space = space;
         self.setup = self.find_setup(self.capacity());
         self.block_weights = vec![0.0; LANES * self.space.stride()];
@@ -185,7 +198,7 @@ impl Cast for Walkers {
 
 impl Walkers {
     fn kind(&self) -> SnapshotKind {
-        SnapshotKind { what: "walkers", tag: *b"WALK", version: 1, setup: self.setup }
+        SnapshotKind { what: "walkers", tag: *b"WALK", version: 2, setup: self.setup }
     }
 
     /// Bodies and poses of all walkers, from the state.

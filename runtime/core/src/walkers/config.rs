@@ -4,7 +4,7 @@ use super::body::{ARMS, LEGS};
 use crate::blend::MAX_AXES;
 use crate::planar::Planar;
 use crate::skeleton::{Joint, Skeleton};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::error::{check, check_index};
 use throng_base::maths;
@@ -80,6 +80,9 @@ pub struct Control {
     pub turning_rate: Option<f32>,
     /// Values of the style axes, in their order.
     pub style: [f32; MAX_AXES],
+    /// A point in the world that head and neck turn to, and the chest a little, while it lies within 70 degrees to the
+    /// sides and 35 degrees up and down of where the body faces (m).
+    pub look_at: Option<Vec3>,
 }
 
 impl Control {
@@ -108,6 +111,7 @@ impl Control {
     /// [`throng_base::Error::Value`] for one that is not finite, or 1e6 and more.
     pub fn check(&self, who: Id) -> Result<()> {
         let position = self.position.unwrap_or_default();
+        let look_at = self.look_at.unwrap_or_default();
         for (what, got) in [
             ("position x", position.x),
             ("position z", position.y),
@@ -115,6 +119,9 @@ impl Control {
             ("velocity z", self.velocity.y),
             ("heading", self.heading.unwrap_or(0.0)),
             ("turning_rate", self.turning_rate.unwrap_or(0.0)),
+            ("look_at x", look_at.x),
+            ("look_at y", look_at.y),
+            ("look_at z", look_at.z),
         ] {
             moderate(what, Some(who), got)?;
         }
@@ -180,6 +187,6 @@ pub(super) fn check_body(s: &Skeleton) -> Result<()> {
     Ok(())
 }
 
-fn moderate(what: &'static str, who: Option<Id>, got: f32) -> Result<()> {
+pub(super) fn moderate(what: &'static str, who: Option<Id>, got: f32) -> Result<()> {
     check(what, who, got, got.abs() < FAR, "a finite number below 1e6")
 }

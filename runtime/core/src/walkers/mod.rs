@@ -5,6 +5,8 @@ mod body;
 mod cast;
 mod config;
 mod feet;
+mod gaze;
+mod perform;
 mod reach;
 mod spring;
 mod steer;
@@ -22,7 +24,10 @@ use block::Block;
 use body::LaneBody;
 pub use cast::WalkerEvent;
 pub use config::{Control, WalkerStart, WalkersConfig};
+use gaze::Gaze;
 use glam::Vec3;
+use perform::Acting;
+pub use perform::{Part, Performance, Performing};
 use serde::{Deserialize, Serialize};
 use step::{RANGE_BLOCKS, Range, Tick};
 use throng_base::limits::CAPACITY;
@@ -75,7 +80,17 @@ struct State {
     orders: Vec<Control>,
     /// Has had an order.
     ordered: Vec<bool>,
+    acts: Vec<Act>,
     blocks: Vec<Block>,
+}
+
+/// What a walker does beside moving about.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Act {
+    acting: Acting,
+    gaze: Gaze,
+    /// Its performance ended in the last step.
+    has_ended: bool,
 }
 
 impl Walkers {
@@ -104,6 +119,7 @@ impl Walkers {
             bodies: Vec::with_capacity(capacity),
             orders: Vec::with_capacity(capacity),
             ordered: Vec::with_capacity(capacity),
+            acts: Vec::with_capacity(capacity),
             blocks: Vec::with_capacity(blocks),
         };
         let mut walkers = Self {
@@ -119,7 +135,7 @@ impl Walkers {
             roots: Vec::with_capacity(capacity),
             model: Vec::with_capacity(capacity),
             locals: Vec::with_capacity(locals),
-            events: Vec::with_capacity(2 * capacity),
+            events: Vec::with_capacity(3 * capacity),
             stood: Vec::with_capacity(capacity),
             block_weights: vec![0.0; LANES * stride],
         };
@@ -169,6 +185,30 @@ impl Walkers {
     /// Planted parts of the feet (row < len).
     pub fn contacts(&self, row: usize) -> Contacts {
         self.state.blocks[row / LANES].contacts[row % LANES]
+    }
+
+    /// Begins, changes or ends what a walker does beside moving about.
+    ///
+    /// It comes to a stand, turns to the heading, and plays the action; feet that stand stay where they are. Until it is
+    /// over it keeps its heading, and its place where the order gives no position. It ends at its end; with `None`
+    /// or another performance, which follows it; and when the order asks for more than 0.3 m/s. Who sits stands up
+    /// first: [`Walkers::performing`] says until when to wait. [`WalkerEvent::Performed`] tells when it is over.
+    ///
+    /// # Errors
+    /// [`Error::Gone`](throng_base::Error::Gone), [`Error::Index`](throng_base::Error::Index) for an action that is not in
+    /// [`BlendSpace::actions`], [`Error::Value`](throng_base::Error::Value) for a heading that is no number.
+    pub fn perform(&mut self, id: Id, performance: Option<Performance>) -> Result<()> {
+        let row = self.row(id)?;
+        performance.map_or(Ok(()), |p| p.check(self.space.actions()))?;
+        let heading = self.root(row).heading;
+        self.state.acts[row].acting.perform(performance, heading);
+        Ok(())
+    }
+
+    /// What a walker performs, and how far it has come; none where it moves as blended, or will in a moment
+    /// (row < len).
+    pub fn performing(&self, row: usize) -> Option<Performing> {
+        self.state.acts[row].acting.performing()
     }
 
     /// Generic time, in 0..1 (row < len).
@@ -225,9 +265,10 @@ impl Walkers {
         let parts = self.state.blocks.chunks_mut(RANGE_BLOCKS).zip(self.bodies.chunks(RANGE_BLOCKS));
         let parts = parts.zip(self.state.orders.chunks_mut(RANGE)).zip(self.weights.chunks_mut(RANGE * stride));
         let parts = parts.zip(self.roots.chunks_mut(RANGE)).zip(self.model.chunks_mut(RANGE));
-        let ranges = parts.map(|(((((blocks, bodies), controls), weights), roots), model)| {
+        let parts = parts.zip(self.state.acts.chunks_mut(RANGE));
+        let ranges = parts.map(|((((((blocks, bodies), controls), weights), roots), model), acts)| {
             let locals = locals.next().unwrap_or_default();
-            Range { blocks, bodies, controls, weights, roots, model, locals }
+            Range { blocks, bodies, controls, acts, weights, roots, model, locals }
         });
         run_each(run, ranges, |range| step::step(range, &tick));
     }
@@ -241,6 +282,8 @@ impl Walkers {
             let count = LANES.min(self.len() - from);
             let mut block = self.state.blocks[b];
             let mut controls = [Control::default(); LANES];
+            let mut acts = [Act::default(); LANES];
+            acts[..count].copy_from_slice(&self.state.acts[from..from + count]);
             for (lane, control) in controls[..count].iter_mut().enumerate() {
                 let Planar { x, z, heading } = block.root(lane);
                 let style = self.state.orders[from + lane].style;
@@ -254,6 +297,7 @@ impl Walkers {
                 blocks: std::slice::from_mut(&mut block),
                 bodies: &self.bodies[b..=b],
                 controls: &mut controls[..count],
+                acts: &mut acts[..count],
                 weights: &mut self.block_weights[..count * stride],
                 roots: &mut roots[..count],
                 model: &mut model[..count],
@@ -296,7 +340,7 @@ impl Walkers {
         let mut hash = Hash128::default();
         hash.word(self.space.fingerprint());
         hash.word(capacity as u64);
-        let rest = (self.space.name(), &self.config, &self.skeletons);
+        let rest = (self.space.name(), self.space.actions().all(), &self.config, &self.skeletons);
         hash.bytes(format!("{rest:?}").as_bytes());
         self.ground.hash(&mut hash);
         hash.finish()

@@ -7,10 +7,12 @@
 use super::block::{Block, Foot};
 use super::body::{LEGS, LaneBody};
 use super::feet::{Bearing, Sole, Tread, tread};
+use super::gaze::Eyes;
+use super::perform::Stage;
 use super::reach::{lower, reach_foot, reach_hand, slow_knee, stretched, tiptoe};
 use super::spring::Spring;
 use super::steer::Steering;
-use super::{Control, WalkersConfig};
+use super::{Act, Control, WalkersConfig};
 use crate::blend::BlendSpace;
 use crate::blend::Posture;
 use crate::blend::channel;
@@ -21,7 +23,7 @@ use crate::pose::{
     Lane, LanePose, LocalTransform, Mat3x4, ModelPose, Placement, load, to_model, write_locals, write_matrices,
 };
 use crate::skeleton::NUM_JOINTS;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use throng_base::maths;
 use throng_base::simd::{Functions, LANES, Lanes, Q, V, Work, dispatch};
 
@@ -62,6 +64,8 @@ pub(crate) struct Tick<'a> {
     landing: Spring,
     /// How the hips are lowered.
     drop: Spring,
+    stage: Stage<'a>,
+    eyes: Eyes,
 }
 
 impl<'a> Tick<'a> {
@@ -79,6 +83,8 @@ impl<'a> Tick<'a> {
             air: spring(config.foot_half_life_s),
             landing: spring(LANDING_HALF_LIFE_S),
             drop: spring(DROP_HALF_LIFE_S),
+            stage: Stage::new(space.actions(), space.axes(), dt_s),
+            eyes: Eyes::new(dt_s),
         }
     }
 }
@@ -89,6 +95,8 @@ pub(crate) struct Range<'a> {
     pub bodies: &'a [LaneBody],
     /// One per walker; the last block may have empty lanes.
     pub controls: &'a mut [Control],
+    /// (controls.len())
+    pub acts: &'a mut [Act],
     /// (controls.len() * stride)
     pub weights: &'a mut [f32],
     /// (controls.len())
@@ -101,10 +109,18 @@ pub(crate) struct Range<'a> {
 
 /// Moves a range on.
 pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
-    for (c, control) in range.controls.iter_mut().enumerate() {
-        let block = &mut range.blocks[c / LANES];
-        tick.steering.steer(block, &range.bodies[c / LANES], c % LANES, control);
-        range.roots[c] = block.root(c % LANES);
+    for (c, (control, act)) in range.controls.iter_mut().zip(&mut *range.acts).enumerate() {
+        let (block, body, lane) = (&mut range.blocks[c / LANES], &range.bodies[c / LANES], c % LANES);
+        act.has_ended = false;
+        if act.acting.is_idle() {
+            tick.steering.steer(block, body, lane, control);
+        } else {
+            let mut led = act.acting.lead(control, &tick.stage);
+            tick.steering.steer(block, body, lane, &mut led);
+            control.position = None;
+            act.has_ended = act.acting.advance(&tick.stage, control, (block, lane));
+        }
+        range.roots[c] = block.root(lane);
     }
     dispatch(Blend { range, tick });
 }
@@ -120,7 +136,7 @@ impl Work for Blend<'_, '_> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let Range { blocks, bodies, controls, weights, model: matrices, locals, .. } = self.range;
+        let Range { blocks, bodies, controls, acts, weights, model: matrices, locals, .. } = self.range;
         let matrices = matrices.as_flattened_mut();
         let space = self.tick.space;
         let mut from = 0;
@@ -135,7 +151,9 @@ impl Work for Blend<'_, '_> {
                 let place = space.place(block.phase[lane]);
                 space.blend::<F>(weights, &place, &mut postures[lane]);
                 let both = space.timing.importance::<F>(weights, place.rows, place.ratio);
-                [importance[0][lane], importance[1][lane]] = both;
+                let (act, look_at) = (&mut acts[from + lane], controls[from + lane].look_at);
+                let share = act.lay(self.tick, look_at, (block, body, lane), &mut postures[lane]);
+                [importance[0][lane], importance[1][lane]] = both.map(|of| of + (1.0 - of) * share);
             }
             let model = retarget::<F>(block, body, &postures, &importance, self.tick);
             let joints = from * NUM_JOINTS..(from + count) * NUM_JOINTS;
@@ -145,6 +163,29 @@ impl Work for Blend<'_, '_> {
             }
             from += count;
         }
+    }
+}
+
+impl Act {
+    /// Lays what is performed over a blended posture, and turns its head.
+    ///
+    /// - returns the share of what is performed.
+    #[inline(always)]
+    fn lay(
+        &mut self,
+        tick: &Tick<'_>,
+        look_at: Option<Vec3>,
+        (block, body, lane): (&Block, &LaneBody, usize),
+        posture: &mut Posture,
+    ) -> f32 {
+        let share = if self.acting.is_idle() { 0.0 } else { self.acting.lay(tick.stage.actions, posture) };
+        if look_at.is_some() || !self.gaze.is_off() {
+            let root = block.root(lane);
+            let ground = tick.ground.at(Vec2::new(root.x, root.z)).height;
+            let point = look_at.map(|p| p - Vec3::Y * ground);
+            self.gaze.turn(&tick.eyes, (point, root), (body, lane), share, posture);
+        }
+        share
     }
 }
 

@@ -1,12 +1,15 @@
 //! Bodies of the agents of a scene, blended from example motions.
 
-use super::stage::Outside;
+use super::stage::{Outside, Shown};
 use super::troop::{SavedTroop, Troop};
 use super::{Agents, plan};
 use crate::compile::CompiledScene;
 use crate::kind::{Tick, refused};
 use crate::wander::skeletons;
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use throng_base::maths;
+use throng_core::action::{ActionId, ActionSet};
+use throng_core::walkers::Performance;
 use std::sync::Arc;
 use throng_base::Result;
 use throng_core::walkers::{Walkers, WalkersConfig};
@@ -23,6 +26,10 @@ pub(super) struct Followers {
     first: usize,
     count: usize,
     num_bodies: usize,
+    /// Of each troop and each tag of motion of the scenario: actions of its bundle.
+    actions: Vec<Vec<Vec<ActionId>>>,
+    /// What each body does that it was told last (count).
+    told: Vec<Shown>,
     /// Agents take them in turn, by their numbers in the crowd.
     troops: Vec<Troop>,
 }
@@ -39,8 +46,11 @@ impl Followers {
         let bodies = skeletons(&config.bodies(), bundle.skeleton(), scene.seed);
         let key = format!("groups[{group}]");
         let mut troops = Vec::with_capacity(config.spaces.len());
+        let motions = compiled.scenario().map_or(&[] as &[String], |s| s.motions());
+        let mut actions = Vec::new();
         for t in 0..config.spaces.len() {
             let space = compiled.space(group, t)?;
+            actions.push(motions.iter().map(|tag| actions_of(space.actions(), tag)).collect());
             let numbers = (first..first + config.count).filter(|m| m % config.spaces.len() == t);
             let room = numbers.clone().count();
             let made = Walkers::with_capacity(space, &bodies, WalkersConfig::default(), room).and_then(|walkers| {
@@ -55,7 +65,7 @@ impl Followers {
             });
             troops.push(made.map_err(|e| scene.fault(&key, e))?);
         }
-        Ok(Self { key, scene: Arc::clone(scene), first, count: config.count, num_bodies: bodies.len(), troops })
+        Ok(Self { key, scene: Arc::clone(scene), first, count: config.count, num_bodies: bodies.len(), actions, told: vec![Shown::default(); config.count], troops })
     }
 
     /// Moves all bodies on, to where their agents are.
@@ -70,14 +80,37 @@ impl Followers {
         }
         if outside.is_minded {
             for agent in self.first..self.first + self.count {
-                let (Some(id), Some(faces)) = (outside.ids[agent], outside.shown[agent].faces) else { continue };
-                if let Some(at) = crowd.position(id, crowd.now()) {
-                    self.troops[agent % num].face((agent - self.first) / num, (faces - at).xz());
-                }
+                self.show(outside, agent)?;
             }
         }
         let done = self.troops.iter_mut().try_for_each(|t| t.step(crowd, tick.dt_s, tick.run));
         done.map_err(|e| self.scene.fault(&self.key, e))
+    }
+
+    /// Tells the body of an agent what to do beside walking: to face and look at a place, and to perform an action again and
+    /// again; one of greeting once.
+    fn show<V: Space>(&mut self, outside: &Outside<V>, agent: usize) -> Result<()> {
+        let (num, row) = (self.troops.len(), (agent - self.first) / self.troops.len());
+        let t = agent % num;
+        let shown = outside.shown[agent];
+        let Some(at) = outside.ids[agent].and_then(|id| outside.crowd.position(id, outside.crowd.now())) else {
+            return Ok(());
+        };
+        let troop = &mut self.troops[t];
+        let ahead = shown.faces.map(|faces| (faces - at).xz());
+        troop.look(row, ahead, shown.faces);
+        let is_new = std::mem::replace(&mut self.told[agent - self.first], shown) != shown;
+        let Some(motion) = shown.motion else {
+            return if is_new { troop.perform(row, None) } else { Ok(()) };
+        };
+        let all = &self.actions[t][usize::from(motion)];
+        if all.is_empty() || !is_new && (troop.is_performing(row) || troop.is_once(all[0])) {
+            return Ok(());
+        }
+        // Another one for each, and for each time.
+        let turn = agent + (outside.crowd.now() * 0.37) as usize;
+        let heading = ahead.filter(|a| a.length_squared() > 1e-4).map(|a| maths::atan2(a.x, a.y));
+        troop.perform(row, Some(Performance { action: all[turn % all.len()], heading }))
     }
 
     /// What the next steps depend on, troop by troop.
@@ -89,7 +122,7 @@ impl Followers {
     ///
     /// # Errors
     /// [`throng_base::Error::Snapshot`]; a part may have been loaded then.
-    pub fn load(&mut self, troops: &[SavedTroop], ids: &[Option<Id>]) -> Result<()> {
+    pub fn load(&mut self, troops: &[SavedTroop], ids: &[Option<Id>], shown: &[Shown]) -> Result<()> {
         if troops.len() != self.troops.len() {
             return Err(refused("bodies", "it has other blend spaces"));
         }
@@ -100,6 +133,7 @@ impl Followers {
             own.agents.extend(mine.filter_map(|m| ids[m]));
             own.load(saved)?;
         }
+        self.told.copy_from_slice(&shown[self.first..self.first + self.count]);
         Ok(())
     }
 
@@ -136,4 +170,11 @@ impl Followers {
         let num = self.troops.len();
         (self.troops[agent % num].walkers(), (agent - self.first) / num)
     }
+}
+
+/// Actions of a tag; of a pair, those of one side.
+fn actions_of(actions: &ActionSet, tag: &str) -> Vec<ActionId> {
+    let side = format!("{tag}-a");
+    let own: Vec<ActionId> = actions.tagged(tag).collect();
+    if own.is_empty() { actions.tagged(&side).collect() } else { own }
 }

@@ -73,7 +73,7 @@ impl<V: Space> Agents<V> {
             minds.load(&bytes.0, time_s)?;
         }
         for (own, troops) in self.followers.iter_mut().zip(&saved.followers) {
-            own.load(troops, &saved.ids)?;
+            own.load(troops, &saved.ids, &saved.shown)?;
         }
         (outside.ids, outside.agent_of) = (saved.ids, saved.agent_of);
         outside.agents_told.clone_from(&outside.agent_of);

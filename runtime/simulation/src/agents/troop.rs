@@ -1,16 +1,19 @@
 //! Bodies that follow agents of a crowd.
 
 use crate::kind::{PART, refused};
-use glam::{Vec2, Vec3Swizzles};
+use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_base::{Bytes, Error, Result, Run, run_each};
-use throng_core::walkers::{Control, WalkerStart, Walkers};
+use throng_core::action::ActionId;
+use throng_core::walkers::{Control, Performance, WalkerStart, Walkers};
 use throng_core::{Bodies, Cast, Planar};
 use throng_crowd::{Crowd, Id};
 
 /// Slower agents keep their heading (m/s).
 const SLOW_MPS: f32 = 0.3;
+/// Height at which people look at each other and at pictures (m).
+const EYES_M: f32 = 1.55;
 
 /// Bodies of one blend space, row by row as their walkers.
 #[derive(Clone, Debug)]
@@ -70,11 +73,29 @@ impl Troop {
         self.walkers.place(self.walkers.bodies().ids[row], root)
     }
 
-    /// Lets the body of a row turn to a direction, while its agent stands (row < number of bodies).
-    pub fn face(&mut self, row: usize, ahead: Vec2) {
-        if ahead.length_squared() > 1e-4 {
+    /// Lets the body of a row turn to a direction, while its agent stands, and look at a place of the ground as at a face; `None`
+    /// where it looks ahead (row < number of bodies).
+    pub fn look(&mut self, row: usize, ahead: Option<Vec2>, at: Option<Vec3>) {
+        if let Some(ahead) = ahead.filter(|a| a.length_squared() > 1e-4) {
             self.controls[row].heading = Some(maths::atan2(ahead.x, ahead.y));
         }
+        self.controls[row].look_at = at.map(|at| at + Vec3::Y * EYES_M);
+    }
+
+    /// Lets the body of a row perform an action (row < number of bodies).
+    pub fn perform(&mut self, row: usize, performance: Option<Performance>) -> Result<()> {
+        self.walkers.perform(self.walkers.bodies().ids[row], performance)
+    }
+
+    /// True while the body of a row performs one (row < number of bodies).
+    pub fn is_performing(&self, row: usize) -> bool {
+        self.walkers.performing(row).is_some()
+    }
+
+    /// True for an action that is not performed again and again: a greeting.
+    pub fn is_once(&self, action: ActionId) -> bool {
+        let tag = self.walkers.space().actions().get(action).map_or("", |a| a.tag.as_str());
+        tag.starts_with("greet") || tag.starts_with("handshake")
     }
 
     /// Moves all bodies on, to where their agents are now.

@@ -1,0 +1,198 @@
+//! Actions: what bodies do when they stand, such as waving, shaking hands or sitting down.
+
+use crate::blend::{Posture, channel};
+use crate::bundle::Bundle;
+use crate::contacts::Contacts;
+use crate::format::{ActionMeta, ClipRecord, FrameRow, RotationCode, Table};
+use crate::planar::Planar;
+use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
+use glam::{Quat, Vec3};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use throng_base::maths;
+use throng_base::{Error, Result};
+
+/// Number of an action in its [`ActionSet`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct ActionId(pub u32);
+
+/// Frames of a bundle that begin and end standing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Action {
+    /// Unique name.
+    pub name: String,
+    /// What it is asked for by; several actions may have one tag.
+    pub tag: String,
+    /// First row in [`Bundle::frames`].
+    pub first_frame: usize,
+    /// Number of frames (>= 2).
+    pub num_frames: usize,
+    /// Length (s).
+    pub duration_s: f32,
+    /// Begin and end of the part that goes on until the action is to end (s).
+    pub looped_s: Option<[f32; 2]>,
+    /// The body sits in the middle of it: it stands up before it walks away.
+    pub is_seated: bool,
+}
+
+/// The actions of a bundle. A clone is cheap and keeps the bundle's file open.
+#[derive(Clone, Debug, Default)]
+pub struct ActionSet {
+    actions: Arc<[Action]>,
+    frames: Table<FrameRow>,
+    contacts: Table<Contacts>,
+    /// One, or none where there are no actions.
+    code: Table<RotationCode>,
+    skeleton: Skeleton,
+    rate_hz: f32,
+}
+
+/// A body of an action at one instant, from where its root stood when the action began.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    /// The hips' in that frame, the others' relative to their parents.
+    pub rotations: [Quat; NUM_JOINTS],
+    /// (m)
+    pub hips: Vec3,
+    /// Left and right foot: 1 on the ground.
+    pub contacts: [f32; 2],
+}
+
+impl ActionSet {
+    pub(crate) fn new(bundle: &Bundle) -> Self {
+        let meta = bundle.meta();
+        if meta.actions.is_empty() {
+            return Self::default();
+        }
+        let code = [*bundle.rotation_code()];
+        let (clips, motion) = (bundle.clips(), (bundle.frames(), bundle.contacts(), &code));
+        Self::of(&meta.actions, clips, motion, bundle.skeleton(), meta.rate_hz as f32)
+    }
+
+    /// Actions of checked tables.
+    fn of(
+        actions: &[ActionMeta],
+        clips: &[ClipRecord],
+        (frames, contacts, code): (&Table<FrameRow>, &Table<Contacts>, &[RotationCode; 1]),
+        skeleton: &Skeleton,
+        rate_hz: f32,
+    ) -> Self {
+        let seconds = |frames: u32| frames as f32 / rate_hz;
+        let action = |a: &ActionMeta| Action {
+            name: a.name.clone(),
+            tag: a.tag.clone(),
+            first_frame: (clips[a.clip as usize].first_frame + a.first_frame) as usize,
+            num_frames: a.num_frames as usize,
+            duration_s: seconds(a.num_frames - 1),
+            looped_s: a.looped.map(|[first, count]| [seconds(first), seconds(first + count)]),
+            is_seated: a.is_seated,
+        };
+        Self {
+            actions: actions.iter().map(action).collect(),
+            frames: frames.clone(),
+            contacts: contacts.clone(),
+            code: code.into(),
+            skeleton: skeleton.clone(),
+            rate_hz,
+        }
+    }
+
+    /// All of them, by number.
+    pub fn all(&self) -> &[Action] {
+        &self.actions
+    }
+
+    /// One of them.
+    pub fn get(&self, id: ActionId) -> Option<&Action> {
+        self.actions.get(id.0 as usize)
+    }
+
+    /// Those of a tag.
+    pub fn tagged<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = ActionId> + 'a {
+        (0..).map(ActionId).zip(self.all()).filter(move |(_, a)| a.tag == tag).map(|(id, _)| id)
+    }
+
+    /// The one of a name.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn named(&self, name: &str) -> Result<ActionId> {
+        let found = (0..).map(ActionId).zip(self.all()).find(|(_, a)| a.name == name);
+        let known = || self.all().iter().map(|a| a.name.clone()).collect();
+        found.map(|(id, _)| id).ok_or_else(|| Error::Unknown { what: "action", name: name.into(), known: known() })
+    }
+
+    /// The body of an action at a time (s, clamped to it).
+    pub(crate) fn sample(&self, action: &Action, seconds: f32) -> Sample {
+        let last = action.num_frames - 1;
+        let at = (seconds * self.rate_hz).clamp(0.0, last as f32);
+        let (first, frame) = (action.first_frame, (at as usize).min(last - 1));
+        let ratio = at - frame as f32;
+        let rows = [first + frame, first + frame + 1];
+        let [a, b] = rows.map(|r| &self.frames[r]);
+        let mix = |a: f32, b: f32| a + (b - a) * ratio;
+        let [x, z, heading] = std::array::from_fn(|k| mix(a.planar[k], b.planar[k]));
+        let [x0, z0, heading0] = self.frames[first].planar;
+        let root = Planar::new(x0, z0, heading0).to_local(Planar::new(x, z, heading));
+        let code = &self.code[0];
+        let mut rotations: [Quat; NUM_JOINTS] =
+            std::array::from_fn(|j| between(code.rotation(a, j), code.rotation(b, j), ratio));
+        rotations[0] = maths::rotation_y(root.heading) * rotations[0];
+        let down = |row: usize, foot| f32::from(u8::from(self.contacts[row].any(foot)));
+        let contacts = [Contacts::LEFT, Contacts::RIGHT].map(|foot| mix(down(rows[0], foot), down(rows[1], foot)));
+        Sample { rotations, hips: Vec3::new(root.x, mix(a.height, b.height), root.z), contacts }
+    }
+
+    /// Lays a sample over a posture of a blend.
+    ///
+    /// - `share`: how much of it (0 to 1).
+    pub(crate) fn lay(&self, sample: &Sample, share: f32, posture: &mut Posture) {
+        for (j, rotation) in sample.rotations.iter().enumerate() {
+            posture.set_rotation(j, between(posture.rotation(Joint::ALL[j]), *rotation, share));
+        }
+        let mut mix = |channel: usize, to: f32| {
+            let value = &mut posture.channels[channel - channel::HIPS];
+            *value += (to - *value) * share;
+        };
+        let vectors = [
+            (channel::HIPS, sample.hips),
+            (channel::LEFT_ANKLE, self.ankle(sample, [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot])),
+            (channel::RIGHT_ANKLE, self.ankle(sample, [Joint::RightThigh, Joint::RightShin, Joint::RightFoot])),
+        ];
+        for (at, v) in vectors {
+            (at..).zip(v.to_array()).for_each(|(at, v)| mix(at, v));
+        }
+        mix(channel::LEFT_CONTACT, sample.contacts[0]);
+        mix(channel::RIGHT_CONTACT, sample.contacts[1]);
+        mix(channel::LEFT_TOUCH, 0.0);
+        mix(channel::RIGHT_TOUCH, 0.0);
+    }
+
+    /// An ankle as seen from the hips (m).
+    fn ankle(&self, sample: &Sample, leg: [Joint; 3]) -> Vec3 {
+        let step = |(at, q): (Vec3, Quat), j: Joint| {
+            (at + q * self.skeleton.offsets[j.index()], q * sample.rotations[j.index()])
+        };
+        leg.into_iter().fold((Vec3::ZERO, sample.rotations[0]), step).0
+    }
+}
+
+impl Sample {
+    /// Between this and another one.
+    ///
+    /// - `share`: of the other (0 to 1).
+    pub fn mix(&self, other: &Self, share: f32) -> Self {
+        let contact = |side: usize| self.contacts[side] + (other.contacts[side] - self.contacts[side]) * share;
+        Self {
+            rotations: std::array::from_fn(|j| between(self.rotations[j], other.rotations[j], share)),
+            hips: self.hips.lerp(other.hips, share),
+            contacts: [contact(0), contact(1)],
+        }
+    }
+}
+
+/// Between two rotations, the shorter way; unit length.
+fn between(a: Quat, b: Quat, share: f32) -> Quat {
+    let b = if a.dot(b) < 0.0 { -b } else { b };
+    (a * (1.0 - share) + b * share).normalize()
+}

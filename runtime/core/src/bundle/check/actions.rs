@@ -1,0 +1,25 @@
+//! Actions: names told apart, frames within their clips, looped parts within them.
+
+use super::super::Bundle;
+use crate::format::{ActionMeta, FormatError};
+
+/// Every action.
+pub fn actions(t: &Bundle) -> Result<(), FormatError> {
+    let all = &t.meta().actions;
+    let mut names: Vec<&str> = all.iter().map(|a| a.name.as_str()).collect();
+    names.sort_unstable();
+    if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(FormatError::layout(format!("META has two actions `{}`", pair[0])));
+    }
+    match all.iter().find(|a| !is_sound(a, t)) {
+        Some(a) => Err(FormatError::layout(format!("action `{}` does not lie in its clip: {a:?}", a.name))),
+        None => Ok(()),
+    }
+}
+
+fn is_sound(a: &ActionMeta, t: &Bundle) -> bool {
+    let within = |[first, count]: [u32; 2], limit: u32| u64::from(first) + u64::from(count) <= u64::from(limit);
+    let Some(clip) = t.clips().get(a.clip as usize) else { return false };
+    let looped = a.looped.is_none_or(|l| l[1] > 0 && within(l, a.num_frames - 1));
+    a.num_frames > 1 && within([a.first_frame, a.num_frames], clip.num_frames) && looped
+}

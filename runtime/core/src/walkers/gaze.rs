@@ -1,0 +1,151 @@
+//! Looking at a point: head, neck and chest turn from where the posture has them, within limits.
+
+use super::body::LaneBody;
+use crate::blend::{Posture, channel};
+use crate::planar::{Planar, wrap_angle};
+use crate::pose::get;
+use crate::skeleton::Joint;
+use crate::walkers::spring::Spring;
+use glam::{Quat, Vec2, Vec3};
+use serde::{Deserialize, Serialize};
+use throng_base::maths;
+
+/// Farthest that is looked to a side and up or down of where the body faces (rad).
+const RANGE: [f32; 2] = [70.0 * RADIANS, 35.0 * RADIANS];
+const RADIANS: f32 = std::f32::consts::PI / 180.0;
+/// Nearer than this to the head, nothing is looked at (m).
+const NEAR_M: f32 = 0.2;
+/// Time in which half of the way to another direction is made (s).
+const HALF_LIFE_S: f32 = 0.16;
+/// Fastest turn, and most that it changes (rad/s, rad/s^2).
+const RATE: f32 = 4.0;
+const ACCELERATION: f32 = 40.0;
+/// Angles and rates that cannot be seen (rad, rad/s).
+const NONE: f32 = 1e-4;
+/// Shares of the turn that chest and neck have; the head has all of it.
+const CHEST: f32 = 0.2;
+const NECK: f32 = 0.55;
+
+/// From the hips to the head.
+const CHAIN: [Joint; 6] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck, Joint::Head];
+
+/// How far a walker looks aside of where its posture does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Gaze {
+    /// To the left and up (rad).
+    off: [f32; 2],
+    /// How fast that changes (rad/s).
+    rate: [f32; 2],
+}
+
+/// What gazes of a step have in common.
+pub(crate) struct Eyes {
+    spring: Spring,
+    dt_s: f32,
+}
+
+impl Eyes {
+    pub fn new(dt_s: f32) -> Self {
+        Self { spring: Spring::new(dt_s, HALF_LIFE_S), dt_s }
+    }
+}
+
+/// The trunk of a posture in the facing frame.
+struct Trunk {
+    /// World rotations of the chain.
+    rotations: [Quat; 6],
+    offsets: [Vec3; 6],
+    /// (m)
+    hips: Vec3,
+}
+
+impl Gaze {
+    /// True where head and posture agree.
+    #[inline(always)]
+    pub fn is_off(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Follows a point and turns a posture towards it.
+    ///
+    /// - `point`: in the world, from the ground below the root (m).
+    /// - `still`: how little the chest may turn, 0 to 1: what the arms do is meant to be where it is.
+    pub fn turn(
+        &mut self,
+        eyes: &Eyes,
+        (point, root): (Option<Vec3>, Planar),
+        (body, lane): (&LaneBody, usize),
+        still: f32,
+        posture: &mut Posture,
+    ) {
+        let trunk = Trunk::of(posture, body, lane);
+        let chest = CHEST * (1.0 - still);
+        let forward = direction(trunk.rotations[5] * Vec3::Z);
+        let to = point.and_then(|p| {
+            let at = root.inverse_transform_point(Vec2::new(p.x, p.z));
+            let to = Vec3::new(at.x, p.y, at.y) - trunk.head(self.off, chest, forward);
+            let [yaw, pitch] = direction(to);
+            let seen = yaw.abs() < RANGE[0] && pitch.abs() < RANGE[1] && to.length() > NEAR_M;
+            seen.then(|| [wrap_angle(yaw - forward[0]), pitch - forward[1]])
+        });
+        self.follow(eyes, to.unwrap_or_default());
+        let turned = trunk.turned(self.off, chest, forward);
+        for k in 3..6 {
+            let local = turned[k - 1].conjugate() * turned[k];
+            posture.set_rotation(CHAIN[k].index(), local.normalize());
+        }
+    }
+
+    fn follow(&mut self, eyes: &Eyes, to: [f32; 2]) {
+        if eyes.dt_s == 0.0 {
+            return;
+        }
+        let most = ACCELERATION * eyes.dt_s;
+        for ((off, rate), to) in self.off.iter_mut().zip(&mut self.rate).zip(to) {
+            let (left, _) = eyes.spring.pull(*off - to, *rate);
+            let wanted = (to + left - *off) / eyes.dt_s;
+            *rate = wanted.clamp(*rate - most, *rate + most).clamp(-RATE, RATE);
+            *off += *rate * eyes.dt_s;
+        }
+        if to == [0.0; 2] && self.off.iter().chain(&self.rate).all(|v| v.abs() < NONE) {
+            *self = Self::default();
+        }
+    }
+
+    /// True where its numbers can be.
+    pub fn can_be(&self) -> bool {
+        self.off.iter().all(|v| v.abs() < 10.0) && self.rate.iter().all(|v| v.abs() <= RATE)
+    }
+}
+
+impl Trunk {
+    fn of(posture: &Posture, body: &LaneBody, lane: usize) -> Self {
+        let mut rotations = CHAIN.map(|j| posture.rotation(j));
+        (1..6).for_each(|k| rotations[k] = (rotations[k - 1] * rotations[k]).normalize());
+        let offsets = CHAIN.map(|j| get(&body.offsets[j.index()], lane));
+        let hips = posture.vector(channel::HIPS) * body.scale[lane] + Vec3::Y * body.lift[lane];
+        Self { rotations, offsets, hips }
+    }
+
+    /// The chain, turned from where its end faces.
+    fn turned(&self, off: [f32; 2], chest: f32, forward: [f32; 2]) -> [Quat; 6] {
+        let mut out = self.rotations;
+        for (k, share) in [(3, chest), (4, NECK), (5, 1.0)] {
+            let [yaw, pitch] = off.map(|v| v * share);
+            let turn = maths::rotation_y(forward[0] + yaw) * maths::rotation_x(-pitch);
+            out[k] = turn * maths::rotation_y(-forward[0]) * out[k];
+        }
+        out
+    }
+
+    /// Where the head is then (m).
+    fn head(&self, off: [f32; 2], chest: f32, forward: [f32; 2]) -> Vec3 {
+        let turned = self.turned(off, chest, forward);
+        (1..6).fold(self.hips, |at, k| at + turned[k - 1] * self.offsets[k])
+    }
+}
+
+/// Angles to the left and up of a direction (rad).
+fn direction(v: Vec3) -> [f32; 2] {
+    [maths::atan2(v.x, v.z), maths::atan2(v.y, maths::hypot(v.x, v.z))]
+}
