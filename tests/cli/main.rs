@@ -9,6 +9,7 @@ mod folders;
 mod keys;
 mod numbers;
 mod refusals;
+mod scenario;
 mod scene;
 mod view;
 
@@ -19,7 +20,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 /// Every subcommand.
-const COMMANDS: [&str; 16] = [
+const COMMANDS: [&str; 18] = [
     "demo",
     "synth",
     "build",
@@ -27,7 +28,9 @@ const COMMANDS: [&str; 16] = [
     "verify",
     "query",
     "stitch",
+    "check",
     "run",
+    "explain",
     "bench",
     "export",
     "view",

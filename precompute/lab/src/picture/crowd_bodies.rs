@@ -27,8 +27,8 @@ pub(super) fn bodies_sheet(record: &AgentsRecord, poses: &[Option<Pose>]) -> Pic
         _ => None,
     };
     let trails: Vec<_> = record.obstacles.iter().filter_map(lines).map(|l| (l, SOLID)).collect();
-    let middle = figures.iter().map(|f| f.figure.joint(Joint::Hips)).sum::<Vec3>() / figures.len().max(1) as f32;
-    let focus = (!figures.is_empty()).then_some((middle, BODIES_M));
+    let places: Vec<Vec3> = figures.iter().map(|f| f.figure.joint(Joint::Hips)).collect();
+    let focus = most_crowded(&places).map(|at| (at, BODIES_M));
     world_sheet(&WorldView {
         title: "Bodies",
         subtitle: "blended from example motions, where the agents are at the end",
@@ -39,6 +39,16 @@ pub(super) fn bodies_sheet(record: &AgentsRecord, poses: &[Option<Pose>]) -> Pic
         names: &[],
         look: WorldLook { heading: 0.8 * PI, elevation: 0.6, focus },
     })
+}
+
+/// The middle of those around the one who has the most others near; of a few at least, where there are many.
+fn most_crowded(places: &[Vec3]) -> Option<Vec3> {
+    const NEAR_M: f32 = 0.4 * BODIES_M;
+    const LOOKED_AT: usize = 200;
+    let near = |at: Vec3| places.iter().filter(move |p| p.distance_squared(at) < NEAR_M * NEAR_M);
+    let some = places.iter().step_by(places.len().div_ceil(LOOKED_AT).max(1));
+    let at = some.max_by_key(|at| near(**at).count())?;
+    Some(near(*at).sum::<Vec3>() / near(*at).count() as f32)
 }
 
 /// A circle on the ground.

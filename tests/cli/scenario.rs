@@ -1,0 +1,48 @@
+//! `check`, `run --record`, `explain` and `bench scenario` on a scene of agents without bodies.
+
+use super::*;
+
+const STORY: &str = "seconds = 6.0\n[[groups]]\nname = \"people\"\nmotion = \"none\"\ncount = 12\n\
+    place = { block = { from = [-6.0, -4.0], to = [6.0, 4.0] } }\ngraph = \"life\"\n\
+    [[events]]\nname = \"bell\"\nat_s = 1.0\nwho = \"me.number == 0\"\ntold_on = true\n\
+    [graphs.life]\nlevel = \"social\"\nstart = \"idle\"\nedges = [{ from = \"idle\", to = \"go\", on = \"bell\" }]\n\
+    [graphs.life.states]\nidle = { do = [{ stay = 100 }] }\ngo = { do = [{ go = [0.0, 8.0], within_m = 2.0 }] }\n";
+
+#[test]
+fn what_people_did_is_checked_recorded_and_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, record) = (folder.path().join("story.toml"), folder.path().join("story.rec"));
+    std::fs::write(&scene, STORY).unwrap();
+    let (scene, record) = (scene.to_str().unwrap(), record.to_str().unwrap());
+    let checked: Value = serde_json::from_slice(&done(&["check", scene, "--json"]).stdout).unwrap();
+    assert_eq!(checked["characters"], 12);
+    done(&["run", scene, "--record", record, "--json"]);
+    let why: Value = serde_json::from_slice(&done(&["explain", record, "--agent", "0", "--at", "3", "--json"]).stdout).unwrap();
+    assert_eq!((&why["states"][0], &why["because"]["event"], &why["because"]["edge_to"]), (&"go".into(), &"bell".into(), &"go".into()));
+    assert_eq!(why["knows"][0]["how"], "happens");
+    let message: Value = serde_json::from_slice(&done(&["explain", record, "--message", "bell", "--json"]).stdout).unwrap();
+    let learnt = message["learnt"].as_array().unwrap();
+    assert!(learnt.len() > 1 && learnt[1]["how"] == "told" && learnt[1]["from"].is_number(), "{message}");
+    let tree = String::from_utf8(done(&["explain", record, "--message", "bell"]).stdout).unwrap();
+    assert_eq!(tree.lines().count(), learnt.len(), "{tree}");
+    let bench: Value =
+        serde_json::from_slice(&done(&["bench", "scenario", "--scene", scene, "--threads", "1,2", "--json"]).stdout).unwrap();
+    let results = bench["results"].as_array().unwrap();
+    assert_eq!(results.len(), 2);
+    assert_eq!(results[0]["state_hash"], results[1]["state_hash"], "at any number of threads");
+    assert_eq!((&results[0]["queued_twice"], &results[0]["max_overlap_m"]), (&0.into(), &0.0.into()));
+    // What is refused is refused with the way out.
+    for (args, expected) in [
+        (vec!["explain", record], "expected `--agent A` or `--message NAME`"),
+        (vec!["explain", record, "--agent", "12"], "expected less than 12"),
+        (vec!["explain", record, "--message", "bel"], "bell"),
+        (vec!["explain", scene, "--agent", "1"], "story.toml"),
+    ] {
+        let out = throng(&args);
+        let text = String::from_utf8_lossy(&out.stderr);
+        assert!(!out.status.success() && text.contains(expected), "{args:?}: {text}");
+    }
+    std::fs::write(scene, STORY.replace("[0.0, 8.0]", "\"tonw\"")).unwrap();
+    let text = String::from_utf8_lossy(&throng(&["check", scene]).stderr).into_owned();
+    assert!(text.contains("story.toml:") && text.contains("there is no place `tonw`"), "{text}");
+}
