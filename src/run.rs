@@ -75,8 +75,15 @@ pub fn run(args: &Args) -> Outcome {
         several if several.iter().any(is_single) => return fail("expected one scene, one bundle, or motion alone"),
         _ => {}
     }
-    if args.bundle.is_some() || args.engine.is_some() || !args.without.is_empty() || args.trajectories.is_some() || args.record.is_some() {
-        return fail("--bundle, --engine, --record, --trajectories and --without are for scenes; name the bundle alone");
+    if args.bundle.is_some()
+        || args.engine.is_some()
+        || !args.without.is_empty()
+        || args.trajectories.is_some()
+        || args.record.is_some()
+    {
+        return fail(
+            "--bundle, --engine, --record, --trajectories and --without are for scenes; name the bundle alone",
+        );
     }
     let tables = match args.what.as_slice() {
         [bundle] if is_bundle(bundle) => crate::args::open(bundle)?,

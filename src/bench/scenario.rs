@@ -41,7 +41,8 @@ pub fn run(args: &Args) -> Outcome {
     let mut results = Vec::new();
     for name in &args.scene {
         let path = PathBuf::from(name);
-        let path = if path.extension().is_some() { path } else { Path::new("data/scenes").join(format!("{name}.toml")) };
+        let path =
+            if path.extension().is_some() { path } else { Path::new("data/scenes").join(format!("{name}.toml")) };
         let mut scene = Scene::load(&path)?;
         if let Some(members) = args.members {
             scene = scene.resized(members);
@@ -56,7 +57,9 @@ pub fn run(args: &Args) -> Outcome {
     if args.json {
         return output::json(&Results { results });
     }
-    let mut text = String::from("scene              agents  threads  frames/s  over paper  rules  crowd  motion  informed  told\n");
+    let mut text = String::from(
+        "scene              agents  threads  frames/s  over paper  rules  crowd  motion  informed  told\n",
+    );
     for r in &results {
         let over = r.over_paper.map_or_else(String::new, |o| format!("{o:.0}"));
         text.push_str(&format!(

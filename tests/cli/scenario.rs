@@ -14,19 +14,22 @@ fn what_people_did_is_checked_recorded_and_explained() {
     let (scene, record) = (folder.path().join("story.toml"), folder.path().join("story.rec"));
     std::fs::write(&scene, STORY).unwrap();
     let (scene, record) = (scene.to_str().unwrap(), record.to_str().unwrap());
-    let checked: Value = serde_json::from_slice(&done(&["check", scene, "--json"]).stdout).unwrap();
+    let checked: Value = serde_json::from_str(&done(&["check", scene, "--json"])).unwrap();
     assert_eq!(checked["characters"], 12);
     done(&["run", scene, "--record", record, "--json"]);
-    let why: Value = serde_json::from_slice(&done(&["explain", record, "--agent", "0", "--at", "3", "--json"]).stdout).unwrap();
-    assert_eq!((&why["states"][0], &why["because"]["event"], &why["because"]["edge_to"]), (&"go".into(), &"bell".into(), &"go".into()));
+    let why: Value = serde_json::from_str(&done(&["explain", record, "--agent", "0", "--at", "3", "--json"])).unwrap();
+    assert_eq!(
+        (&why["states"][0], &why["because"]["event"], &why["because"]["edge_to"]),
+        (&"go".into(), &"bell".into(), &"go".into())
+    );
     assert_eq!(why["knows"][0]["how"], "happens");
-    let message: Value = serde_json::from_slice(&done(&["explain", record, "--message", "bell", "--json"]).stdout).unwrap();
+    let message: Value = serde_json::from_str(&done(&["explain", record, "--message", "bell", "--json"])).unwrap();
     let learnt = message["learnt"].as_array().unwrap();
     assert!(learnt.len() > 1 && learnt[1]["how"] == "told" && learnt[1]["from"].is_number(), "{message}");
-    let tree = String::from_utf8(done(&["explain", record, "--message", "bell"]).stdout).unwrap();
+    let tree = done(&["explain", record, "--message", "bell"]);
     assert_eq!(tree.lines().count(), learnt.len(), "{tree}");
     let bench: Value =
-        serde_json::from_slice(&done(&["bench", "scenario", "--scene", scene, "--threads", "1,2", "--json"]).stdout).unwrap();
+        serde_json::from_str(&done(&["bench", "scenario", "--scene", scene, "--threads", "1,2", "--json"])).unwrap();
     let results = bench["results"].as_array().unwrap();
     assert_eq!(results.len(), 2);
     assert_eq!(results[0]["state_hash"], results[1]["state_hash"], "at any number of threads");
@@ -39,10 +42,10 @@ fn what_people_did_is_checked_recorded_and_explained() {
         (vec!["explain", scene, "--agent", "1"], "story.toml"),
     ] {
         let out = throng(&args);
-        let text = String::from_utf8_lossy(&out.stderr);
-        assert!(!out.status.success() && text.contains(expected), "{args:?}: {text}");
+        let told = text(&out.stderr);
+        assert!(!out.status.success() && told.contains(expected), "{args:?}: {told}");
     }
     std::fs::write(scene, STORY.replace("[0.0, 8.0]", "\"tonw\"")).unwrap();
-    let text = String::from_utf8_lossy(&throng(&["check", scene]).stderr).into_owned();
-    assert!(text.contains("story.toml:") && text.contains("there is no place `tonw`"), "{text}");
+    let told = text(&throng(&["check", scene]).stderr);
+    assert!(told.contains("story.toml:") && told.contains("there is no place `tonw`"), "{told}");
 }

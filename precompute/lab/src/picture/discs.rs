@@ -196,7 +196,10 @@ fn draw_place(panel: &mut Picture, camera: &Camera, place: &SeenPlace) {
     let at = camera.project(place.at);
     panel.stroke_oval(at, Vec2::splat(place.radius * camera.px_per_m), 1.2, colour::REACHED.alpha(0.5));
     let radius = (0.3 * camera.px_per_m).clamp(1.5, 9.0);
-    place.slots.iter().for_each(|s| panel.stroke_oval(camera.project(*s), Vec2::splat(radius), 1.0, colour::REACHED.alpha(0.6)));
+    place
+        .slots
+        .iter()
+        .for_each(|s| panel.stroke_oval(camera.project(*s), Vec2::splat(radius), 1.0, colour::REACHED.alpha(0.6)));
     tag(panel, at, 0.8, &place.name, colour::REACHED);
 }
 
@@ -252,8 +255,11 @@ mod tests {
             let at = Vec3::new(t + m as f32, if in_the_air { 3.0 } else { 0.0 }, 2.0 * m as f32);
             Some(SeenAgent { at, velocity: Vec3::X, knows: m == 1 })
         };
-        let moment =
-            |t: f32| CrowdMoment { time_s: f64::from(t), agents: (0..4).map(|m| seen(m, t)).chain([None]).collect(), is_open: Vec::new() };
+        let moment = |t: f32| CrowdMoment {
+            time_s: f64::from(t),
+            agents: (0..4).map(|m| seen(m, t)).chain([None]).collect(),
+            is_open: Vec::new(),
+        };
         AgentsRecord {
             in_the_air,
             names: vec!["a".into(), "b".into()],

@@ -371,7 +371,8 @@ pub struct SeenPlace {
 
 fn seen_place(site: &SiteConfig) -> SeenPlace {
     let point = |p: &[f32]| if let [x, y, z] = *p { Vec3::new(x, y, z) } else { Vec3::new(p[0], 0.0, p[1]) };
-    let slots = site.slots.iter().map(|s| point(&s.at)).chain(site.queue.iter().flat_map(|q| &q.points).map(|p| point(p)));
+    let slots =
+        site.slots.iter().map(|s| point(&s.at)).chain(site.queue.iter().flat_map(|q| &q.points).map(|p| point(p)));
     SeenPlace { name: site.name.clone(), at: point(&site.at), radius: site.radius_m, slots: slots.collect() }
 }
 

@@ -35,9 +35,8 @@ impl Recording {
     /// [`BuildError::Config`] for a scene that cannot be written, such as one with a seed above 2^63.
     pub fn new(compiled: &CompiledScene, step_hz: f64) -> Result<Self, BuildError> {
         let scene = compiled.scene();
-        let text = toml::to_string(scene).map_err(|e| BuildError::Config {
-            message: format!("scene \"{}\" cannot be recorded: {e}", scene.name),
-        })?;
+        let text = toml::to_string(scene)
+            .map_err(|e| BuildError::Config { message: format!("scene \"{}\" cannot be recorded: {e}", scene.name) })?;
         let (name, setup) = (scene.name.clone(), compiled.hash());
         Ok(Self { scene: text, name, setup, step_hz, hashes: Vec::new(), seconds: 0.0 })
     }

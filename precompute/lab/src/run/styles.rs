@@ -51,7 +51,14 @@ fn walk_style(
         let mut values = Control::default().style;
         values[0] = style.style;
         let velocity = Vec2::new(heading.sin(), heading.cos()) * style.speed;
-        Control { position: Some(position), velocity, heading: Some(heading), turning_rate: None, style: values, look_at: None }
+        Control {
+            position: Some(position),
+            velocity,
+            heading: Some(heading),
+            turning_rate: None,
+            style: values,
+            look_at: None,
+        }
     };
     let mut walkers = Walkers::with_capacity(space, &[], WalkersConfig::default(), 1).map_err(wrong)?;
     let id = walkers.spawn(WalkerStart::default()).map_err(wrong)?;

@@ -7,11 +7,11 @@ use crate::compile::CompiledScene;
 use crate::kind::{Tick, refused};
 use crate::wander::skeletons;
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use std::sync::Arc;
+use throng_base::Result;
 use throng_base::maths;
 use throng_core::action::{ActionId, ActionSet};
 use throng_core::walkers::Performance;
-use std::sync::Arc;
-use throng_base::Result;
 use throng_core::walkers::{Walkers, WalkersConfig};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{Id, Space};
@@ -65,7 +65,16 @@ impl Followers {
             });
             troops.push(made.map_err(|e| scene.fault(&key, e))?);
         }
-        Ok(Self { key, scene: Arc::clone(scene), first, count: config.count, num_bodies: bodies.len(), actions, told: vec![Shown::default(); config.count], troops })
+        Ok(Self {
+            key,
+            scene: Arc::clone(scene),
+            first,
+            count: config.count,
+            num_bodies: bodies.len(),
+            actions,
+            told: vec![Shown::default(); config.count],
+            troops,
+        })
     }
 
     /// Moves all bodies on, to where their agents are.

@@ -18,13 +18,13 @@ use crate::scene::Motion;
 use crate::{Event, Happened};
 use followers::Followers;
 use glam::{Vec2, Vec3};
+use stage::Outside;
+use std::sync::Arc;
+use std::time::Instant;
 use throng_base::ground::Held;
 use throng_base::maths;
 use throng_base::{Result, Run};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
-use stage::Outside;
-use std::sync::Arc;
-use std::time::Instant;
 use throng_crowd::{Crowd, CrowdError, Event as CrowdEvent, EventKind, Id, Space};
 
 /// All agents of a scene: their crowd, their ways, their minds, and the bodies that follow them.

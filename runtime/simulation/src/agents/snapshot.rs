@@ -1,8 +1,8 @@
 //! Keeping all agents of a scene: their crowd, their ways, minds and bodies.
 
+use super::Agents;
 use super::stage::Shown;
 use super::troop::SavedTroop;
-use super::Agents;
 use crate::kind::refused;
 use serde::{Deserialize, Serialize};
 use throng_base::{Bytes, Id, Result, SnapshotKind};
@@ -100,7 +100,12 @@ impl<V: Space> Agents<V> {
         let has_room = saved.sent.iter().all(|&sent| sent < u32::MAX / 64);
         let is_seen = saved.shown.iter().all(|s| s.faces.is_none_or(|f| f.is_finite()));
         let are_agents = saved.agent_of.iter().all(|&a| (a as usize) < n);
-        match saved.ways.iter().all(is_way) && saved.arrivals.iter().all(|a| a.is_finite()) && has_room && is_seen && are_agents {
+        match saved.ways.iter().all(is_way)
+            && saved.arrivals.iter().all(|a| a.is_finite())
+            && has_room
+            && is_seen
+            && are_agents
+        {
             true => Ok(()),
             false => Err("somebody is on no way"),
         }

@@ -144,7 +144,8 @@ impl Boards {
         (self.cell_m, self.levels, self.global.len(), self.first.len())
             == (own.cell_m, own.levels, own.global.len(), own.first.len())
             && self.posts.len() <= POSTS
-            && self.posts.len() == (self.count.min(POSTS as u64) as usize).min(self.posts.len().max(self.count as usize))
+            && self.posts.len()
+                == (self.count.min(POSTS as u64) as usize).min(self.posts.len().max(self.count as usize))
             && links.iter().all(|n| is_in(*n))
             && links.windows(2).all(|w| w[0] != w[1])
             && links.len() == self.posts.len()
@@ -153,6 +154,7 @@ impl Boards {
 }
 
 fn bucket(level: u32, [x, z]: [i32; 2]) -> usize {
-    let mixed = (x as u32).wrapping_mul(0x9E37_79B1) ^ (z as u32).wrapping_mul(0x85EB_CA77) ^ level.wrapping_mul(0xC2B2_AE3D);
+    let mixed =
+        (x as u32).wrapping_mul(0x9E37_79B1) ^ (z as u32).wrapping_mul(0x85EB_CA77) ^ level.wrapping_mul(0xC2B2_AE3D);
     (mixed ^ mixed >> 15) as usize % BUCKETS
 }

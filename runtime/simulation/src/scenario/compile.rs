@@ -6,13 +6,11 @@ use super::tables::{
     Scenario, Schedule, Slot, State, Threshold, ValueTable, trigger,
 };
 use super::verbs::{Effect, Operand, Primitives, Verb, WORDS, Word};
-use crate::scene::{
-    ActionConfig, DoConfig, EventConfig, GraphConfig, LevelConfig, Scene, SiteConfig, WordConfig,
-};
+use crate::scene::{ActionConfig, DoConfig, EventConfig, GraphConfig, LevelConfig, Scene, SiteConfig, WordConfig};
 use glam::Vec3;
 use std::collections::BTreeMap;
-use throng_base::text::did_you_mean;
 use throng_base::Result;
+use throng_base::text::did_you_mean;
 
 /// Most events, groups and places that are entered once: each is a bit.
 const MOST_BITS: usize = 64;
@@ -137,13 +135,7 @@ impl<'a> Compiler<'a> {
             meets: false,
             senses_cells: false,
         };
-        Ok(Self {
-            scene,
-            out,
-            done: BTreeMap::new(),
-            graph_starts: BTreeMap::new(),
-            state_numbers: BTreeMap::new(),
-        })
+        Ok(Self { scene, out, done: BTreeMap::new(), graph_starts: BTreeMap::new(), state_numbers: BTreeMap::new() })
     }
 
     fn compile(mut self) -> Compiled<Scenario> {
@@ -157,12 +149,17 @@ impl<'a> Compiler<'a> {
         self.group_starts()?;
         self.end()?;
         self.out.boards = BoardTable { cell_m: self.scene.agents.cell_m, levels: 4 };
-        let needs_cells = self.out.actions.iter().any(|a| matches!(a, Action::Effect(Effect::Post, words) if words[1] != Operand::Nothing));
+        let needs_cells = self
+            .out
+            .actions
+            .iter()
+            .any(|a| matches!(a, Action::Effect(Effect::Post, words) if words[1] != Operand::Nothing));
         if needs_cells && self.out.boards.cell_m == 0.0 {
             return wrong("agents.cell_m", "boards of cells need cells: set `agents.cell_m`, such as 5.0");
         }
         let has = |t: u16, out: &Scenario| {
-            out.rules_of[usize::from(t)][0] < out.rules_of[usize::from(t)][1] || out.edges.iter().any(|e| e.trigger == t)
+            out.rules_of[usize::from(t)][0] < out.rules_of[usize::from(t)][1]
+                || out.edges.iter().any(|e| e.trigger == t)
         };
         let out = &mut self.out;
         out.meets = has(trigger::MEETS, out);
@@ -346,7 +343,13 @@ impl<'a> Compiler<'a> {
     }
 
     fn event(&mut self, event: &EventConfig, key: &str) -> Compiled<EventTable> {
-        let ways = [event.at_s.is_some(), event.between_s.is_some(), event.every_s.is_some(), event.period_s.is_some(), event.when.is_some()];
+        let ways = [
+            event.at_s.is_some(),
+            event.between_s.is_some(),
+            event.every_s.is_some(),
+            event.period_s.is_some(),
+            event.when.is_some(),
+        ];
         if ways.iter().filter(|w| **w).count() > 1 {
             return wrong(key, "expected one of `at_s`, `between_s`, `every_s`, `period_s` and `when`, found several");
         }
@@ -482,7 +485,8 @@ impl<'a> Compiler<'a> {
                     let sum: f32 = same.map(|o| o.probability.max(0.0)).sum();
                     if sum > 1.0 + 1e-5 {
                         let event = self.out.trigger_name(e.trigger);
-                        let why = format!("from `{state}`, probabilities at `{event}` add up to {sum}, expected at most 1");
+                        let why =
+                            format!("from `{state}`, probabilities at `{event}` add up to {sum}, expected at most 1");
                         return wrong(format!("graphs.{name}.edges"), why);
                     }
                 }
@@ -510,7 +514,10 @@ impl<'a> Compiler<'a> {
             None => Ok(()),
             Some(state) => {
                 let key = format!("graphs.{name}.states.{state}");
-                wrong(key, format!("no edge leads to `{state}` from the start, `{}`: add one, or remove it", graph.start))
+                wrong(
+                    key,
+                    format!("no edge leads to `{state}` from the start, `{}`: add one, or remove it", graph.start),
+                )
             }
         }
     }
@@ -531,7 +538,10 @@ impl<'a> Compiler<'a> {
             return wrong(key, format!("there is no graph `{name}`.{help}"));
         };
         if graph.level <= level {
-            return wrong(key, format!("expected a graph of a lower level: `{name}` is {:?}", graph.level).to_lowercase());
+            return wrong(
+                key,
+                format!("expected a graph of a lower level: `{name}` is {:?}", graph.level).to_lowercase(),
+            );
         }
         Ok(self.graph_starts[name])
     }
@@ -738,7 +748,8 @@ impl<'a> Compiler<'a> {
         match words[0].1 {
             Word::Slot if matches!(said[0], Operand::Spot(_)) => claims = Claims::Slot,
             Word::Queue => {
-                let is_queue = matches!(said[0], Operand::Spot(Spot::Place(p)) if self.out.places[usize::from(p)].is_queue);
+                let is_queue =
+                    matches!(said[0], Operand::Spot(Spot::Place(p)) if self.out.places[usize::from(p)].is_queue);
                 if !is_queue && said[0] != Operand::Spot(Spot::Here) {
                     return wrong(format!("{key}.{name}"), "expected the name of a place with a `queue`");
                 }
@@ -821,4 +832,3 @@ pub(super) fn point(of: &[f32]) -> Vec3 {
         _ => Vec3::ZERO,
     }
 }
-

@@ -74,7 +74,13 @@ impl Minds {
     }
 
     /// Does actions that take no time.
-    pub(super) fn do_at_once(&mut self, stage: &mut impl Stage, agent: u32, first: u32, context: Context) -> Result<()> {
+    pub(super) fn do_at_once(
+        &mut self,
+        stage: &mut impl Stage,
+        agent: u32,
+        first: u32,
+        context: Context,
+    ) -> Result<()> {
         let mut at = first;
         loop {
             match self.action(at) {
@@ -236,8 +242,7 @@ impl Minds {
     fn amount(&mut self, stage: &impl Stage, agent: u32, context: Context, amount: Amount) -> f64 {
         let mut draws = self.minds[agent as usize].draws;
         self.evaluations += u64::from(matches!(amount, Amount::Program(_)));
-        let value =
-            self.scenario.amount(amount, &mut View { minds: self, stage, agent, context, draws: &mut draws });
+        let value = self.scenario.amount(amount, &mut View { minds: self, stage, agent, context, draws: &mut draws });
         self.minds[agent as usize].draws = draws;
         value
     }
@@ -292,7 +297,9 @@ impl Minds {
                 let (within_m, strength) = (said.amount(1, 5.0) as f32, said.amount(2, 1.0) as f32);
                 self.convey(stage, agent, number, within_m, strength, said.amount(3, 0.0) > 0.0);
             }
-            Effect::Befriend if context.other != NONE => self.befriend(agent, context.other, said.amount(0, 0.0) as f32),
+            Effect::Befriend if context.other != NONE => {
+                self.befriend(agent, context.other, said.amount(0, 0.0) as f32)
+            }
             Effect::Befriend => {}
             Effect::Open => self.set_open(stage, usize::from(number), true)?,
             Effect::Close => self.set_open(stage, usize::from(number), false)?,

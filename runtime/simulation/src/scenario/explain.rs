@@ -215,9 +215,10 @@ impl Minds {
 
     /// Posts on the boards of cells now: middle of the cell and its side (m), and the event.
     pub fn posts(&self) -> impl Iterator<Item = ([f32; 2], f32, &str)> + '_ {
-        self.boards.shown(self.now).map(|(at, side, e)| (at, side, self.scenario.names.events.0[usize::from(e)].as_str()))
+        self.boards
+            .shown(self.now)
+            .map(|(at, side, e)| (at, side, self.scenario.names.events.0[usize::from(e)].as_str()))
     }
-
 }
 
 impl Scenario {

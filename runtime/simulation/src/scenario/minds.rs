@@ -296,7 +296,11 @@ impl Minds {
             let is_seen = place.once.is_some_and(|bit| self.minds[agent as usize].entered >> bit & 1 == 1);
             let curiosity = if is_seen { 0.0 } else { self.curiosity(agent, Party::Place(p as u16)) };
             if curiosity != 0.0 && n < INTERESTS {
-                stage.attract(agent, n, Some((place.at, curiosity * INTEREST_MPS2, INTEREST_RADII * place.radius_m)))?;
+                stage.attract(
+                    agent,
+                    n,
+                    Some((place.at, curiosity * INTEREST_MPS2, INTEREST_RADII * place.radius_m)),
+                )?;
                 n += 1;
             }
         }
@@ -416,7 +420,15 @@ impl Minds {
     }
 
     /// An event is conveyed to those around an agent.
-    pub(super) fn convey(&mut self, stage: &impl Stage, from: u32, event: u16, within_m: f32, strength: f32, friends: bool) {
+    pub(super) fn convey(
+        &mut self,
+        stage: &impl Stage,
+        from: u32,
+        event: u16,
+        within_m: f32,
+        strength: f32,
+        friends: bool,
+    ) {
         let Some(at) = stage.position(from) else { return };
         self.happened[usize::from(event)] = self.now;
         let mut nearby = std::mem::take(&mut self.nearby);
@@ -598,7 +610,13 @@ impl Minds {
     }
 
     /// Chooses among the edges that an event opens, by their probabilities.
-    fn choose_edge(&mut self, stage: &impl Stage, agent: u32, stimulus: Stimulus, all: std::ops::Range<u32>) -> Option<u32> {
+    fn choose_edge(
+        &mut self,
+        stage: &impl Stage,
+        agent: u32,
+        stimulus: Stimulus,
+        all: std::ops::Range<u32>,
+    ) -> Option<u32> {
         let scenario = self.scenario.clone();
         let (mut open, mut shared, mut sum) = (0u64, 0, 0.0_f32);
         let edges: &[Edge] = &scenario.edges[all.start as usize..all.end as usize];

@@ -143,10 +143,15 @@ impl Minds {
         let is_held = |(slot, holder): (u32, &u32)| {
             *holder == NONE || saved.minds.get(*holder as usize).is_some_and(|m| m.slot == slot)
         };
-        let learnt = saved.learnt.iter().flatten().all(|l| is_agent(l.from) && is_time(l.time_s) && l.at.iter().all(|x| x.is_finite()));
+        let learnt = saved
+            .learnt
+            .iter()
+            .flatten()
+            .all(|l| is_agent(l.from) && is_time(l.time_s) && l.at.iter().all(|x| x.is_finite()));
         let bonds = saved.bonds.iter().flatten().all(|b| is_agent(b.0) && b.1.is_finite());
         let feelings = saved.feelings.iter().all(|f| f.value.is_finite() && f.rate.is_finite() && is_time(f.since));
-        let entered = saved.entered.iter().zip(&scenario.groups).all(|(e, g)| g.there <= *e && *e <= g.agents[1] - g.agents[0]);
+        let entered =
+            saved.entered.iter().zip(&scenario.groups).all(|(e, g)| g.there <= *e && *e <= g.agents[1] - g.agents[0]);
         match (0u32..).zip(&saved.holders).all(is_held) && learnt && bonds && feelings && entered {
             true => Ok(()),
             false => Err("somebody holds, feels or has learnt what cannot be"),

@@ -278,9 +278,7 @@ const BUILT_IN: &[Primitive] = &[
         faces: said.targets[2],
         ..Deed::stay(said.amount(1, 3.0))
     }),
-    primitive!("spurt", [("spurt", Word::Amount), SPEED], None, |sight, said| {
-        pace(sight, said, 1.4)
-    }),
+    primitive!("spurt", [("spurt", Word::Amount), SPEED], None, |sight, said| { pace(sight, said, 1.4) }),
     primitive!("slow_down", [("slow_down", Word::Amount), SPEED], None, |sight, said| pace(sight, said, 0.6)),
     primitive!("flee", [("flee", Word::Target), SPEED, ("distance_m", Word::Amount)], None, |sight, said| {
         let from = said.targets[0].unwrap_or(sight.home);

@@ -158,7 +158,10 @@ fn agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: usize) 
     }
     let [least, most] = group.companions;
     if !(1 <= least && least <= most && most <= 4) {
-        return fault(&at("companions"), format!("expected two numbers that ascend from 1 to 4, found {least} and {most}"));
+        return fault(
+            &at("companions"),
+            format!("expected two numbers that ascend from 1 to 4, found {least} and {most}"),
+        );
     }
     if let Some(source) = &group.source {
         source.find_fault(&at("source"), group.count, dimensions)?;

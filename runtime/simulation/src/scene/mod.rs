@@ -24,7 +24,8 @@ pub use obstacle::{BoxConfig, DiscConfig, MoverConfig, ObstacleConfig, PolygonCo
 pub use place::PlaceConfig;
 pub use story::{
     ActionConfig, DoConfig, DoorConfig, EdgeConfig, EndConfig, EventConfig, GraphConfig, LevelConfig, QueueConfig,
-    RelationConfig, RuleConfig, SiteConfig, SlotConfig, SourceConfig, StateConfig, UnitsConfig, ValueConfig, WordConfig,
+    RelationConfig, RuleConfig, SiteConfig, SlotConfig, SourceConfig, StateConfig, UnitsConfig, ValueConfig,
+    WordConfig,
 };
 
 use serde::{Deserialize, Serialize};

@@ -426,7 +426,10 @@ impl ValueConfig {
     pub(super) fn find_fault(&self, key: &str) -> Result<(), Fault> {
         let [low, high] = self.limits;
         if !(low < high && low.abs() < 1e6 && high.abs() < 1e6) {
-            return fault(&format!("{key}.limits"), format!("expected two numbers that ascend, found {low} and {high}"));
+            return fault(
+                &format!("{key}.limits"),
+                format!("expected two numbers that ascend, found {low} and {high}"),
+            );
         }
         check_ranges(&[(&format!("{key}.start"), self.start, low, high)])?;
         check_numbers(&[
@@ -476,7 +479,10 @@ impl SourceConfig {
             return fault(&format!("{key}.rates"), "expected [from time, per second], in the order of time");
         }
         for (i, [from, rate]) in self.rates.iter().enumerate() {
-            check_numbers(&[(&format!("{key}.rates[{i}][0]"), *from, 0.0, 1e6), (&format!("{key}.rates[{i}][1]"), *rate, 0.0, 1e4)])?;
+            check_numbers(&[
+                (&format!("{key}.rates[{i}][0]"), *from, 0.0, 1e6),
+                (&format!("{key}.rates[{i}][1]"), *rate, 0.0, 1e4),
+            ])?;
         }
         match &self.place {
             Some(place @ PlaceConfig::Block { .. }) => place.find_fault(&format!("{key}.place"), dimensions),

@@ -11,7 +11,8 @@ use throng_runtime::simulation::scenario::Minds;
 /// Shows states, reason, values and knowledge of the selected agent.
 pub fn show_agent(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &Minds) {
     let first = first_agent(scene.run().simulation()).unwrap_or(0);
-    let Some(agent) = model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < minds.len()) else {
+    let Some(agent) = model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < minds.len())
+    else {
         ui.weak("Select an agent.");
         return;
     };

@@ -2,12 +2,14 @@
 
 use super::{Signal, explained, played, refused};
 
-const WAIT: &str = "[graphs.life]\nlevel = \"social\"\nstart = \"a\"\n[graphs.life.states]\na = { do = [{ stay = 1000 }] }\n";
+const WAIT: &str =
+    "[graphs.life]\nlevel = \"social\"\nstart = \"a\"\n[graphs.life.states]\na = { do = [{ stay = 1000 }] }\n";
 
 #[test]
 fn two_tell_a_third_who_learns_it_from_the_first_it_meets() {
     let story = format!("{WAIT}[[events]]\nname = \"fire\"\nat_s = 1.0\nwho = \"me.number < 2\"\ntold_on = true\n");
-    let script = [(0.5, Signal::Met(0, 2)), (2.0, Signal::Met(1, 2)), (3.0, Signal::Met(0, 2)), (4.0, Signal::Met(2, 3))];
+    let script =
+        [(0.5, Signal::Met(0, 2)), (2.0, Signal::Met(1, 2)), (3.0, Signal::Met(0, 2)), (4.0, Signal::Met(2, 3))];
     let (minds, _) = played(4, &story, &script, 5.0);
     let known = |agent: usize| explained(&minds, agent).knows.first().map(|k| (k.how.clone(), k.from, k.time_s));
     assert_eq!(known(0), Some(("happens".into(), None, 1.0)));
@@ -20,7 +22,9 @@ fn two_tell_a_third_who_learns_it_from_the_first_it_meets() {
 
 #[test]
 fn old_news_are_told_no_more() {
-    let story = format!("{WAIT}[[events]]\nname = \"sale\"\nat_s = 1.0\nwho = \"me.number == 0\"\ntold_on = true\nfresh_s = 2.0\n");
+    let story = format!(
+        "{WAIT}[[events]]\nname = \"sale\"\nat_s = 1.0\nwho = \"me.number == 0\"\ntold_on = true\nfresh_s = 2.0\n"
+    );
     let (minds, _) = played(3, &story, &[(2.9, Signal::Met(0, 1)), (3.1, Signal::Met(0, 2))], 5.0);
     assert_eq!([0, 1, 2].map(|a| minds.num_known(a)), [1, 1, 0]);
 }
@@ -76,7 +80,10 @@ fn a_rule_interrupts_and_what_it_interrupted_begins_again() {
     let own: Vec<&str> = stage.log.iter().filter(|l| l.split(' ').nth(1) == Some("0")).map(|l| l.as_str()).collect();
     let walks: Vec<&&str> = own.iter().filter(|l| l.contains(" go ") || l.contains("halt")).collect();
     assert!(walks[0].starts_with("0.000000 0 go 50") && walks[1].starts_with("1.000000 0 halt"), "{own:#?}");
-    assert!(walks[2].starts_with("3.000000 0 go 50"), "after two seconds, and not interrupted within the pause: {own:#?}");
+    assert!(
+        walks[2].starts_with("3.000000 0 go 50"),
+        "after two seconds, and not interrupted within the pause: {own:#?}"
+    );
     assert!(!explained(&minds, 0).interrupted);
 }
 
@@ -139,20 +146,41 @@ fn a_circle_within_one_instant_is_told_with_its_rule() {
 #[test]
 fn what_is_wrong_is_told_with_its_place_and_the_way_out() {
     let graph = |edges: &str| {
-        format!("[graphs.life]\nlevel = \"social\"\nstart = \"a\"\nedges = [{edges}]\n[graphs.life.states]\na = {{ do = [{{ stay = 1 }}] }}\nb = {{ do = [{{ stay = 1 }}] }}\n[[events]]\nname = \"bell\"\n")
+        format!(
+            "[graphs.life]\nlevel = \"social\"\nstart = \"a\"\nedges = [{edges}]\n[graphs.life.states]\na = {{ do = [{{ stay = 1 }}] }}\nb = {{ do = [{{ stay = 1 }}] }}\n[[events]]\nname = \"bell\"\n"
+        )
     };
-    let rule = |rest: &str| format!("[values.anger]\n[[events]]\nname = \"bell\"\n[[places]]\nname = \"bakery\"\nat = [0.0, 0.0]\n[[rules]]\n{rest}\n");
+    let rule = |rest: &str| {
+        format!(
+            "[values.anger]\n[[events]]\nname = \"bell\"\n[[places]]\nname = \"bakery\"\nat = [0.0, 0.0]\n[[rules]]\n{rest}\n"
+        )
+    };
     for (story, expected) in [
         (rule("on = \"bel\"\ndo = [{ stay = 1 }]"), vec!["scene.toml:8:1", "Did you mean `bell`?"]),
-        (rule("on = \"bell\"\nwhen = \"me.angr > 0.5\"\ndo = [{ stay = 1 }]"), vec![":9:9", "unknown word `me.angr`", "me.anger"]),
-        (rule("on = \"bell\"\nwhen = \"me.anger > 0.5 and place.kind == 'x'\"\ndo = [{ stay = 1 }]"), vec![":9:28", "there is no `place`"]),
-        (rule("on = \"bell\"\nwhen = \"me.anger\"\ndo = [{ stay = 1 }]"), vec![":9:9", "expected true or false, found a number"]),
+        (
+            rule("on = \"bell\"\nwhen = \"me.angr > 0.5\"\ndo = [{ stay = 1 }]"),
+            vec![":9:9", "unknown word `me.angr`", "me.anger"],
+        ),
+        (
+            rule("on = \"bell\"\nwhen = \"me.anger > 0.5 and place.kind == 'x'\"\ndo = [{ stay = 1 }]"),
+            vec![":9:28", "there is no `place`"],
+        ),
+        (
+            rule("on = \"bell\"\nwhen = \"me.anger\"\ndo = [{ stay = 1 }]"),
+            vec![":9:9", "expected true or false, found a number"],
+        ),
         (rule("on = \"bell\"\nwhen = \"me.anger > \"\ndo = [{ stay = 1 }]"), vec!["expected a value, found the end"]),
-        (rule("on = \"bell\"\nwhen = \"distance(me) > 2\"\ndo = [{ stay = 1 }]"), vec!["expected `distance(me, other)`"]),
+        (
+            rule("on = \"bell\"\nwhen = \"distance(me) > 2\"\ndo = [{ stay = 1 }]"),
+            vec!["expected `distance(me, other)`"],
+        ),
         (rule("on = \"bell\"\nwhen = \"event == 'bakery'\"\ndo = [{ stay = 1 }]"), vec!["there is no event `bakery`"]),
         (rule("on = \"bell\"\ndo = [{ gret = \"bakery\" }]"), vec![":9:7", "Did you mean `greet`?"]),
         (rule("on = \"bell\"\ndo = [{ go = \"bakry\" }]"), vec!["Did you mean `bakery`?"]),
-        (rule("on = \"bell\"\ndo = [{ go = \"bakery\", speeed = 1 }]"), vec!["`go` has no word `speeed`", "Did you mean `speed`?"]),
+        (
+            rule("on = \"bell\"\ndo = [{ go = \"bakery\", speeed = 1 }]"),
+            vec!["`go` has no word `speeed`", "Did you mean `speed`?"],
+        ),
         (rule("on = \"bell\"\ndo = [{ queue = \"bakery\" }]"), vec!["a place with a `queue`"]),
         (rule("on = \"bell\"\ndo = \"sing\""), vec!["there is no behaviour `sing`"]),
         (rule("on = \"bell\"\ndo = []"), vec!["expected at least one action"]),
@@ -161,11 +189,22 @@ fn what_is_wrong_is_told_with_its_place_and_the_way_out() {
         (rule("on = \"bell\"\nwho = [\"peopl\"]\ndo = [{ stay = 1 }]"), vec!["Did you mean `people`?"]),
         (graph(""), vec!["no edge leads to `b`"]),
         (graph("{ from = \"a\", to = \"b\" }, { from = \"b\", to = \"c\" }"), vec!["no state `c`"]),
-        (graph("{ from = \"a\", to = \"b\", on = \"bell\", probability = 0.7 }, { from = \"a\", to = \"a\", on = \"bell\", probability = 0.7 }"), vec!["add up to 1.4"]),
+        (
+            graph(
+                "{ from = \"a\", to = \"b\", on = \"bell\", probability = 0.7 }, { from = \"a\", to = \"a\", on = \"bell\", probability = 0.7 }",
+            ),
+            vec!["add up to 1.4"],
+        ),
         (graph("{ from = \"a\", to = \"b\", on = \"bell\", probability = -0.5 }"), vec!["expected 0 to 1, found -0.5"]),
-        ("[[events]]\nname = \"meets\"\n[[rules]]\non = \"meets\"\ndo = [{ stay = 1 }]".into(), vec!["give the event another name"]),
+        (
+            "[[events]]\nname = \"meets\"\n[[rules]]\non = \"meets\"\ndo = [{ stay = 1 }]".into(),
+            vec!["give the event another name"],
+        ),
         ("[[events]]\nname = \"a\"\nat_s = 1.0\nperiod_s = 2.0".into(), vec!["expected one of `at_s`"]),
-        ("[[relations]]\nof = \"people:9\"\nto = \"people\"\nfriendship = 1.0\n[[events]]\nname = \"a\"".into(), vec!["expected an agent from 0 to 1"]),
+        (
+            "[[relations]]\nof = \"people:9\"\nto = \"people\"\nfriendship = 1.0\n[[events]]\nname = \"a\"".into(),
+            vec!["expected an agent from 0 to 1"],
+        ),
     ] {
         let e = refused(&story);
         for part in expected {

@@ -85,7 +85,13 @@ fn walk(node: &Node, world: &mut World) -> f64 {
                 "+" => a + b,
                 "-" => a - b,
                 "*" => a * b,
-                "/" => if b == 0.0 { 0.0 } else { a / b },
+                "/" => {
+                    if b == 0.0 {
+                        0.0
+                    } else {
+                        a / b
+                    }
+                }
                 "<" => truth(a < b),
                 "<=" => truth(a <= b),
                 "==" => truth(a == b),
@@ -95,7 +101,13 @@ fn walk(node: &Node, world: &mut World) -> f64 {
         Tree::Call(name, of) => match name.as_str() {
             "distance" => 4.0,
             "count" => 8.0,
-            "if" => if walk(&of[0], world) != 0.0 { walk(&of[1], world) } else { walk(&of[2], world) },
+            "if" => {
+                if walk(&of[0], world) != 0.0 {
+                    walk(&of[1], world)
+                } else {
+                    walk(&of[2], world)
+                }
+            }
             "clamp" => {
                 let (a, most) = (walk(&of[0], world), walk(&of[2], world));
                 a.min(most).max(walk(&of[1], world))
@@ -115,8 +127,17 @@ fn walk(node: &Node, world: &mut World) -> f64 {
 fn number() -> impl Strategy<Value = String> {
     let leaf = prop_oneof![
         (0u32..1000).prop_map(|n| format!("{}", f64::from(n) / 8.0)),
-        prop::sample::select(vec!["time", "random", "me.anger", "me.joy", "other.anger", "other.joy", "distance(me, 'gate')", "count('blue')"])
-            .prop_map(String::from),
+        prop::sample::select(vec![
+            "time",
+            "random",
+            "me.anger",
+            "me.joy",
+            "other.anger",
+            "other.joy",
+            "distance(me, 'gate')",
+            "count('blue')"
+        ])
+        .prop_map(String::from),
     ];
     leaf.prop_recursive(5, 40, 3, |inner| {
         let two = (inner.clone(), inner.clone(), prop::sample::select(vec!["+", "-", "*", "/"]));

@@ -168,7 +168,8 @@ pub(super) fn scene(num: usize, more: &str) -> Scene {
         "seed = 5\n{more}\n[[groups]]\nname = \"people\"\nmotion = \"none\"\ncount = {num}\ngraph = \"life\"\n\
          place = {{ block = {{ from = [0.0, 0.0], to = [99.0, 9.0] }} }}\n"
     );
-    let text = if more.contains("[graphs.life]") { text } else { text.replace("graph = \"life\"", "goal = { stay = {} }") };
+    let text =
+        if more.contains("[graphs.life]") { text } else { text.replace("graph = \"life\"", "goal = { stay = {} }") };
     Scene::parse(&text, Path::new("scene.toml")).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 

@@ -272,7 +272,10 @@ impl Plain {
 
     /// The verb of an action, and what is said of it.
     fn verb(action: &ActionConfig) -> &str {
-        let known = ["set", "add", "timer", "post", "convey", "befriend", "release", "greet", "flee", "roam", "stay", "go", "buy"];
+        let known = [
+            "set", "add", "timer", "post", "convey", "befriend", "release", "greet", "flee", "roam", "stay", "go",
+            "buy",
+        ];
         known.into_iter().find(|v| action.contains_key(*v)).expect("a verb that scenes of these tests have")
     }
 
@@ -316,7 +319,8 @@ impl Plain {
                 self.posts.push((event, Some(cell), self.now + long));
             }
             "convey" => {
-                let (within, friends) = (of(self, "within_m").unwrap() as f32, of(self, "friends").unwrap_or(0.0) > 0.0);
+                let (within, friends) =
+                    (of(self, "within_m").unwrap() as f32, of(self, "friends").unwrap_or(0.0) > 0.0);
                 let (event, at) = (text("convey"), stage.position(a).unwrap());
                 self.happened.insert(event.clone(), self.now);
                 for b in (0..self.people.len() as u32).filter(|b| *b != a) {
@@ -324,7 +328,13 @@ impl Plain {
                     let liking = if friends { self.friendship(b, a).max(0.0) } else { 1.0 };
                     let strength = (1.0 - far / within) * liking;
                     if far <= within && strength > 0.0 {
-                        let about = About { event: event.clone(), how: "felt", other: Some(a), strength: Some(strength), ..About::default() };
+                        let about = About {
+                            event: event.clone(),
+                            how: "felt",
+                            other: Some(a),
+                            strength: Some(strength),
+                            ..About::default()
+                        };
                         self.learn(stage, b, about);
                     }
                 }
@@ -512,7 +522,11 @@ impl Plain {
             let person = &self.people[a as usize];
             let is_held = lasts && person.busy.as_ref().is_some_and(|b| b.0 > rule.priority);
             let waits = person.followed.get(&r).is_some_and(|t| self.now - t < f64::from(rule.pause_s));
-            if rule.on != on || is_held || rule.pause_s > 0.0 && waits || !self.holds(rule.when.as_ref(), stage, a, about) {
+            if rule.on != on
+                || is_held
+                || rule.pause_s > 0.0 && waits
+                || !self.holds(rule.when.as_ref(), stage, a, about)
+            {
                 continue;
             }
             if rule.probability < 1.0 && self.chance(a) >= f64::from(rule.probability) {
@@ -541,7 +555,10 @@ impl Plain {
             let edges = self.scene.graphs[&graph].edges.clone();
             let mut open = Vec::new();
             for edge in edges {
-                if edge.from.as_ref().is_none_or(|f| *f == state) && edge.on == on && self.holds(edge.when.as_ref(), stage, a, about) {
+                if edge.from.as_ref().is_none_or(|f| *f == state)
+                    && edge.on == on
+                    && self.holds(edge.when.as_ref(), stage, a, about)
+                {
                     open.push(edge);
                 }
             }
@@ -643,10 +660,15 @@ impl Lives for Plain {
                 self.touch(b);
                 for (from, to) in [(a, b), (b, a)] {
                     for e in self.scene.events.clone().into_iter().filter(|e| e.told_on) {
-                        let is_fresh = self.happened.get(&e.name).is_some_and(|t| now - t <= e.fresh_s.unwrap_or(NEVER));
+                        let is_fresh =
+                            self.happened.get(&e.name).is_some_and(|t| now - t <= e.fresh_s.unwrap_or(NEVER));
                         let has = |p: u32| self.people[p as usize].news.contains(&e.name);
                         if is_fresh && has(from) && !has(to) {
-                            self.learn(stage, to, About { event: e.name, how: "told", other: Some(from), ..About::default() });
+                            self.learn(
+                                stage,
+                                to,
+                                About { event: e.name, how: "told", other: Some(from), ..About::default() },
+                            );
                         }
                     }
                 }
