@@ -229,7 +229,9 @@ fn actions(all: &[ActionReport]) -> Vec<(&'static str, String)> {
     let row = |same: &[ActionReport]| {
         let longest = same.iter().map(|a| a.duration_s).fold(0.0, f64::max);
         let looped = same.iter().filter_map(|a| a.looped_s).fold(0.0, f64::max);
-        format!("{}: {} clips, {longest:.1} s at most, of which {looped:.1} s go on", same[0].tag, same.len())
+        let s = if same.len() == 1 { "" } else { "s" };
+        let clips = format!("{}: {} clip{s} of up to {longest:.1} s", same[0].tag, same.len());
+        if looped > 0.0 { format!("{clips}, of which {looped:.1} s go on") } else { clips }
     };
     all.chunk_by(|a, b| a.tag == b.tag).map(|same| ("action", row(same))).collect()
 }
