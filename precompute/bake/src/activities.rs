@@ -93,11 +93,10 @@ fn of_tag(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Result<Vec<Act
 
 /// The frames of a clip that show what a tag asks for.
 fn ranges(clip: &Clip, tag: &str, config: &ActivityConfig) -> Vec<FrameRange> {
-    if config.clips.iter().any(|pattern| matches(pattern, &clip.name)) {
-        return vec![0..clip.num_frames()];
-    }
+    let whole = config.clips.iter().any(|pattern| matches(pattern, &clip.name)).then_some(0..clip.num_frames());
     let is_of = |name: &str| config.clips.is_empty() && name == tag;
-    clip.tags.iter().filter(|t| is_of(&t.name)).map(|t| t.range.clone()).collect()
+    let tagged = clip.tags.iter().filter(|t| is_of(&t.name)).map(|t| t.range.clone());
+    whole.into_iter().chain(tagged).collect()
 }
 
 /// That a body stands at both ends of a range, and that all of it may be used.

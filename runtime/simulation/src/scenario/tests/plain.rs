@@ -56,13 +56,16 @@ struct Person {
     home: Vec3,
 }
 
+/// An event on a board, its cell, and until when.
+type Post = (String, Option<(i32, i32, i32)>, f64);
+
 pub(super) struct Plain {
     scene: Scene,
     now: f64,
     people: Vec<Person>,
     due: Vec<(f64, u32)>,
     happened: BTreeMap<String, f64>,
-    posts: Vec<(String, Option<(i32, i32, i32)>, f64)>,
+    posts: Vec<Post>,
     queue: Vec<(u32, String, About)>,
     touched: Vec<u32>,
 }
@@ -168,7 +171,7 @@ impl Plain {
                 }
                 None => (f64::from(at) - f64::from(value)) / f64::from(rate),
             };
-            if after >= 0.0 && after < 1e9 && best.as_ref().is_none_or(|b| since + after < b.0) {
+            if (0.0..1e9).contains(&after) && best.as_ref().is_none_or(|b| since + after < b.0) {
                 best = Some((since + after, on, name, at));
             }
         }
@@ -185,7 +188,7 @@ impl Plain {
     }
 
     /// What an expression is worth: a number, or a truth as 0 or 1.
-    fn worth(&mut self, node: &Node, stage: &Paper, a: u32, about: &About) -> f64 {
+    fn worth(&mut self, node: &Node, a: u32, about: &About) -> f64 {
         let truth = |is: bool| f64::from(u8::from(is));
         match &node.tree {
             Tree::Number(n) => *n,
@@ -198,20 +201,16 @@ impl Plain {
                 "me.number" => f64::from(a),
                 word => f64::from(self.value(a, word.trim_start_matches("me."))),
             },
-            Tree::Unary("-", x) => -self.worth(x, stage, a, about),
-            Tree::Unary(_, x) => truth(self.worth(x, stage, a, about) == 0.0),
-            Tree::Binary("and", x, y) => {
-                truth(self.worth(x, stage, a, about) != 0.0 && self.worth(y, stage, a, about) != 0.0)
-            }
-            Tree::Binary("or", x, y) => {
-                truth(self.worth(x, stage, a, about) != 0.0 || self.worth(y, stage, a, about) != 0.0)
-            }
+            Tree::Unary("-", x) => -self.worth(x, a, about),
+            Tree::Unary(_, x) => truth(self.worth(x, a, about) == 0.0),
+            Tree::Binary("and", x, y) => truth(self.worth(x, a, about) != 0.0 && self.worth(y, a, about) != 0.0),
+            Tree::Binary("or", x, y) => truth(self.worth(x, a, about) != 0.0 || self.worth(y, a, about) != 0.0),
             Tree::Binary("in", x, _) => {
                 let Tree::Text(name) = &x.tree else { panic!("{x:?}") };
                 truth(self.people[a as usize].news.contains(name))
             }
             Tree::Binary(op, x, y) => {
-                let (x, y) = (self.worth(x, stage, a, about), self.worth(y, stage, a, about));
+                let (x, y) = (self.worth(x, a, about), self.worth(y, a, about));
                 match *op {
                     "<" => truth(x < y),
                     ">" => truth(x > y),
@@ -227,16 +226,15 @@ impl Plain {
         }
     }
 
-    fn holds(&mut self, text: Option<&String>, stage: &Paper, a: u32, about: &About) -> bool {
-        text.is_none_or(|t| self.worth(&parse(t).unwrap(), stage, a, about) != 0.0)
+    fn holds(&mut self, text: Option<&String>, a: u32, about: &About) -> bool {
+        text.is_none_or(|t| self.worth(&parse(t).unwrap(), a, about) != 0.0)
     }
 
-    fn learn(&mut self, stage: &Paper, a: u32, about: About) {
+    fn learn(&mut self, a: u32, about: About) {
         let known = self.people[a as usize].news.contains(&about.event);
         if known && ["told", "read"].contains(&about.how) {
             return;
         }
-        let _ = stage;
         let person = &mut self.people[a as usize];
         person.news.insert(about.event.clone());
         if !known {
@@ -258,7 +256,7 @@ impl Plain {
                 *event == e.name && here && self.now <= *until
             });
             if shown && !self.people[a as usize].news.contains(&e.name) {
-                self.learn(stage, a, About { event: e.name, how: "read", ..About::default() });
+                self.learn(a, About { event: e.name, how: "read", ..About::default() });
             }
         }
     }
@@ -283,11 +281,11 @@ impl Plain {
         ["greet", "flee", "roam", "stay", "go", "buy"].contains(&Self::verb(action))
     }
 
-    fn said(&mut self, stage: &Paper, a: u32, about: &About, word: Option<&WordConfig>) -> Option<f64> {
+    fn said(&mut self, a: u32, about: &About, word: Option<&WordConfig>) -> Option<f64> {
         match word? {
             WordConfig::Number(n) => Some(*n),
             WordConfig::Flag(f) => Some(f64::from(u8::from(*f))),
-            WordConfig::Text(t) => Some(self.worth(&parse(t).unwrap(), stage, a, about)),
+            WordConfig::Text(t) => Some(self.worth(&parse(t).unwrap(), a, about)),
             _ => None,
         }
     }
@@ -297,7 +295,7 @@ impl Plain {
             WordConfig::Text(t) => t.clone(),
             other => panic!("{other:?}"),
         };
-        let of = |plain: &mut Self, word: &str| plain.said(stage, a, about, action.get(word));
+        let of = |plain: &mut Self, word: &str| plain.said(a, about, action.get(word));
         match Self::verb(action) {
             "set" => {
                 let to = of(self, "to").unwrap() as f32;
@@ -328,14 +326,9 @@ impl Plain {
                     let liking = if friends { self.friendship(b, a).max(0.0) } else { 1.0 };
                     let strength = (1.0 - far / within) * liking;
                     if far <= within && strength > 0.0 {
-                        let about = About {
-                            event: event.clone(),
-                            how: "felt",
-                            other: Some(a),
-                            strength: Some(strength),
-                            ..About::default()
-                        };
-                        self.learn(stage, b, about);
+                        let about =
+                            About { event: event.clone(), how: "felt", other: Some(a), strength: Some(strength) };
+                        self.learn(b, about);
                     }
                 }
             }
@@ -398,7 +391,7 @@ impl Plain {
         for (i, (word, kind)) in primitive.words.iter().enumerate() {
             let Some(value) = action.get(*word) else { continue };
             if !matches!(kind, super::super::verbs::Word::Target | super::super::verbs::Word::Slot) {
-                said.amounts[i] = self.said(stage, a, about, Some(value));
+                said.amounts[i] = self.said(a, about, Some(value));
                 continue;
             }
             let WordConfig::Text(to) = value else { panic!("{value:?}") };
@@ -522,11 +515,7 @@ impl Plain {
             let person = &self.people[a as usize];
             let is_held = lasts && person.busy.as_ref().is_some_and(|b| b.0 > rule.priority);
             let waits = person.followed.get(&r).is_some_and(|t| self.now - t < f64::from(rule.pause_s));
-            if rule.on != on
-                || is_held
-                || rule.pause_s > 0.0 && waits
-                || !self.holds(rule.when.as_ref(), stage, a, about)
-            {
+            if rule.on != on || is_held || rule.pause_s > 0.0 && waits || !self.holds(rule.when.as_ref(), a, about) {
                 continue;
             }
             if rule.probability < 1.0 && self.chance(a) >= f64::from(rule.probability) {
@@ -557,7 +546,7 @@ impl Plain {
             for edge in edges {
                 if edge.from.as_ref().is_none_or(|f| *f == state)
                     && edge.on == on
-                    && self.holds(edge.when.as_ref(), stage, a, about)
+                    && self.holds(edge.when.as_ref(), a, about)
                 {
                     open.push(edge);
                 }
@@ -644,8 +633,8 @@ impl Lives for Plain {
             self.happened.insert(event.name.clone(), now);
             for a in 0..self.people.len() as u32 {
                 let about = About { event: event.name.clone(), how: "happens", ..About::default() };
-                if self.holds(event.who.as_ref(), stage, a, &about) {
-                    self.learn(stage, a, about);
+                if self.holds(event.who.as_ref(), a, &about) {
+                    self.learn(a, about);
                 }
             }
         }
@@ -664,11 +653,7 @@ impl Lives for Plain {
                             self.happened.get(&e.name).is_some_and(|t| now - t <= e.fresh_s.unwrap_or(NEVER));
                         let has = |p: u32| self.people[p as usize].news.contains(&e.name);
                         if is_fresh && has(from) && !has(to) {
-                            self.learn(
-                                stage,
-                                to,
-                                About { event: e.name, how: "told", other: Some(from), ..About::default() },
-                            );
+                            self.learn(to, About { event: e.name, how: "told", other: Some(from), ..About::default() });
                         }
                     }
                 }
