@@ -41,6 +41,7 @@ fn bundle_of(spaces: &BlendSpaces) -> Vec<u8> {
         groups: None,
         patches: None,
         blends: &spaces.spaces,
+        actions: &[],
         meta: &meta,
     };
     let mut bytes = Vec::new();

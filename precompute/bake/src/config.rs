@@ -1,5 +1,6 @@
 //! What a build is told: one TOML file, each stage's settings in a table of its own.
 
+use crate::actions::ActionConfig;
 use crate::cluster::ClusterConfig;
 use crate::examples::BlendConfig;
 use crate::features::FeaturesConfig;
@@ -51,6 +52,9 @@ pub struct BuildConfig {
     pub patches: PatchConfig,
     /// Blend spaces, by name.
     pub blend: BTreeMap<String, BlendConfig>,
+    /// What bodies can be asked to do when they stand, by tag: greeting, sitting down. Those of blend spaces perform it.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub actions: BTreeMap<String, ActionConfig>,
     /// How policies are solved.
     pub policy: PolicyConfig,
     /// What characters can be asked to do.
@@ -74,6 +78,7 @@ impl Default for BuildConfig {
             graph: GraphConfig::default(),
             patches: PatchConfig::default(),
             blend: BTreeMap::new(),
+            actions: BTreeMap::new(),
             policy: PolicyConfig::default(),
             behaviours: vec![BehaviourConfig::default()],
         }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::path::Path;
 use throng_core::blend::BlendRecord;
 use throng_core::format::{
-    AlignedBytes, BlendMeta, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, PatchMeta, RotationCode,
+    ActionMeta, AlignedBytes, BlendMeta, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, PatchMeta, RotationCode,
     SkeletonRecord,
 };
 use throng_core::graph::{MotionSegment, StateRecord};
@@ -41,6 +41,8 @@ pub struct Baked<'a> {
     pub patches: Option<&'a Patches>,
     /// Blend spaces.
     pub blends: &'a [BlendSpace],
+    /// Actions of bodies.
+    pub actions: &'a [ActionMeta],
     /// Name, provenance and figures; clips and behaviours are filled in here.
     pub meta: &'a Meta,
 }
@@ -111,6 +113,7 @@ pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
         meta.units.clone_from(&p.units);
     }
     meta.blends = baked.blends.iter().map(blend_meta).collect();
+    meta.actions = baked.actions.to_vec();
     let mut out = BundleWriter::new();
     out.section(tags::META, &meta.encode()?);
     out.section(tags::SKELETON, &[SkeletonRecord::from(&baked.clips.skeleton)]);

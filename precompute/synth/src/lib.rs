@@ -18,6 +18,7 @@ mod leg;
 mod locomotion;
 mod office;
 mod pendulum;
+mod people;
 mod playground;
 mod set;
 mod side;
@@ -65,6 +66,7 @@ impl SynthConfig {
             SynthSet::Boxing => Self { minutes: 8.0, clip_seconds: 60.0, ..Self::default() },
             SynthSet::Office => Self { minutes: 13.0, clip_seconds: 60.0, ..Self::default() },
             SynthSet::Playground => Self { minutes: 12.0, clip_seconds: 60.0, ..Self::default() },
+            SynthSet::People => Self { minutes: people::MINUTES, ..Self::default() },
             SynthSet::Locomotion => {
                 let clip_seconds = locomotion::CLIP_SECONDS;
                 let minutes = locomotion::NUM_ACTS as f64 * clip_seconds / 60.0;

@@ -1,6 +1,6 @@
 //! The list of synthetic sets.
 
-use super::{SynthConfig, boxing, files, locomotion, office, playground, walk};
+use super::{SynthConfig, boxing, files, locomotion, office, people, playground, walk};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -22,11 +22,14 @@ pub enum SynthSet {
     Playground,
     /// Steady walking, jogging, running, turning, side and back steps and standing, in several manners.
     Locomotion,
+    /// Greeting, shaking hands, looking at things, buying, chatting, sitting, waiting and cheering, one clip each.
+    People,
 }
 
 impl SynthSet {
     /// Every set.
-    pub const ALL: [Self; 5] = [Self::Walk, Self::Boxing, Self::Office, Self::Playground, Self::Locomotion];
+    pub const ALL: [Self; 6] =
+        [Self::Walk, Self::Boxing, Self::Office, Self::Playground, Self::Locomotion, Self::People];
 
     /// The name, as the command line, configs and clips write it.
     pub fn name(self) -> &'static str {
@@ -36,6 +39,7 @@ impl SynthSet {
             Self::Office => "office",
             Self::Playground => "playground",
             Self::Locomotion => "locomotion",
+            Self::People => "people",
         }
     }
 
@@ -66,6 +70,7 @@ pub fn make(set: SynthSet, cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
         SynthSet::Office => office::office(cfg),
         SynthSet::Playground => playground::playground(cfg),
         SynthSet::Locomotion => locomotion::locomotion(cfg),
+        SynthSet::People => people::people(cfg),
     })
 }
 
@@ -94,7 +99,7 @@ mod tests {
         }
         let error = SynthSet::from_name("dance").unwrap_err().to_string();
         assert!(
-            error.contains("`walk` or `boxing` or `office` or `playground` or `locomotion`")
+            error.contains("`walk` or `boxing` or `office` or `playground` or `locomotion` or `people`")
                 && error.contains("`dance`"),
             "{error}"
         );
@@ -134,7 +139,11 @@ mod tests {
             let minutes = made.num_frames() as f64 / cfg.rate_hz / 60.0;
             assert!((cfg.minutes..cfg.minutes + 1.0).contains(&minutes), "{set:?}: {minutes}");
             for clip in &made.clips {
-                let least = if set == SynthSet::Locomotion { 4.0 } else { 6.0 };
+                let least = match set {
+                    SynthSet::People => 3.0,
+                    SynthSet::Locomotion => 4.0,
+                    _ => 6.0,
+                };
                 assert!((least..95.0).contains(&(clip.num_frames() as f64 / clip.rate_hz)), "{}", clip.name);
             }
         }

@@ -57,12 +57,18 @@ fn seated(script: &Script, t: f64) -> Seated {
     next.checked_sub(1).map_or(Seated::default(), |i| script.sittings[i].at(t))
 }
 
-/// Makes a clip from a script.
-pub fn clip(name: String, script: &Script, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
+/// Makes a clip of a set from a script.
+pub fn clip(
+    (set, name): (&str, String),
+    script: &Script,
+    skeleton: &Skeleton,
+    cfg: &SynthConfig,
+    rng: &mut impl Rng,
+) -> Clip {
     let steps = footsteps::place(FootShape::of(skeleton), script.start, &script.steps, script.last_stand(), rng);
     let samples = Samples::of(steps.duration, cfg.rate_hz);
     let poses = poses(script, &steps, &samples, skeleton, cfg.variation, rng);
-    let mut clip = frame::empty_clip(name, "office", cfg);
+    let mut clip = frame::empty_clip(name, set, cfg);
     for i in samples.frames() {
         frame::push(&mut clip, &poses[i], skeleton);
         let frame = clip.contacts.len() - 1;

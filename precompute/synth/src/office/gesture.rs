@@ -9,7 +9,7 @@ use glam::DVec3;
 use rand::{Rng, RngExt};
 
 /// A hand held before the body, left: wrist, pole, twist.
-const fn held(body: [f64; 3], pole: [f64; 3], twist: f64) -> HandPose {
+pub const fn held(body: [f64; 3], pole: [f64; 3], twist: f64) -> HandPose {
     HandPose { held: 1.0, body: DVec3::from_array(body), pole: DVec3::from_array(pole), twist, ..HandPose::HANGING }
 }
 

@@ -6,16 +6,16 @@
 //! chair, and `hands` puts the hands where they are wanted. With no keys the body is the walker's, to the bit, so that
 //! its stands and steps are those of the `walk` set.
 
-mod assemble;
-mod desk;
-mod gesture;
+pub(super) mod assemble;
+pub(super) mod desk;
+pub(super) mod gesture;
 mod hands;
-mod posture;
+pub(super) mod posture;
 mod route;
-mod script;
+pub(super) mod script;
 mod seat;
-mod stand;
-mod visit;
+pub(super) mod stand;
+pub(super) mod visit;
 mod work;
 
 use super::SynthConfig;
@@ -64,7 +64,7 @@ fn fill(
         let wanted = (seconds - spent).min(cfg.clip_seconds * rng.random_range(0.85..1.1));
         let script = write(wanted, rng);
         spent += script.duration();
-        set.clips.push(assemble::clip(format!("{name}_{number:02}"), &script, &set.skeleton, cfg, rng));
+        set.clips.push(assemble::clip(("office", format!("{name}_{number:02}")), &script, &set.skeleton, cfg, rng));
         number += 1;
     }
     spent

@@ -152,7 +152,7 @@ impl Stander {
 }
 
 /// The weight on one leg: its hip out and up, the shoulders the other way.
-fn lean_on(side: Side, script: &Script, rng: &mut impl Rng) -> Posture {
+pub fn lean_on(side: Side, script: &Script, rng: &mut impl Rng) -> Posture {
     let s = side.sign();
     let out = 0.036 + script.vary(0.012, rng);
     Posture {
@@ -171,7 +171,7 @@ fn pose(body: [f64; 3], pole: [f64; 3], twist: f64) -> HandPose {
 /// Raises the left wrist, looks at it and lets it down.
 ///
 /// - returns when the eyes are free (s).
-fn look_at_watch(script: &mut Script, from: f64, rng: &mut impl Rng) -> f64 {
+pub fn look_at_watch(script: &mut Script, from: f64, rng: &mut impl Rng) -> f64 {
     let watch = pose([0.06, -0.27, 0.27], [0.9, -0.7, 0.0], 1.2);
     let at = from + rng.random_range(0.6..1.2);
     script.hand(Side::Left, at + 0.8, 0.8, watch);
@@ -215,7 +215,7 @@ fn stretch(script: &mut Script, from: f64) -> f64 {
 }
 
 /// Turns the head here and there.
-fn look_around(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
+pub fn look_around(script: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     let mut t = from + 0.3;
     while t < to - 0.7 {
         let yaw = script.vary(0.75, rng);

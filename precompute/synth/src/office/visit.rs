@@ -134,28 +134,15 @@ impl Visitor {
 
     /// Sits down, works, and gets ready to stand up again.
     fn stay(&mut self, script: &mut Script, work: f64, rng: &mut impl Rng) {
-        let begin = script.now();
-        let end = begin + 2.0 + script.vary(0.25, rng);
-        script.sittings.push(Sitting { down: [begin, end], up: [f64::INFINITY; 2] });
-        sit_down(script, begin, end, rng);
-        script.tag("sit_down", begin);
-        let heading = script.stance().heading;
-        place_feet(script, Side::BOTH[usize::from(rng.random_bool(0.5))], UNDER_KNEES, heading, rng);
+        let [begin, end] = take_seat(script, true, rng);
+        script.tags.push(("sit_down", begin, end));
         work::work(&mut self.worker, script, end, end + work, rng);
     }
 
     /// Stands up, gets out from between chair and desk, and walks away.
     fn leave(&mut self, script: &mut Script, rng: &mut impl Rng) {
-        let ready = script.now();
-        let heading = script.vary(0.04, rng);
-        place_feet(script, Side::BOTH[usize::from(rng.random_bool(0.5))], DRAWN_BACK, heading, rng);
-        let begin = script.now();
-        let end = begin + 2.0 + script.vary(0.2, rng);
-        if let Some(sitting) = script.sittings.last_mut() {
-            sitting.up = [begin, end];
-        }
-        stand_up(script, begin, end, rng);
-        script.tag("stand_up", ready);
+        let [ready, end] = rise(script, true, rng);
+        script.tags.push(("stand_up", ready, end));
         script.wait_until(end + rng.random_range(0.0..0.3));
         let goal = self.place(1, rng);
         let dealt = self.sides[1].deal(rng);
@@ -168,6 +155,37 @@ impl Visitor {
         walk(script, &Goal { at: goal, arrive: ahead - 0.9..ahead + 0.9, cruise }, blocked, rng);
         script.tag("walk", began);
     }
+}
+
+/// Sits down and puts the feet under the knees.
+///
+/// - `at_desk`: a hand may take hold of its edge.
+/// - returns from when to when he sits down (s).
+pub fn take_seat(script: &mut Script, at_desk: bool, rng: &mut impl Rng) -> [f64; 2] {
+    let begin = script.now();
+    let end = begin + 2.0 + script.vary(0.25, rng);
+    script.sittings.push(Sitting { down: [begin, end], up: [f64::INFINITY; 2] });
+    sit_down(script, begin, end, at_desk, rng);
+    let heading = script.stance().heading;
+    place_feet(script, Side::BOTH[usize::from(rng.random_bool(0.5))], UNDER_KNEES, heading, rng);
+    [begin, end]
+}
+
+/// Draws the feet back and stands up.
+///
+/// - `at_desk`: a hand may push off its edge.
+/// - returns from when to when (s).
+pub fn rise(script: &mut Script, at_desk: bool, rng: &mut impl Rng) -> [f64; 2] {
+    let ready = script.now();
+    let heading = script.vary(0.04, rng);
+    place_feet(script, Side::BOTH[usize::from(rng.random_bool(0.5))], DRAWN_BACK, heading, rng);
+    let begin = script.now();
+    let end = begin + 2.0 + script.vary(0.2, rng);
+    if let Some(sitting) = script.sittings.last_mut() {
+        sitting.up = [begin, end];
+    }
+    stand_up(script, begin, end, at_desk, rng);
+    [ready, end]
 }
 
 /// Sideways out to where the way behind is free, turning a little outwards.
@@ -195,12 +213,12 @@ fn place_feet(script: &mut Script, first: Side, ahead: f64, heading: f64, rng: &
 }
 
 /// Trunk and hands while sitting down: the hands come to the thighs, or one takes hold of the desk.
-fn sit_down(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
+fn sit_down(script: &mut Script, begin: f64, end: f64, at_desk: bool, rng: &mut impl Rng) {
     let over = end - begin;
     script.pose(end, 0.55 * over, SITTING);
     script.look(begin + 0.45 * over, 0.4 * over, script.vary(0.1, rng), 0.12, 0.0);
     script.look(end + 0.2, 0.5 * over, 0.0, 0.1, 0.0);
-    let support = [Some(Side::Left), Some(Side::Right), None][rng.random_range(0..3)];
+    let support = if at_desk { [Some(Side::Left), Some(Side::Right), None][rng.random_range(0..3)] } else { None };
     for side in Side::BOTH {
         let lap = on(side, LAP);
         if support == Some(side) {
@@ -222,12 +240,12 @@ fn sit_down(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
 }
 
 /// Trunk and hands while standing up: pushing off the thighs, or off the desk with one hand.
-fn stand_up(script: &mut Script, begin: f64, end: f64, rng: &mut impl Rng) {
+fn stand_up(script: &mut Script, begin: f64, end: f64, at_desk: bool, rng: &mut impl Rng) {
     let over = end - begin;
     script.pose(begin + 0.75 * over, 0.75 * over, SQUEEZED);
     script.look(begin + 0.4 * over, 0.35 * over, 0.0, 0.05, 0.0);
     script.look(end, 0.5 * over, 0.0, 0.0, 0.0);
-    let support = [Some(Side::Left), Some(Side::Right), None][rng.random_range(0..3)];
+    let support = if at_desk { [Some(Side::Left), Some(Side::Right), None][rng.random_range(0..3)] } else { None };
     for side in Side::BOTH {
         if support == Some(side) {
             let (touch, until) = (begin + 0.15 * over, begin + 0.62 * over);

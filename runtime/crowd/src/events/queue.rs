@@ -35,9 +35,12 @@ struct Entry {
     time: f64,
     /// In the list of its page.
     next: u32,
+    /// Likewise; [`NONE`] for the first, [`NOWHERE`] without an event, [`OPEN`] in the page that is open.
     previous: u32,
-    place: Place,
 }
+
+const NOWHERE: u32 = NONE - 1;
+const OPEN: u32 = NONE - 2;
 
 /// An event of the open page.
 #[derive(Clone, Copy, Debug)]
@@ -67,14 +70,6 @@ impl Default for Scout {
     }
 }
 
-/// Where the entry of an agent is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
-    Nowhere,
-    Page,
-    Open,
-}
-
 impl Calendar {
     /// Bytes of an agent: its event, what it senses, its timer.
     pub const BYTES_EACH: usize = 3 * (size_of::<Entry>() + size_of::<Due>());
@@ -86,7 +81,7 @@ impl Calendar {
         Self {
             pages_per_s: num_pages as f64 / TURN_S,
             first: vec![NONE; num_pages],
-            entries: vec![Entry { time: 0.0, next: NONE, previous: NONE, place: Place::Nowhere }; capacity],
+            entries: vec![Entry { time: 0.0, next: NONE, previous: NOWHERE }; capacity],
             open: Vec::with_capacity(capacity),
             is_sorted: true,
             page: 0,
@@ -97,7 +92,7 @@ impl Calendar {
     /// Forgets all events; time goes on at `now`.
     pub fn clear(&mut self, now: f64) {
         self.first.fill(NONE);
-        self.entries.iter_mut().for_each(|e| e.place = Place::Nowhere);
+        self.entries.iter_mut().for_each(|e| e.previous = NOWHERE);
         self.open.clear();
         self.page = self.page_of(now);
         self.len = 0;
@@ -114,7 +109,7 @@ impl Calendar {
             // Many may come at the same time: they are sorted together.
             self.open.push(Due { time, agent });
             self.is_sorted = false;
-            self.entries[m].place = Place::Open;
+            self.entries[m].previous = OPEN;
             return;
         }
         let slot = page as usize & (self.first.len() - 1);
@@ -123,23 +118,22 @@ impl Calendar {
         if first != NONE {
             self.entries[first as usize].previous = agent;
         }
-        self.entries[m].place = Place::Page;
     }
 
     /// Forgets the event of an agent, if it has one.
     pub fn remove(&mut self, agent: u32) {
         let m = agent as usize;
-        match self.entries[m].place {
-            Place::Nowhere => return,
-            Place::Open => {
+        match self.entries[m].previous {
+            NOWHERE => return,
+            OPEN => {
                 self.sort_open();
                 let due = Due { time: self.entries[m].time, agent };
                 let at = self.open.partition_point(|o| due.order(o).is_lt());
                 self.open.remove(at);
             }
-            Place::Page => self.unlink(agent),
+            _ => self.unlink(agent),
         }
-        self.entries[m].place = Place::Nowhere;
+        self.entries[m].previous = NOWHERE;
         self.len -= 1;
     }
 
@@ -200,7 +194,7 @@ impl Calendar {
     }
 
     fn unlink(&mut self, agent: u32) {
-        let Entry { time, next, previous, .. } = self.entries[agent as usize];
+        let Entry { time, next, previous } = self.entries[agent as usize];
         if next != NONE {
             self.entries[next as usize].previous = previous;
         }
@@ -218,7 +212,7 @@ impl Calendar {
             let Entry { time, next, .. } = self.entries[agent as usize];
             if self.page_of(time) == self.page {
                 self.unlink(agent);
-                self.entries[agent as usize].place = Place::Open;
+                self.entries[agent as usize].previous = OPEN;
                 self.open.push(Due { time, agent });
             }
             agent = next;

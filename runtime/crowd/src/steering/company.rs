@@ -106,7 +106,7 @@ pub(crate) fn keep_together<V: Space>(
     let aside = middle.dot(right) + from_left * beside * (1.0 - file);
     let onward = middle.dot(along) + from_behind * behind * file + bent * BENT_M * outward;
     let pressed = share(ahead.density[0].max(ahead.density[1]), PRESSED_AT);
-    let weight = (me.left / NEAR_GOAL_M).max(0.0).min(1.0) * (1.0 - pressed);
+    let weight = (me.left / NEAR_GOAL_M).clamp(0.0, 1.0) * (1.0 - pressed);
     let speed = all.iter().fold(me.speed, |least, c| if c.speed > 0.0 { least.min(c.speed) } else { least });
     let pace = (1.0 + weight * PACE_PER_M * onward).clamp(1.0 - weight * (1.0 - PACE[0]), PACE[1]);
     let most = weight * MOST_ASIDE * speed;

@@ -50,7 +50,7 @@ impl Followers {
         let mut actions = Vec::new();
         for t in 0..config.spaces.len() {
             let space = compiled.space(group, t)?;
-            actions.push(motions.iter().map(|tag| actions_of(space.actions(), tag)).collect());
+            actions.push(motions.iter().map(|tag| space.actions().tagged(tag).collect()).collect());
             let numbers = (first..first + config.count).filter(|m| m % config.spaces.len() == t);
             let room = numbers.clone().count();
             let made = Walkers::with_capacity(space, &bodies, WalkersConfig::default(), room).and_then(|walkers| {
@@ -179,11 +179,4 @@ impl Followers {
         let num = self.troops.len();
         (self.troops[agent % num].walkers(), (agent - self.first) / num)
     }
-}
-
-/// Actions of a tag; of a pair, those of one side.
-fn actions_of(actions: &ActionSet, tag: &str) -> Vec<ActionId> {
-    let side = format!("{tag}-a");
-    let own: Vec<ActionId> = actions.tagged(tag).collect();
-    if own.is_empty() { actions.tagged(&side).collect() } else { own }
 }

@@ -196,7 +196,7 @@ impl Feeling {
         } else {
             (to - from) / f64::from(self.rate)
         };
-        (after >= 0.0 && after < 1e9).then_some(self.since + after)
+        (0.0..1e9).contains(&after).then_some(self.since + after)
     }
 }
 

@@ -269,8 +269,8 @@ const BUILT_IN: &[Primitive] = &[
     }),
     primitive!("stay", [("stay", Word::Amount), MOTION], None, |_, said| Deed::stay(said.amount(0, 0.0))),
     primitive!("greet", [("greet", Word::Target), FOR, MOTION], Some("greet"), |_, said| towards(said, 2.5)),
-    primitive!("shake_hands", [("shake_hands", Word::Target), FOR, MOTION], Some("handshake"), |_, said| {
-        towards(said, 3.0)
+    primitive!("shake_hands", [("shake_hands", Word::Target), FOR, MOTION], Some("handshake"), |sight, said| {
+        reach(sight, said, 3.0)
     }),
     primitive!("chat", [("chat", Word::Target), FOR, MOTION], Some("chat"), |_, said| towards(said, 8.0)),
     primitive!("fight", [("fight", Word::Target), FOR, MOTION], Some("fight"), |_, said| towards(said, 3.0)),
@@ -322,6 +322,21 @@ fn to(said: &Said, stay_s: f64, arrival: Option<usize>) -> Deed {
 /// Stays, facing a target, for the seconds of word 1.
 fn towards(said: &Said, stay_s: f64) -> Deed {
     Deed { faces: said.targets[0], ..Deed::stay(said.amount(1, stay_s)) }
+}
+
+/// How far apart two stand who give each other a hand (m).
+const HANDS_M: f32 = 1.05;
+
+/// Goes to within reach of a target, and stays there as [`towards`] does.
+fn reach(sight: &Sight, said: &Said, stay_s: f64) -> Deed {
+    let stays = towards(said, stay_s);
+    match said.targets[0].filter(|at| at.distance(sight.position) > 1.1 * HANDS_M) {
+        Some(at) => {
+            let walk = Deed::walk(Walk::To { at, arrival_m: HANDS_M });
+            Deed { faces: stays.faces, stay_s: stays.stay_s, again_s: 0.2, most_s: stays.stay_s + 4.0, ..walk }
+        }
+        None => stays,
+    }
 }
 
 /// Goes on for some seconds at another speed: that of word 1, or this share of the desired one. Afterwards the speed is what

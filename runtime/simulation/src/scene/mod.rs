@@ -155,7 +155,7 @@ impl Scene {
         let folder = path.parent().unwrap_or(Path::new(""));
         scene.paths_mut().for_each(|p| *p = folder.join(&*p));
         scene.source = source;
-        scene.to_metres();
+        scene.convert_to_metres();
         check::foreign_keys(&scene)?;
         scene.check()?;
         Ok(scene)
@@ -257,7 +257,7 @@ impl Scene {
     }
 
     /// Takes all lengths, speeds and accelerations to metres.
-    fn to_metres(&mut self) {
+    fn convert_to_metres(&mut self) {
         if self.units == UnitsConfig::M {
             return;
         }

@@ -1,0 +1,205 @@
+//! Actions: frames of clips that begin and end standing, which bodies perform when they are asked for their tag.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use throng_core::Contacts;
+use throng_core::format::ActionMeta;
+use throng_motion::clip::{Clip, ClipSet, FrameRange};
+use throng_motion::error::BuildError;
+use throng_motion::import::matches;
+
+/// Hips that move faster do not stand (m/s).
+const STANDING_MPS: f32 = 0.35;
+/// Hips lower than this share of where they were at the beginning are those of somebody who sits or kneels.
+const SEATED: f32 = 0.8;
+
+/// Where the actions of one tag come from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ActionConfig {
+    /// Clips that show it from their first frame to their last, as patterns with `*`. Where there are none, the ranges of
+    /// clips that carry the tag show it.
+    pub clips: Vec<String>,
+    /// Tag of the range within it that goes on until the action is to end.
+    pub looped: String,
+}
+
+impl Default for ActionConfig {
+    fn default() -> Self {
+        Self { clips: Vec::new(), looped: "loop".into() }
+    }
+}
+
+/// What was made of one action.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct ActionReport {
+    /// Its name: the clip's, and frames where the clip gave several.
+    pub name: String,
+    /// What it is asked for by.
+    pub tag: String,
+    /// Its length (s).
+    pub duration_s: f64,
+    /// Length of the part that goes on until it is to end (s).
+    pub looped_s: Option<f64>,
+    /// The body sits or kneels in the middle of it.
+    pub is_seated: bool,
+}
+
+impl ActionReport {
+    /// Of an action as a bundle stores it.
+    pub fn of(action: &ActionMeta, rate_hz: f64) -> Self {
+        let seconds = |frames: u32| f64::from(frames) / rate_hz;
+        Self {
+            name: action.name.clone(),
+            tag: action.tag.clone(),
+            duration_s: seconds(action.num_frames - 1),
+            looped_s: action.looped.map(|[_, count]| seconds(count)),
+            is_seated: action.is_seated,
+        }
+    }
+}
+
+/// Finds the actions of every tag of a config; mirrored copies have none.
+///
+/// - returns them tag by tag, in the order of the clips.
+///
+/// # Errors
+/// [`BuildError::Key`] where nothing shows what a tag asks for, or something that does not begin and end standing.
+pub fn find(clips: &ClipSet, config: &BTreeMap<String, ActionConfig>) -> Result<Vec<ActionMeta>, BuildError> {
+    let of_tag = |(tag, config): (&String, &ActionConfig)| {
+        of_tag(clips, tag, config).map_err(|why| BuildError::key(format!("actions.{tag}"), why))
+    };
+    Ok(config.iter().map(of_tag).collect::<Result<Vec<_>, _>>()?.concat())
+}
+
+fn of_tag(clips: &ClipSet, tag: &str, config: &ActionConfig) -> Result<Vec<ActionMeta>, String> {
+    let mut found = Vec::new();
+    for (number, clip) in (0u32..).zip(&clips.clips).filter(|(_, c)| !c.mirrored) {
+        let ranges = ranges(clip, tag, config);
+        for range in &ranges {
+            let alone = ranges.len() == 1;
+            let name = if alone { clip.name.clone() } else { format!("{}:{}-{}", clip.name, range.start, range.end) };
+            let name = if config.clips.is_empty() { name } else { format!("{tag}:{name}") };
+            check(clip, range).map_err(|why| format!("`{name}`: {why}"))?;
+            found.push(action((name, tag), (number, clip), range, &config.looped));
+        }
+    }
+    if found.is_empty() {
+        return Err(nothing(clips, tag, config));
+    }
+    Ok(found)
+}
+
+/// The frames of a clip that show what a tag asks for.
+fn ranges(clip: &Clip, tag: &str, config: &ActionConfig) -> Vec<FrameRange> {
+    if config.clips.iter().any(|pattern| matches(pattern, &clip.name)) {
+        return vec![0..clip.num_frames()];
+    }
+    let is_of = |name: &str| config.clips.is_empty() && name == tag;
+    clip.tags.iter().filter(|t| is_of(&t.name)).map(|t| t.range.clone()).collect()
+}
+
+/// That a body stands at both ends of a range, and that all of it may be used.
+fn check(clip: &Clip, range: &FrameRange) -> Result<(), String> {
+    const HELP: &str = "Move the ends of the tag to where the person stands, or leave the clip out";
+    if range.len() < 4 {
+        return Err(format!("expected at least 4 frames, found {}", range.len()));
+    }
+    if let Some(out) = clip.excluded.iter().find(|e| e.range.start < range.end && range.start < e.range.end) {
+        return Err(format!("frames {} to {} are left out ({}). {HELP}", out.range.start, out.range.end, out.reason));
+    }
+    for (place, frame) in [("beginning", range.start), ("end", range.end - 2)] {
+        let step = clip.root_positions[frame + 1] - clip.root_positions[frame];
+        let mps = step.length() * clip.rate_hz as f32;
+        if mps > STANDING_MPS {
+            return Err(format!("expected a person who stands at the {place}, found hips at {mps:.1} m/s. {HELP}"));
+        }
+        let down = |foot| clip.contacts[frame].any(foot);
+        if !down(Contacts::LEFT) && !down(Contacts::RIGHT) {
+            return Err(format!("expected a foot on the ground at the {place}, found none. {HELP}"));
+        }
+    }
+    Ok(())
+}
+
+fn action((name, tag): (String, &str), (number, clip): (u32, &Clip), range: &FrameRange, looped: &str) -> ActionMeta {
+    let is_within = |r: &FrameRange| range.start <= r.start && r.end < range.end && r.len() > 1;
+    let looped = clip.tags.iter().find(|t| t.name == looped && is_within(&t.range)).map(|t| t.range.clone());
+    let middle = looped.as_ref().map_or((range.start + range.end) / 2, |l| (l.start + l.end) / 2);
+    let height = |frame: usize| clip.root_positions[frame].y;
+    ActionMeta {
+        name,
+        tag: tag.into(),
+        clip: number,
+        first_frame: range.start as u32,
+        num_frames: range.len() as u32,
+        looped: looped.map(|l| [(l.start - range.start) as u32, l.len() as u32]),
+        is_seated: height(middle) < SEATED * height(range.start),
+    }
+}
+
+/// Why a tag has no action.
+fn nothing(clips: &ClipSet, tag: &str, config: &ActionConfig) -> String {
+    if !config.clips.is_empty() {
+        return format!("expected clips named {}, found none among {}", config.clips.join(" or "), clips.clips.len());
+    }
+    let mut tags: Vec<&str> = clips.clips.iter().flat_map(|c| &c.tags).map(|t| &*t.name).collect();
+    tags.sort_unstable();
+    tags.dedup();
+    let known = if tags.is_empty() { "no clip has a tag".into() } else { format!("the tags are {}", tags.join(", ")) };
+    format!("expected clips with the tag `{tag}`, found none: {known}. Tag them in a file beside the clip, or name `clips`")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_synth::{SynthConfig, SynthSet, make};
+
+    fn people() -> ClipSet {
+        make(SynthSet::People, &SynthConfig { minutes: 1.2, ..SynthConfig::default() }).unwrap()
+    }
+
+    fn asked(tag: &str, config: ActionConfig) -> BTreeMap<String, ActionConfig> {
+        BTreeMap::from([(tag.to_owned(), config)])
+    }
+
+    #[test]
+    fn tagged_ranges_become_actions_with_their_looped_part() {
+        let (clips, default) = (people(), ActionConfig::default());
+        let config = ["sit", "chat", "greet"].map(|t| (t.to_owned(), default.clone())).into();
+        let found = find(&clips, &config).unwrap();
+        for action in &found {
+            let clip = &clips.clips[action.clip as usize];
+            let tag = clip.tags.iter().find(|t| t.name == action.tag).unwrap();
+            assert_eq!((action.first_frame as usize, action.num_frames as usize), (tag.range.start, tag.range.len()));
+            assert_eq!(action.is_seated, action.tag == "sit", "{}", action.name);
+            let looped = clip.tags.iter().find(|t| t.name == "loop").map(|t| t.range.start);
+            assert_eq!(action.looped.map(|l| (l[0] + action.first_frame) as usize), looped);
+        }
+        assert!(["chat", "greet", "sit"].iter().all(|t| found.iter().any(|a| a.tag == *t)));
+    }
+
+    #[test]
+    fn whole_clips_become_actions_by_name() {
+        let clips = people();
+        let config = ActionConfig { clips: vec!["people_chat_*".into()], ..ActionConfig::default() };
+        let found = find(&clips, &asked("talk", config)).unwrap();
+        assert!(found.iter().all(|a| a.tag == "talk" && a.first_frame == 0 && a.looped.is_some()));
+    }
+
+    #[test]
+    fn what_is_not_there_or_does_not_stand_is_told() {
+        let mut clips = people();
+        let error = |clips: &ClipSet, tag: &str, config| find(clips, &asked(tag, config)).unwrap_err().to_string();
+        let text = error(&clips, "dance", ActionConfig::default());
+        assert!(text.contains("actions.dance") && text.contains("the tags are buy, chat"), "{text}");
+        let none = ActionConfig { clips: vec!["x*".into()], ..ActionConfig::default() };
+        assert!(error(&clips, "dance", none).contains("expected clips named x*"));
+        for (i, p) in clips.clips[0].root_positions.iter_mut().enumerate() {
+            p.z += 0.05 * i as f32;
+        }
+        let text = error(&clips, "greet", ActionConfig::default());
+        assert!(text.contains("people_greet_00") && text.contains("stands at the beginning"), "{text}");
+    }
+}

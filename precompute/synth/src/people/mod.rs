@@ -1,0 +1,44 @@
+//! What people do when they stand: greeting, shaking hands, looking at things, buying, chatting, sitting down, waiting in a
+//! queue and cheering, one clip each.
+//!
+//! `acts` writes each as a script, in the words of the office (`super::office`), which also poses the body.
+
+mod acts;
+
+use super::SynthConfig;
+use super::office::assemble;
+use acts::Act;
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+use throng_core::Skeleton;
+use throng_motion::clip::ClipSet;
+
+/// Length of the list as `throng synth` makes it (min).
+pub const MINUTES: f64 = 3.5;
+
+/// Makes the `people` set, on the default skeleton, with the true contacts. Every clip begins and ends standing at ease
+/// and has two tags: what it shows (`greet`, `handshake`, `look`, `buy`, `chat`, `sit`, `queue`, `cheer`), and `loop` for
+/// the part that may go on, where there is one. As many are made as fill `minutes`, in the order of the list, again from
+/// its beginning when it has come to its end.
+///
+/// - returns clips such as `people_greet_00`; on the chair of the office's desk where somebody sits.
+pub fn people(cfg: &SynthConfig) -> ClipSet {
+    let mut set = ClipSet { skeleton: Skeleton::default(), clips: Vec::new() };
+    let mut spent = 0.0;
+    for (number, act) in Act::LIST.iter().cycle().enumerate() {
+        if spent >= cfg.minutes * 60.0 {
+            break;
+        }
+        let seed = cfg.seed.wrapping_add((number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let script = act.script(cfg.variation, &mut rng);
+        let name = format!("people_{}_{number:02}", act.tag());
+        let clip = assemble::clip(("people", name), &script, &set.skeleton, cfg, &mut rng);
+        spent += clip.num_frames() as f64 / clip.rate_hz;
+        set.clips.push(clip);
+    }
+    set
+}
+
+#[cfg(test)]
+mod tests;
