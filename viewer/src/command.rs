@@ -3,7 +3,7 @@
 mod scene;
 mod world;
 
-pub use scene::{SceneCommand, SceneLook, Whose};
+pub use scene::{BoardCell, Boards, SceneCommand, SceneLook, Whose};
 pub use world::{Draft, Tool, WorldCommand, WorldLook};
 
 use crate::render::Camera;

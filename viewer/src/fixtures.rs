@@ -3,6 +3,9 @@
 #[path = "../tests/common/boxing.rs"]
 pub(crate) mod boxing;
 
+#[path = "../tests/common/market.rs"]
+pub(crate) mod market;
+
 #[path = "../tests/common/meeting.rs"]
 pub(crate) mod meeting;
 

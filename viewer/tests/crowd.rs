@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::market::Market;
 use common::meeting::Meeting;
 use common::{Viewing, adapter};
 use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
@@ -126,6 +127,45 @@ fn a_scene_restarts_with_other_numbers_and_is_saved() {
     v.apply(Command::Scene(SceneCommand::Restart(impossible)));
     assert!(v.model().messages.iter().any(|m| m.is_error && m.text.contains("is unchanged")));
     assert_eq!(v.model().num_characters(), 24);
+}
+
+#[test]
+fn a_scene_that_is_edited_goes_on_at_its_time_and_a_broken_one_leaves_the_old_one() {
+    let market = Market::new();
+    let path = market.scene(12);
+    let mut v = Viewing::of(&path);
+    let choice = SceneChoice { seed: 8, ..scene(&v).choice() };
+    v.apply(Command::Scene(SceneCommand::Restart(choice)));
+    v.until("the other seed", |v| scene(v).num_runs() == 1);
+    v.until("a second", |v| now(v) >= 60);
+    v.apply(Command::Play(false));
+    v.apply(Command::SelectCharacter(Some(4)));
+    v.harness.run_steps(2);
+    let step = now(&v);
+    let says = |v: &Viewing, text: &str| v.model().messages.iter().any(|m| m.text.contains(text));
+
+    let text = std::fs::read_to_string(&path).expect("a scene");
+    std::fs::write(&path, text.replace("probability = 0.8", "probability = 1.8")).expect("written over");
+    v.until("a message", |v| says(v, "stays open"));
+    assert!(says(&v, "market.toml:"), "{:?}", v.model().messages);
+    assert!(says(&v, "probability") && now(&v) == step, "{:?}", v.model().messages);
+    let line = text.lines().position(|l| l.contains("probability = 0.8")).expect("the line") + 1;
+    assert!(says(&v, &format!("market.toml:{line}:")), "{:?}", v.model().messages);
+
+    std::fs::write(&path, text.replace("name = \"sale\"\nat_s = 1.0", "name = \"sale\"\nat_s = 0.25"))
+        .expect("written over");
+    v.until("the new version", |v| says(v, "was reloaded"));
+    assert!(has_no_errors(&v), "{:?}", v.model().messages);
+    assert_eq!((now(&v), scene(&v).choice().seed, v.model().selection.character), (step, 8, Some(4)));
+    assert!(!v.model().is_playing());
+    assert_eq!(scene(&v).run().spread().times(1)[0], 0.25);
+    // The way there is recorded, too.
+    v.apply(Command::Seek(10));
+    assert_eq!(scene(&v).run().spread().times(1)[0], 0.25);
+    v.apply(Command::Play(true));
+    // A new seed in the file counts.
+    std::fs::write(&path, text.replace("seed = 3", "seed = 4")).expect("written over");
+    v.until("the new seed", |v| scene(v).choice().seed == 4);
 }
 
 #[test]

@@ -6,6 +6,7 @@
 mod common;
 
 use common::boxing::Boxing;
+use common::market::Market;
 use common::meeting::Meeting;
 use common::paces::Paces;
 use common::square::Square;
@@ -21,6 +22,7 @@ use throng_viewer::command::{Command, SceneCommand, SceneLook, Tool, Whose, Worl
 use throng_viewer::document::world::Change;
 use throng_viewer::document::{Build, Building, Built, End};
 use throng_viewer::panels::PANELS;
+use throng_viewer::run::agents::What;
 use throng_viewer::run::{Beside, Blending};
 use throng_viewer::settings::{Dock, PanelKind};
 
@@ -331,6 +333,30 @@ fn scenes_of_crowds() {
     for (args, name) in [(alone, "view_meeting"), (light, "view_meeting_light"), (flock, "view_flock")] {
         let mut v = Viewing::new(&args, SIZE);
         v.apply(Command::Scene(SceneCommand::Look(all)));
+        compare(&mut results, rest_at(v, MET), name);
+    }
+}
+
+#[test]
+fn scenarios() {
+    if !can_compare() {
+        return;
+    }
+    let mut results = SnapshotResults::new();
+    let market = Market::new();
+    let args = Args {
+        file: Some(market.scene(24)),
+        panel: vec![PanelChoice::Open(PanelKind::Crowd)],
+        characters: None,
+        character: Some(Character(Some(5))),
+        message: Some("sale".into()),
+        ..Args::default()
+    };
+    let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
+    for (args, name) in [(args, "panel_crowd_minds"), (light, "panel_crowd_minds_light")] {
+        let mut v = Viewing::new(&args, vec2(1000.0, 2150.0));
+        let kinds = What::ALL.map(|what| !what.is_of_engine());
+        v.apply(Command::Scene(SceneCommand::Look(SceneLook { kinds, ..v.model().selection.scene })));
         compare(&mut results, rest_at(v, MET), name);
     }
 }

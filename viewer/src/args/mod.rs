@@ -122,6 +122,9 @@ pub struct Args {
     /// Seed of places, targets and choices.
     #[arg(long, allow_negative_numbers = true, value_parser = number::<u64>(&limits::SEED))]
     pub seed: Option<u64>,
+    /// Show how a message of a scene spreads: the name of one of its events.
+    #[arg(long, value_name = "NAME", requires = "file")]
+    pub message: Option<String>,
     /// What finds out when an agent of a scene has to act: events, occupancy or fixed.
     #[arg(long, value_name = "NAME", value_parser = parse::engine, requires = "file")]
     pub engine: Option<Scheme>,

@@ -1,7 +1,7 @@
 //! What the arguments make of settings and model.
 
 use super::{Args, PanelChoice};
-use crate::command::{Command, Stage, WorldCommand};
+use crate::command::{Command, SceneCommand, SceneLook, Stage, WorldCommand};
 use crate::document::{Document, SceneChoice};
 use crate::model::Model;
 use crate::settings::Settings;
@@ -90,6 +90,11 @@ impl Args {
             }
             model.apply(ctx, Command::SelectCharacter(character.0));
         }
+        if let Some(name) = &self.message {
+            let message = Some(find_message(model, name)?);
+            let look = SceneLook { message, ..model.selection.scene };
+            model.apply(ctx, Command::Scene(SceneCommand::Look(look)));
+        }
         if !self.panel.is_empty() {
             model.settings.side_panel = self.settings(Settings::default()).side_panel;
         }
@@ -149,6 +154,17 @@ impl Args {
             _ => Ok(()),
         }
     }
+}
+
+/// Number of the message of this name.
+fn find_message(model: &Model, wanted: &str) -> Result<usize, String> {
+    let minds = model.document.scene().and_then(|s| s.run().simulation().minds());
+    let Some(minds) = minds.filter(|m| m.has_events()) else {
+        return Err(format!("--message {wanted}: nothing happens here that is told; open a scene with `[[events]]`"));
+    };
+    let names: Vec<&str> = minds.events().iter().map(String::as_str).collect();
+    let found = names.iter().position(|n| *n == wanted);
+    found.ok_or_else(|| format!("--message {wanted}: no event has that name; there are {}", some_of(&names)))
 }
 
 /// Number of the clip of this name, or of the only one whose name has it as a part.
@@ -250,6 +266,7 @@ mod tests {
             (Args { file: file.clone(), clip: Some("moonwalk".into()), ..Args::default() }, "there are "),
             (Args { file: file.clone(), frame: Some(1_000_000), ..Args::default() }, "frames, counted from 0"),
             (Args { file: file.clone(), engine: Some(Scheme::Fixed), ..Args::default() }, "scenes with agents"),
+            (Args { file: file.clone(), message: Some("sale".into()), ..Args::default() }, "[[events]]"),
             (Args { file, character: Some(Character(Some(100))), ..Args::default() }, "has 100 characters"),
         ] {
             let e = opened(&args).expect_err(say);

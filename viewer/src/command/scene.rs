@@ -3,6 +3,7 @@
 use crate::document::SceneChoice;
 use crate::run::agents::What;
 use std::path::PathBuf;
+use throng_runtime::simulation::scenario::Cell;
 
 /// For which agents something is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,6 +23,34 @@ impl Whose {
         [(Self::Nobody, "none"), (Self::Selected, "selected"), (Self::All, "all")];
 }
 
+/// Which billboards of cells are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Boards {
+    /// None.
+    Nothing,
+    /// Those of all levels.
+    #[default]
+    All,
+    /// Those of the cells of one level, 0 for the smallest.
+    Level(u32),
+}
+
+/// A cell with a billboard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoardCell {
+    /// Level, 0 for the smallest cells.
+    pub level: u32,
+    /// Number along x and z.
+    pub at: [i32; 2],
+}
+
+impl BoardCell {
+    /// That of a cell.
+    pub fn of(cell: &Cell) -> Self {
+        Self { level: cell.level, at: cell.middle.map(|m| (m / cell.side_m).floor() as i32) }
+    }
+}
+
 /// What is drawn of the agents of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SceneLook {
@@ -39,6 +68,12 @@ pub struct SceneLook {
     pub bodies: bool,
     /// Kinds of events that are listed and marked.
     pub kinds: [bool; What::COUNT],
+    /// Number of the message whose spread is shown.
+    pub message: Option<usize>,
+    /// Billboards of cells.
+    pub boards: Boards,
+    /// The cell whose billboard is read.
+    pub cell: Option<BoardCell>,
 }
 
 impl Default for SceneLook {
@@ -51,6 +86,9 @@ impl Default for SceneLook {
             marks: true,
             bodies: true,
             kinds: [true; What::COUNT],
+            message: None,
+            boards: Boards::All,
+            cell: None,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Opens files away from the window's thread, and makes what is missing first.
 
-use super::{Building, RawMotion, SceneDocument, Stamp, WorldDocument};
+use super::{Building, RawMotion, SceneDocument, Shown, Stamp, WorldDocument};
 use crate::bundle::OpenBundle;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -120,8 +120,9 @@ pub struct Loader {
 impl Loader {
     /// Starts to read. `wake` is called when it is done.
     ///
+    /// - `from`: where the scene was, if it is one that is read again.
     /// - returns what is told of what is made for it.
-    pub fn start(&mut self, paths: &[PathBuf], wake: impl FnOnce() + Send + 'static) -> Building {
+    pub fn start(&mut self, paths: &[PathBuf], from: Option<Shown>, wake: impl FnOnce() + Send + 'static) -> Building {
         self.stop();
         let (send, loaded) = channel();
         let building = Building::default();
@@ -130,7 +131,12 @@ impl Loader {
         let paths = paths.to_vec();
         std::thread::spawn(move || {
             let before = if let [path] = &*paths { Stamp::of(path) } else { None };
-            let result = building.with(|with| Opened::read(&paths, with));
+            let mut result = building.with(|with| Opened::read(&paths, with));
+            if let (Ok(Opened::Scene(scene)), Some(from)) = (&mut result, from)
+                && let Err(why) = scene.go_on(&from, || building.is_stopped())
+            {
+                result = Err(why);
+            }
             if let Ok(opened) = &result
                 && building.has_begun()
             {

@@ -11,7 +11,7 @@ pub mod world;
 pub use building::{Build, Building, Built, End, Told};
 pub use clip::RawMotion;
 pub use load::{Loader, Opened, may_be_made};
-pub use scene::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument, Standing, StandingUnit};
+pub use scene::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument, Shown, Standing, StandingDoor, StandingUnit};
 pub use watch::{Stamp, Watch};
 pub use world::WorldDocument;
 

@@ -43,6 +43,29 @@ pub struct SceneChoice {
     pub engine: Scheme,
 }
 
+/// Where a scene was that is read again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// What its file said.
+    said: SceneChoice,
+    /// What ran.
+    choice: SceneChoice,
+    /// The step that was shown.
+    step: u32,
+}
+
+impl Shown {
+    /// What runs of a new version of the file: what was chosen in the viewer, unless the file says something new of it.
+    fn chosen(&self, says: SceneChoice) -> SceneChoice {
+        let (said, choice) = (self.said, self.choice);
+        SceneChoice {
+            characters: if says.characters == said.characters { choice.characters } else { says.characters },
+            seed: if says.seed == said.seed { choice.seed } else { says.seed },
+            engine: if says.engine == said.engine { choice.engine } else { says.engine },
+        }
+    }
+}
+
 /// What stands around the characters.
 #[derive(Clone, Debug, Default)]
 pub struct Standing {
@@ -56,6 +79,17 @@ pub struct Standing {
     pub obstacles: Vec<SeenObstacle>,
     /// Agents move in the air.
     pub in_the_air: bool,
+    /// Doors, in the order of the scene file.
+    pub doors: Vec<StandingDoor>,
+}
+
+/// A door, which is in the way while it is closed.
+#[derive(Clone, Debug)]
+pub struct StandingDoor {
+    /// Number of its mesh.
+    pub mesh: u32,
+    /// Its ends (m).
+    pub ends: [Vec3; 2],
 }
 
 /// A unit of a world where it stands.
@@ -120,8 +154,36 @@ impl SceneDocument {
         let (run, standing) = begin(&compiled, None)?;
         let with_bundle = (0..scene.groups.len()).find(|&g| compiled.bundle(g).is_ok());
         let bundle = with_bundle.and_then(|g| scene.bundle_of(g).0).map(OpenBundle::open).transpose()?;
-        let choice = SceneChoice { characters: scene.num_characters(), seed: scene.seed, engine: scene.agents.engine };
+        let choice = SceneChoice::of(&scene);
         Ok(Self { path: path.to_path_buf(), scene, choice, run, standing, bundle, restart: None, num_runs: 0 })
+    }
+
+    /// Where it is now, for a version of it that is read later.
+    pub fn shown(&self) -> Shown {
+        Shown { said: SceneChoice::of(&self.scene), choice: self.choice, step: self.run.head.now() }
+    }
+
+    /// Goes on where an older version of the same file was: with its choice, at its time.
+    ///
+    /// - `is_stopped`: asked before every step.
+    ///
+    /// # Errors
+    /// A message that names the file and why it cannot come so far.
+    pub fn go_on(&mut self, from: &Shown, is_stopped: impl Fn() -> bool) -> Result<(), String> {
+        let choice = from.chosen(self.choice);
+        if choice != self.choice {
+            let compiled = chosen(&self.scene, choice)?.open().map_err(|e| e.to_string())?;
+            (self.run, self.standing) = begin(&compiled, None)?;
+            self.choice = choice;
+        }
+        while self.run.head.now() < from.step {
+            let at_s = self.run.simulation().time_s();
+            if is_stopped() {
+                return Err(format!("{}: reading it again was stopped at {at_s:.1} s", self.path.display()));
+            }
+            self.run.step().map_err(|e| format!("{}: after {at_s:.1} s: {e}", self.path.display()))?;
+        }
+        Ok(())
     }
 
     /// The file.
@@ -233,15 +295,7 @@ impl SceneDocument {
         kept: Option<Vec<u8>>,
         wake: impl FnOnce() + Send + 'static,
     ) -> Result<(), String> {
-        if !(1..=MAX_SCENE_CHARACTERS).contains(&choice.characters) {
-            return Err(format!("expected 1 to {MAX_SCENE_CHARACTERS} characters, found {}", choice.characters));
-        }
-        let mut scene = match choice.characters == self.scene.num_characters() {
-            true => self.scene.clone(),
-            false => self.scene.resized(choice.characters),
-        };
-        (scene.seed, scene.agents.engine) = (choice.seed, choice.engine);
-        scene.check().map_err(|e| e.to_string())?;
+        let scene = chosen(&self.scene, choice)?;
         let (send, made) = channel();
         self.restart = Some(Restart { choice, made });
         std::thread::spawn(move || {
@@ -313,6 +367,27 @@ impl SceneDocument {
     }
 }
 
+impl SceneChoice {
+    /// What a scene says.
+    fn of(scene: &Scene) -> Self {
+        Self { characters: scene.num_characters(), seed: scene.seed, engine: scene.agents.engine }
+    }
+}
+
+/// A scene with what was chosen.
+fn chosen(scene: &Scene, choice: SceneChoice) -> Result<Scene, String> {
+    if !(1..=MAX_SCENE_CHARACTERS).contains(&choice.characters) {
+        return Err(format!("expected 1 to {MAX_SCENE_CHARACTERS} characters, found {}", choice.characters));
+    }
+    let mut scene = match choice.characters == scene.num_characters() {
+        true => scene.clone(),
+        false => scene.resized(choice.characters),
+    };
+    (scene.seed, scene.agents.engine) = (choice.seed, choice.engine);
+    scene.check().map_err(|e| e.to_string())?;
+    Ok(scene)
+}
+
 fn begin(compiled: &CompiledScene, kept: Option<&[u8]>) -> Result<(SceneRun, Standing), String> {
     let run = SceneRun::new(compiled, kept).map_err(|e| e.to_string())?;
     let standing = standing(compiled, &run)?;
@@ -323,10 +398,13 @@ fn begin(compiled: &CompiledScene, kept: Option<&[u8]>) -> Result<(SceneRun, Sta
 fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String> {
     let mut out = Standing::default();
     let mut hills: [SolidMesh; 2] = Default::default();
+    let mut doors = Vec::new();
     for cast in run.simulation().casts() {
         match cast {
             GroupCast::Ground(agents) => {
-                out.obstacles = agents.layout().setup.obstacles.iter().filter_map(seen_obstacle).collect()
+                let (walls, all) = agents.layout().walls_and_doors();
+                out.obstacles = walls.iter().filter_map(seen_obstacle).collect();
+                doors = all.iter().filter_map(seen_obstacle).collect();
             }
             GroupCast::Air(agents) => {
                 out.obstacles = agents.layout().setup.obstacles.iter().filter_map(seen_obstacle).collect();
@@ -364,6 +442,12 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
             let (mesh, name) = (first + u.unit, unit.name.clone());
             StandingUnit { mesh, name, is_floor: unit.floor, placement: u.placement }
         }));
+    }
+    for door in doors {
+        if let SeenObstacle::Wall { from, to, .. } = door {
+            out.doors.push(StandingDoor { mesh: meshes.len() as u32, ends: [from, to] });
+            meshes.push(mesh_of(&[door], false));
+        }
     }
     out.meshes = meshes.into();
     Ok(out)

@@ -11,6 +11,9 @@ use std::f32::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 use throng_precompute::run::{Cached, is_motion, motion_name};
 
+/// Said where a file could not be read, and the old one goes on.
+const STAYS_OPEN: &str = "The open file stays open.";
+
 /// What something that was asked for is called: a file by its name, motion as the bundle that is made of it.
 pub fn name_of(paths: &[PathBuf]) -> String {
     match paths {
@@ -33,7 +36,11 @@ impl Model {
                 let name = name_of(&loaded.paths);
                 self.adopt(loaded.paths, opened, is_reload);
                 match (is_reload, is_told) {
-                    (true, _) => self.say(format!("{name} has changed and was reloaded")),
+                    (true, _) => {
+                        // What was said of an older version is over.
+                        self.messages.retain(|m| !m.is_error || !m.text.ends_with(STAYS_OPEN));
+                        self.say(format!("{name} has changed and was reloaded"));
+                    }
                     (false, false) => self.say(format!("Opened {name}")),
                     // The record of the build says it.
                     (false, true) => {}
@@ -42,7 +49,7 @@ impl Model {
             // The record of the build says it.
             Err(_) if is_told => {}
             Err(why) if matches!(self.document, Document::Nothing) => self.complain(why),
-            Err(why) => self.complain(format!("{why}\nThe open file stays open.")),
+            Err(why) => self.complain(format!("{why}\n{STAYS_OPEN}")),
         }
     }
 
@@ -166,7 +173,8 @@ impl Model {
     /// there.
     pub fn start_reading(&mut self, ctx: &egui::Context, paths: &[PathBuf]) {
         let ctx = ctx.clone();
-        let building = self.loader.start(paths, move || ctx.request_repaint());
+        let from = self.document.scene().filter(|_| self.asked == paths).map(SceneDocument::shown);
+        let building = self.loader.start(paths, from, move || ctx.request_repaint());
         self.build = Some(Build::UnderWay { paths: paths.to_vec(), building });
     }
 

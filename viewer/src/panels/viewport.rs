@@ -1,5 +1,6 @@
 //! The 3-D view: camera, selection, and targets that are dragged.
 
+mod boards;
 mod edits;
 mod label;
 pub mod world;
@@ -70,6 +71,9 @@ pub fn show(
     drag(ui, &response, model, state, commands);
     click(ui, &response, model, layout, commands);
     label::show(ui, rect, model);
+    let pointed = response.hover_pos();
+    let ray = || Some(model.settings.camera.ray(within(rect, pointed?), size(rect)));
+    boards::tell(response.clone(), model, ray);
     tell_value(response, model, layout);
     edits::show(ui, rect, model, commands);
     messages::show(ui, rect, model, commands);
@@ -245,7 +249,8 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
         let body = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
         let body = body.and_then(|hit| layout.drawn.get(hit.character).copied());
         let hit = body.or_else(|| stage::scene::pick(scene, &model.settings.camera, &ray, size(rect)));
-        return commands.push(Command::SelectCharacter(hit));
+        let board = boards::read(model, &ray).filter(|_| hit.is_none());
+        return commands.push(board.unwrap_or(Command::SelectCharacter(hit)));
     }
     if model.shown_crowd().is_some() && !is_order {
         let hit = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);

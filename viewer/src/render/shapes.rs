@@ -28,7 +28,7 @@ pub(super) struct RoundInstance {
     pub colour: Rgba,
 }
 
-/// Instance of a horizontal ring.
+/// Instance of a horizontal ring; a filled square where `inner` is negative.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct RingInstance {
@@ -125,6 +125,11 @@ impl Shapes {
     /// A horizontal band between two circles (m).
     pub fn ring(&mut self, centre: Vec3, inner: f32, outer: f32, colour: Rgba) {
         self.rings.push(RingInstance { centre: centre.to_array(), inner, outer, on_top: self.on_top, colour });
+    }
+
+    /// A filled horizontal square along the axes, of half a side (m).
+    pub fn square(&mut self, centre: Vec3, half: f32, colour: Rgba) {
+        self.ring(centre, -1.0, half, colour);
     }
 
     /// A solid arrow with its tip at `b` (m).

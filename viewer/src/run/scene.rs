@@ -5,7 +5,7 @@
 
 mod state;
 
-use super::agents::{EventLog, Happened, What, With, first_agent};
+use super::agents::{Entry, EventLog, Happened, SpreadLog, What, With, first_agent};
 use super::choices::RunGoal;
 use super::figures::StepFigures;
 use super::marks::{self, Mark};
@@ -61,6 +61,8 @@ pub struct SceneRun {
     events: VecDeque<(u32, Event)>,
     /// All events of agents.
     log: EventLog,
+    /// When agents came to know of messages.
+    spread: SpreadLog,
     /// Blows, ascending by step.
     marks: VecDeque<Mark>,
     /// What was measured at the recorded steps, without times of phases.
@@ -117,11 +119,13 @@ impl SceneRun {
             inputs: VecDeque::new(),
             events: VecDeque::new(),
             log: EventLog::default(),
+            spread: SpreadLog::default(),
             marks: VecDeque::new(),
             figures: VecDeque::new(),
             trails: VecDeque::new(),
         };
         run.figures.push_back((step, run.state.figures));
+        run.spread = SpreadLog::of(run.simulation().minds());
         run.mark_log();
         run.keep_trail(step);
         Ok(run)
@@ -153,6 +157,16 @@ impl SceneRun {
     /// All events of agents; that of later than the step shown, too.
     pub fn log(&self) -> &EventLog {
         &self.log
+    }
+
+    /// When agents came to know of messages; that of later than the step shown, too.
+    pub fn spread(&self) -> &SpreadLog {
+        &self.spread
+    }
+
+    /// How an agent came to its state at a level, 0 for the highest; none for one without mind (level < 3).
+    pub fn entry(&self, who: usize, level: usize) -> Option<Entry> {
+        Some(self.state.traces.get(who.checked_sub(self.first_agent?)?)?.at(level))
     }
 
     /// Keeps the events of another agent apart from now on.
@@ -231,7 +245,12 @@ impl SceneRun {
         self.figures.truncate(self.figures.partition_point(|f| f.0 <= now));
         self.trails.truncate(self.trails.partition_point(|t| t.0 <= now));
         self.inputs.truncate(self.inputs.partition_point(|i| i.0 <= now));
-        self.log.forget_after(self.state.simulation.time_s());
+        let now_s = self.state.simulation.time_s();
+        self.log.forget_after(now_s);
+        self.spread.forget_after(now_s);
+        if matches!(input, Input::Event(_)) {
+            self.log_turns();
+        }
         // Of many drags of one target at a step only the last one counts.
         self.inputs.pop_back_if(|last| last.0 == now && input.replaces(&last.1));
         self.inputs.push_back((now, input));
@@ -289,6 +308,7 @@ impl SceneRun {
         marks::of_step(simulation, step, &mut self.marks);
         self.figures.push_back((step, self.state.figures));
         self.log_events();
+        self.log_turns();
         self.mark_log();
         self.keep_trail(step);
         if step.is_multiple_of(STATE_EVERY) {
@@ -317,6 +337,30 @@ impl SceneRun {
                 GroupCast::Air(agents) => log(&mut self.log, self.first_agent, agents, &self.trails),
                 _ => {}
             }
+        }
+    }
+
+    /// Writes what happened in minds into the log.
+    fn log_turns(&mut self) {
+        let (simulation, Some(first)) = (&self.state.simulation, self.first_agent) else { return };
+        let place = |who: usize| {
+            let last = || *self.trails.back()?.1.get(who)?;
+            simulation.disc(who).map(|d| d.centre).or_else(last)
+        };
+        for turn in simulation.minds().map_or(&[][..], |m| m.turns()) {
+            self.spread.take(turn);
+            let Some((what, with)) = What::of_turn(turn, first) else { continue };
+            let agent = first + turn.agent;
+            self.log.add(Happened {
+                time_s: turn.time_s,
+                agent,
+                what,
+                with,
+                place: turn.place,
+                message: turn.event,
+                at: place(agent).unwrap_or_default(),
+                other_at: with.other().and_then(place).filter(|_| what == What::Learnt),
+            });
         }
     }
 
@@ -353,7 +397,16 @@ fn log<V: throng_runtime::crowd::Space>(
         let other_at = if let With::Agent(other) = with { place(other, event) } else { None };
         let with = if let With::Agent(other) = with { With::Agent(first + other) } else { with };
         let at = place(agent, event).unwrap_or_default();
-        log.add(Happened { time_s: event.time, agent: first + agent, what, with, at, other_at });
+        log.add(Happened {
+            time_s: event.time,
+            agent: first + agent,
+            what,
+            with,
+            place: None,
+            message: None,
+            at,
+            other_at,
+        });
     }
 }
 

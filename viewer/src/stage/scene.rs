@@ -5,9 +5,12 @@ use super::{Layout, Palette, body, bout, crowd, cues, values, world};
 use crate::document::{SceneDocument, Standing};
 use crate::model::Model;
 use crate::render::{Camera, CharacterInstance, Emphasis, Ray, Rgba, SolidInstance};
+use crate::run::agents::first_agent;
 use crate::settings::Colouring;
 use glam::{Vec2, Vec3};
 use throng_runtime::patch::Placement;
+use throng_runtime::simulation::agents::Disc;
+use throng_runtime::simulation::scenario::Minds;
 use throng_runtime::simulation::{GroupCast, Simulation};
 
 /// Cues of all characters are drawn for so many at most.
@@ -30,10 +33,15 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, pa
     let simulation = run.simulation();
     let brush = Brush::new(model, scene, palette, dark);
     standing(out, scene.standing(), &brush);
+    doors(out, scene.standing(), simulation, &brush);
     obstacles::lay_out(&mut out.shapes, scene.standing(), simulation.time_s(), &brush);
+    agents::boards(&mut out.shapes, simulation, &model.selection.scene, &brush);
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone() {
-            let colour = colour(model.settings.colouring, scene, (g, who), palette);
+            let colour = match by_message(model, simulation, who) {
+                Some((minds, agent, event)) => agents::colour_by_message(minds, agent, event, &brush),
+                None => colour(model.settings.colouring, scene, (g, who), palette),
+            };
             character(out, model, simulation, (who, colour), &brush);
         }
     }
@@ -63,6 +71,14 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, pa
     }
 }
 
+/// Mind and number of an agent that is coloured by whether it knows of a message, and the number of that.
+fn by_message<'a>(model: &Model, simulation: &'a Simulation, who: usize) -> Option<(&'a Minds, usize, usize)> {
+    let event = model.selection.scene.message?;
+    let minds = simulation.minds().filter(|m| event < m.events().len())?;
+    let agent = who.checked_sub(first_agent(simulation)?).filter(|a| *a < minds.len())?;
+    Some((minds, agent, event))
+}
+
 /// A body, a disc on the ground, or a ball in the air.
 fn character(
     out: &mut Layout,
@@ -77,7 +93,9 @@ fn character(
     let pose = simulation.pose(who).filter(|_| disc.is_none() || model.selection.scene.bodies);
     if let Some(disc) = &disc {
         let colour = if pose.is_some() { colour.alpha(BELOW_BODIES) } else { colour };
-        agents::disc(&mut out.shapes, brush, disc, colour, is_selected);
+        // Where one message is looked at, discs have its colour.
+        let disc = Disc { knows: disc.knows && model.selection.scene.message.is_none(), ..*disc };
+        agents::disc(&mut out.shapes, brush, &disc, colour, is_selected);
     }
     if let Some(pose) = pose {
         body::put(&mut out.poses, pose, &body::stretch_of_pose(&out.skeleton, pose));
@@ -131,6 +149,22 @@ fn standing(out: &mut Layout, standing: &Standing, brush: &Brush<'_>) {
         placement: u.placement,
         colour: world::colour_of_unit(&u.name, u.is_floor, u.placement, brush.dark),
     }));
+}
+
+/// Doors: closed ones stand, of open ones only the sill is seen.
+fn doors(out: &mut Layout, standing: &Standing, simulation: &Simulation, brush: &Brush<'_>) {
+    let colour = Rgba::hex(if brush.dark { 0xb5793f } else { 0xa0622a });
+    let ground = simulation.casts().iter().find_map(|c| if let GroupCast::Ground(a) = c { Some(a) } else { None });
+    let Some(agents) = ground else { return };
+    for (d, door) in standing.doors.iter().enumerate() {
+        if agents.is_open(d) {
+            let [from, to] = door.ends.map(|p| p.with_y(ABOVE_M));
+            out.shapes.line(from, to, 1.5, colour.alpha(0.6));
+        } else {
+            let placement = Placement::new(0.0, 0.0, 0.0, 0.0);
+            out.solids.instances.push(SolidInstance { mesh: door.mesh, placement, colour });
+        }
+    }
 }
 
 /// The character whose disc or place a ray meets, or nearly so.

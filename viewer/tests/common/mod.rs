@@ -3,6 +3,7 @@
 #![allow(dead_code)] // Every test file is a crate of its own and uses a part of this.
 
 pub mod boxing;
+pub mod market;
 pub mod meeting;
 pub mod paces;
 pub mod square;

@@ -85,9 +85,11 @@ impl<V: Space> Agents<V> {
         Ok(agents)
     }
 
-    /// Records all events of the engine from now on, for [`Agents::engine_events`].
+    /// Records from now on all events of the engine, for [`Agents::engine_events`], and what happens in minds, for
+    /// [`Minds::turns`].
     pub fn record_events(&mut self) {
         self.recorded.get_or_insert_default();
+        self.minds.iter_mut().for_each(Minds::record_turns);
     }
 
     /// All events of the engine in the last step, in their order; empty unless they are recorded.
@@ -128,7 +130,10 @@ impl<V: Space> Agents<V> {
     pub fn raise(&mut self, event: &str) -> Result<()> {
         let now = self.outside.crowd.now();
         match &mut self.minds {
-            Some(minds) => minds.raise(&mut self.outside, now, event),
+            Some(minds) => {
+                minds.clear_turns();
+                minds.raise(&mut self.outside, now, event)
+            }
             None => Err(throng_base::Error::Unknown { what: "event", name: event.into(), known: Vec::new() }),
         }
     }
@@ -201,6 +206,7 @@ impl<V: Space> Kind for Agents<V> {
         let agent_of = std::mem::take(&mut self.outside.agents_told);
         let mut recorded = self.recorded.take();
         recorded.iter_mut().for_each(Vec::clear);
+        self.minds.iter_mut().for_each(Minds::clear_turns);
         let mut tell = |e: &CrowdEvent| {
             recorded.iter_mut().for_each(|all| all.push(*e));
             let Some(&agent) = agent_of.get(e.agent.index()) else { return };

@@ -14,13 +14,24 @@ const BUCKETS: usize = 1024;
 pub(super) struct Boards {
     cell_m: f32,
     levels: u32,
-    /// Of each event: until when the global board shows it (s).
-    global: Vec<f64>,
+    /// Of each event: what the global board shows.
+    global: Vec<Note>,
     posts: Vec<Post>,
     /// First post of each bucket.
     first: Vec<u32>,
     /// Number of posts that there ever were: the next one takes this place, modulo their number.
     count: u64,
+}
+
+/// Something written on a board.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Note {
+    /// Who wrote it last; [`NONE`] for nobody.
+    pub by: u32,
+    /// When (s).
+    pub since: f64,
+    /// Until when it is shown (s).
+    pub until: f64,
 }
 
 /// A post on the board of a cell.
@@ -29,9 +40,35 @@ struct Post {
     event: u16,
     level: u32,
     cell: [i32; 2],
-    until: f64,
+    note: Note,
     /// In the list of its bucket.
     next: u32,
+}
+
+/// What a board shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Posted {
+    /// Number of the event, in [`super::Minds::events`].
+    pub event: usize,
+    /// The cell whose board it is; `None` for the global board.
+    pub cell: Option<Cell>,
+    /// Number of the agent who wrote it last; `None` where the event was posted as it happened.
+    pub by: Option<usize>,
+    /// When (s).
+    pub since_s: f64,
+    /// Until when it is shown (s); infinite for ever.
+    pub until_s: f64,
+}
+
+/// A square cell with a board.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Level in the hierarchy: cells of level 0 are the smallest.
+    pub level: u32,
+    /// Its middle, x and z (m).
+    pub middle: [f32; 2],
+    /// Its side (m).
+    pub side_m: f32,
 }
 
 impl Boards {
@@ -40,17 +77,17 @@ impl Boards {
         Self {
             cell_m: table.cell_m,
             levels: table.levels,
-            global: vec![f64::NEG_INFINITY; num_events],
+            global: vec![Note { by: NONE, since: 0.0, until: f64::NEG_INFINITY }; num_events],
             posts: Vec::with_capacity(if has_cells { POSTS } else { 0 }),
             first: vec![NONE; if has_cells { BUCKETS } else { 0 }],
             count: 0,
         }
     }
 
-    /// Shows an event until a time: on the global board, or on that of the cell of a level at a place.
-    pub fn post(&mut self, event: u16, cell: Option<(Vec3, u32)>, until: f64) {
+    /// Shows an event: on the global board, or on that of the cell of a level at a place.
+    pub fn post(&mut self, event: u16, cell: Option<(Vec3, u32)>, note: Note) {
         let Some((at, level)) = cell else {
-            self.global[usize::from(event)] = until;
+            self.global[usize::from(event)] = note;
             return;
         };
         let level = level.min(self.levels - 1);
@@ -60,14 +97,14 @@ impl Boards {
         while number != NONE {
             let post = &mut self.posts[number as usize];
             if (post.event, post.level, post.cell) == (event, level, cell) {
-                post.until = until;
+                post.note = note;
                 return;
             }
             number = post.next;
         }
         let place = (self.count % POSTS as u64) as usize;
         self.count += 1;
-        let post = Post { event, level, cell, until, next: self.first[bucket] };
+        let post = Post { event, level, cell, note, next: self.first[bucket] };
         if place == self.posts.len() {
             self.posts.push(post);
             self.first[bucket] = place as u32;
@@ -98,7 +135,7 @@ impl Boards {
 
     /// Events on the global board.
     pub fn global(&self, now: f64) -> u64 {
-        self.global.iter().enumerate().filter(|(_, until)| now <= **until).fold(0, |bits, (e, _)| bits | 1 << e)
+        self.global.iter().enumerate().filter(|(_, note)| now <= note.until).fold(0, |bits, (e, _)| bits | 1 << e)
     }
 
     /// Events on the boards that are read at a place: the global one, and those of the cells of all levels.
@@ -112,7 +149,7 @@ impl Boards {
             let mut number = self.first[bucket(level, cell)];
             while number != NONE {
                 let post = &self.posts[number as usize];
-                if (post.level, post.cell) == (level, cell) && now <= post.until {
+                if (post.level, post.cell) == (level, cell) && now <= post.note.until {
                     news |= 1 << post.event;
                 }
                 number = post.next;
@@ -121,21 +158,44 @@ impl Boards {
         news
     }
 
-    /// All posts that are shown, for pictures: middle of the cell, its side (m), and the event.
-    pub fn shown(&self, now: f64) -> impl Iterator<Item = ([f32; 2], f32, u16)> + '_ {
-        self.posts.iter().filter(move |p| now <= p.until).map(|p| {
-            let side = self.cell_m * (1 << p.level) as f32;
-            (p.cell.map(|c| (c as f32 + 0.5) * side), side, p.event)
-        })
+    /// Side of the cells of a level (m).
+    fn side_m(&self, level: u32) -> f32 {
+        self.cell_m * (1 << level) as f32
+    }
+
+    /// All that boards show: the global one, then those of cells.
+    pub fn shown(&self, now: f64) -> impl Iterator<Item = Posted> + '_ {
+        let posted = |event: u16, cell, note: &Note| Posted {
+            event: usize::from(event),
+            cell,
+            by: (note.by != NONE).then_some(note.by as usize),
+            since_s: note.since,
+            until_s: note.until,
+        };
+        let global = (0..).zip(&self.global).filter(move |(_, p)| now <= p.until);
+        let cells = self.posts.iter().filter(move |p| now <= p.note.until).map(move |p| {
+            let side_m = self.side_m(p.level);
+            let middle = p.cell.map(|c| (c as f32 + 0.5) * side_m);
+            posted(p.event, Some(Cell { level: p.level, middle, side_m }), &p.note)
+        });
+        global.map(move |(e, note)| posted(e, None, note)).chain(cells)
+    }
+
+    /// Side of the smallest cells (m), and the number of levels; `None` without cells.
+    pub fn levels(&self) -> Option<(f32, u32)> {
+        (self.cell_m > 0.0).then_some((self.cell_m, self.levels))
     }
 
     fn cell(&self, at: Vec3, level: u32) -> [i32; 2] {
-        let side = self.cell_m * (1 << level) as f32;
+        let side = self.side_m(level);
         [(at.x / side).floor() as i32, (at.z / side).floor() as i32]
     }
 
     /// Why boards from outside cannot be those of a scenario.
-    pub fn is_like(&self, own: &Self) -> bool {
+    ///
+    /// - `num_agents`: those who may have written.
+    pub fn is_like(&self, own: &Self, num_agents: u32) -> bool {
+        let is_written = |p: &Note| (p.by == NONE || p.by < num_agents) && p.since.is_finite() && !p.until.is_nan();
         let is_in = |number: u32| number == NONE || (number as usize) < self.posts.len();
         let links = self.first.iter().copied().chain(self.posts.iter().map(|p| p.next));
         // Lists end: every post is in one list, once.
@@ -150,6 +210,7 @@ impl Boards {
             && links.windows(2).all(|w| w[0] != w[1])
             && links.len() == self.posts.len()
             && self.posts.iter().all(|p| usize::from(p.event) < self.global.len() && p.level < self.levels)
+            && self.global.iter().chain(self.posts.iter().map(|p| &p.note)).all(is_written)
     }
 }
 

@@ -123,6 +123,7 @@ impl<'a> Compiler<'a> {
             rules_of: Vec::new(),
             rule_order: Vec::new(),
             num_pauses: 0,
+            graphs: scene.graphs.keys().cloned().collect(),
             states: Vec::new(),
             edges: Vec::new(),
             actions: Vec::new(),
@@ -434,7 +435,7 @@ impl<'a> Compiler<'a> {
             let start = self.state_number(name, graph, &graph.start, &key)?;
             self.graph_starts.insert(name.clone(), start);
         }
-        for (name, graph) in &scene.graphs {
+        for (of, (name, graph)) in (0..).zip(&scene.graphs) {
             for (state, config) in &graph.states {
                 let key = format!("graphs.{name}.states.{state}");
                 let below = match &config.graph {
@@ -454,7 +455,7 @@ impl<'a> Compiler<'a> {
                 };
                 let (name, word) = (state.clone(), self.out.names.states.find(state).unwrap_or(0) as u16);
                 let level = graph.level as u8;
-                self.out.states.push(State { name, word, level, actions, graph: below, edges: [0; 2] });
+                self.out.states.push(State { name, word, level, of, actions, graph: below, edges: [0; 2] });
             }
         }
         let mut at = 0;
@@ -477,7 +478,7 @@ impl<'a> Compiler<'a> {
                     if edge.probability.is_some() && !(0.0..=1.0).contains(&probability) {
                         return wrong(format!("{key}.probability"), format!("expected 0 to 1, found {probability}"));
                     }
-                    self.out.edges.push(Edge { trigger, to, when, probability });
+                    self.out.edges.push(Edge { trigger, to, when, probability, number: i as u16 });
                 }
                 let edges = &self.out.edges[first as usize..];
                 for e in edges {

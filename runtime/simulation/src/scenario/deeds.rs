@@ -1,5 +1,6 @@
 //! Behaviours: actions one after the other, the slots that they take, and the effects that they have.
 
+use super::boards::Note;
 use super::language::{Amount, Spot};
 use super::mind::{Context, NO, Phase};
 use super::minds::{Minds, at_place};
@@ -283,7 +284,7 @@ impl Minds {
                 let until = self.now + said.amount(2, f64::INFINITY);
                 let at = stage.position(agent).unwrap_or_default();
                 let cell = said.amounts[1].map(|level| (at, level.clamp(0.0, 30.0) as u32));
-                self.boards.post(number, cell, until);
+                self.boards.post(number, cell, Note { by: agent, since: self.now, until });
             }
             Effect::Learn => {
                 let event = usize::from(number);

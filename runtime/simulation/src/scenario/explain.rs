@@ -1,6 +1,7 @@
 //! What minds can say of themselves: why somebody does what it does, what it knows and from whom.
 
-use super::mind::NO;
+use super::boards::Posted;
+use super::mind::{Learnt, NO};
 use super::minds::Minds;
 use super::tables::{Action, HOW, NONE, Scenario};
 use serde::Serialize;
@@ -136,8 +137,8 @@ impl Minds {
         let learnt = self.learnt[agent * self.scenario.events.len() + event]?;
         Some(Known {
             event: self.scenario.names.events.0[event].clone(),
-            how: HOW[usize::from(learnt.how)].into(),
-            from: (learnt.from != NONE).then_some(learnt.from as usize),
+            how: learnt.how().into(),
+            from: learnt.from(),
             time_s: learnt.time_s,
             at: learnt.at,
         })
@@ -213,11 +214,31 @@ impl Minds {
         self.evaluations
     }
 
-    /// Posts on the boards of cells now: middle of the cell and its side (m), and the event.
-    pub fn posts(&self) -> impl Iterator<Item = ([f32; 2], f32, &str)> + '_ {
-        self.boards
-            .shown(self.now)
-            .map(|(at, side, e)| (at, side, self.scenario.names.events.0[usize::from(e)].as_str()))
+    /// All that boards show now: the global one, then those of cells.
+    pub fn posts(&self) -> impl Iterator<Item = Posted> + '_ {
+        self.boards.shown(self.now)
+    }
+
+    /// Side of the smallest cells with boards (m), and the number of levels, each twice as wide; `None` without cells.
+    pub fn board_levels(&self) -> Option<(f32, u32)> {
+        self.boards.levels()
+    }
+
+    /// How an agent came to know of an event; `None` where it does not (agent < number of agents, event < number of events).
+    pub fn learnt(&self, agent: usize, event: usize) -> Option<&Learnt> {
+        self.learnt[agent * self.scenario.events.len() + event].as_ref()
+    }
+}
+
+impl Learnt {
+    /// From whom: number of an agent.
+    pub fn from(&self) -> Option<usize> {
+        (self.from != NONE).then_some(self.from as usize)
+    }
+
+    /// "happens", "told", "read" or "felt".
+    pub fn how(&self) -> &'static str {
+        HOW[usize::from(self.how)]
     }
 }
 

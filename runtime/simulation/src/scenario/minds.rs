@@ -1,11 +1,12 @@
 //! The minds of all agents: stimuli come in, behaviours go out.
 
-use super::boards::Boards;
+use super::boards::{Boards, Note};
 use super::language::{Program, run};
 use super::mind::{Context, Feeling, Learnt, Mind, NO, Phase, Reason};
 use super::perceive::{View, hashed};
 use super::stage::Stage;
 use super::tables::{Action, Edge, FELT, HAPPENS, NONE, Party, READ, Scenario, Schedule, TOLD, trigger};
+use super::turns::{Turn, TurnKind};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use throng_base::text::Source;
@@ -109,6 +110,8 @@ pub struct Minds {
     pub(super) ended: bool,
     /// Predicates and amounts that were worked out.
     pub(super) evaluations: u64,
+    /// What happened, where somebody watches.
+    pub(super) turns: Option<Vec<Turn>>,
 }
 
 impl Minds {
@@ -144,6 +147,7 @@ impl Minds {
             nearby: Vec::with_capacity(num),
             ended: false,
             evaluations: 0,
+            turns: None,
             scenario,
         };
         for e in 0..num_events {
@@ -322,7 +326,7 @@ impl Minds {
         let event = &scenario.events[e];
         self.happened[e] = self.now;
         if event.posted {
-            self.boards.post(e as u16, None, self.now + event.fresh_s);
+            self.boards.post(e as u16, None, Note { by: NONE, since: self.now, until: self.now + event.fresh_s });
         }
         self.ended |= scenario.end.event == Some(e as u16);
         for &(door, open) in &event.doors {
@@ -541,6 +545,7 @@ impl Minds {
         if mind.handled > MOST_AT_ONCE {
             return Err(self.circle(agent, stimulus.trigger));
         }
+        self.note_sensed(agent, stimulus);
         if self.follow_rule(stage, agent, stimulus)? {
             return Ok(());
         }
@@ -553,7 +558,10 @@ impl Minds {
             }
             let [first, last] = self.scenario.states[usize::from(state)].edges;
             if let Some(edge) = self.choose_edge(stage, agent, stimulus, first..last) {
-                let to = self.scenario.edges[edge as usize].to;
+                let Edge { to, number, .. } = self.scenario.edges[edge as usize];
+                let graph = usize::from(self.scenario.states[usize::from(state)].of);
+                let kind = TurnKind::Takes { level, graph, edge: usize::from(number), changes: to != state };
+                self.note(agent, stimulus, kind);
                 let reason =
                     Reason { time_s: self.now, trigger: stimulus.trigger, rule: NONE, edge, context: stimulus.context };
                 self.minds[m].reason = reason;
@@ -594,6 +602,7 @@ impl Minds {
             }
             self.minds[m].reason =
                 Reason { time_s: self.now, trigger: stimulus.trigger, rule: number, edge: NONE, context };
+            self.note(agent, stimulus, TurnKind::Follows(number as usize));
             if rule.is_instant {
                 self.do_at_once(stage, agent, rule.actions, context)?;
                 return Ok(false);

@@ -15,8 +15,10 @@ mod stage;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod turns;
 mod verbs;
 
+pub use boards::{Cell, Posted};
 pub use explain::{Because, Explanation, Known, Spread, ValueNow};
 pub use mind::{Learnt, Mind};
 pub use minds::{Minds, Signal};
@@ -24,4 +26,5 @@ pub(crate) use perceive::hashed;
 pub use sample::evaluate_sample;
 pub use stage::Stage;
 pub use tables::Scenario;
+pub use turns::{StateNow, Turn, TurnKind};
 pub use verbs::{Deed, Primitive, Primitives, Said, Sight, Walk, Word};

@@ -8,7 +8,7 @@ use crate::kind::refused;
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, SnapshotKind};
 
-const KIND: SnapshotKind = SnapshotKind { what: "minds", tag: *b"MIND", version: 1, setup: 0 };
+const KIND: SnapshotKind = SnapshotKind { what: "minds", tag: *b"MIND", version: 2, setup: 0 };
 
 /// All that time changes. Names are those of [`Minds`].
 #[derive(Serialize, Deserialize)]
@@ -92,7 +92,7 @@ impl Minds {
             (saved.enters.len(), self.enters.len()),
             (saved.entered.len(), self.entered.len()),
         ];
-        if lengths.iter().any(|(a, b)| a != b) || !saved.boards.is_like(&self.boards) {
+        if lengths.iter().any(|(a, b)| a != b) || !saved.boards.is_like(&self.boards, self.minds.len() as u32) {
             return Err("they are of another scenario");
         }
         let num = self.minds.len() as u32;

@@ -50,6 +50,8 @@ pub struct Scenario {
     pub(super) rule_order: Vec<u32>,
     /// Rules with a pause.
     pub(super) num_pauses: usize,
+    /// Names of graphs.
+    pub(super) graphs: Vec<String>,
     pub(super) states: Vec<State>,
     /// Of each state, in order of states: those from it, then those from any state of its graph.
     pub(super) edges: Vec<Edge>,
@@ -158,6 +160,8 @@ pub(super) struct State {
     /// Number of the name.
     pub word: u16,
     pub level: u8,
+    /// Its graph.
+    pub of: u16,
     /// First of its actions; [`NONE`] where it has none.
     pub actions: u32,
     /// State in which its graph begins; [`NONE`] where it has none.
@@ -173,6 +177,8 @@ pub(super) struct Edge {
     pub when: Option<Program>,
     /// A share of what the others leave where negative.
     pub probability: f32,
+    /// Number among the edges of its graph, as in the scene file.
+    pub number: u16,
 }
 
 /// One action of a behaviour.

@@ -1,12 +1,12 @@
 //! What happens, the latest first; a click selects the agent.
 
-use super::{State, colour};
+use super::{State, colour, look};
 use crate::command::Command;
 use crate::document::SceneDocument;
 use crate::model::Model;
-use crate::run::agents::{Happened, With};
+use crate::run::agents::{EventFilter, Happened, What, With};
 use crate::stage::agents::colour_of_event;
-use eframe::egui::{Align2, Color32, Role, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
+use eframe::egui::{Align2, Color32, ComboBox, Role, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
 
 /// Events that are listed at most.
 const MOST: usize = 200;
@@ -18,16 +18,25 @@ const KIND: f32 = 78.0;
 
 /// Shows the list.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut State, commands: &mut Vec<Command>) {
-    let (run, kinds) = (scene.run(), &model.selection.scene.kinds);
+    let run = scene.run();
     ui.checkbox(&mut state.only_selected, "of the selected agent only");
+    if let Some(minds) = run.simulation().minds() {
+        ui.horizontal_wrapped(|ui| {
+            choice(ui, "place", "any place", minds.places(), &mut state.place);
+            choice(ui, "message", "any message", minds.events(), &mut state.message);
+        });
+        kinds(ui, model, commands);
+    }
+    let filter = EventFilter { kinds: model.selection.scene.kinds, place: state.place, message: state.message };
     let now = run.simulation().time_s();
     let list = match state.only_selected {
-        true => run.log().last_of_watched(kinds, now, MOST),
-        false => run.log().last(kinds, now, MOST),
+        true => run.log().last_of_watched(&filter, now, MOST),
+        false => run.log().last(&filter, now, MOST),
     };
     if list.is_empty() {
         ui.weak(match (state.only_selected, model.selection.character) {
             (true, None) => "Select an agent to see what happens to it.",
+            _ if state.place.is_some() || state.message.is_some() => "No event that the filters let through yet.",
             _ => "No event of these kinds has happened yet.",
         });
         return;
@@ -39,6 +48,36 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut State
             if row(ui, scene, h, model.selection.character, height) {
                 commands.push(Command::SelectCharacter(Some(h.agent)));
             }
+        }
+    });
+}
+
+/// A filter by one of some names, or none of them.
+fn choice(ui: &mut Ui, what: &str, any: &str, names: &[String], chosen: &mut Option<usize>) {
+    *chosen = chosen.filter(|n| *n < names.len());
+    if names.is_empty() {
+        return;
+    }
+    let text = chosen.map_or(any, |n| &names[n]);
+    let combo = ComboBox::from_id_salt(what).selected_text(text).width(130.0).show_ui(ui, |ui| {
+        ui.selectable_value(chosen, None, any);
+        for (n, name) in names.iter().enumerate() {
+            ui.selectable_value(chosen, Some(n), name);
+        }
+    });
+    combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, format!("Events: {what}")));
+}
+
+/// Shows all kinds again, or hides those of the engine, which are many.
+fn kinds(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        ui.label("kinds").on_hover_text("Each kind can be shown and hidden above, below the rates");
+        if ui.small_button("all").clicked() {
+            commands.push(look(model, |l| l.kinds = [true; What::COUNT]));
+        }
+        let tip = "Hides what the engine of the crowd does, such as resetting bounds";
+        if ui.small_button("without the engine's").on_hover_text(tip).clicked() {
+            commands.push(look(model, |l| l.kinds = What::ALL.map(|what| !what.is_of_engine())));
         }
     });
 }
@@ -71,8 +110,28 @@ fn row(ui: &mut Ui, scene: &SceneDocument, h: &Happened, selected: Option<usize>
 /// Agent of the event, and the other party.
 fn in_words(scene: &SceneDocument, h: &Happened) -> String {
     let agent = super::who(scene, h.agent);
+    let simulation = scene.run().simulation();
+    let minds = simulation.minds();
+    let place = h.place.and_then(|p| minds?.places().get(p)).map_or_else(String::new, |p| format!(" at {p}"));
+    let message = h.message.and_then(|e| minds?.events().get(e));
+    let on = message.map_or_else(String::new, |e| format!(", on {e}"));
+    let with = |other: Option<usize>| other.map_or_else(String::new, |o| format!(", with {}", super::who(scene, o)));
     match h.with {
-        With::Nobody => agent,
+        With::Nobody => format!("{agent}{place}"),
+        With::Message(how, other) => {
+            let from = other.map_or_else(String::new, |o| format!(" by {}", super::who(scene, o)));
+            let event = message.map_or("", String::as_str);
+            format!("{agent} – {event}, {how}{from}")
+        }
+        With::Rule(rule, other) => {
+            format!("{agent} – \"{}\"{}{place}{on}", minds.map_or("", |m| m.rule(rule)), with(other))
+        }
+        With::Edge(graph, edge, other) => {
+            let edge = simulation.scene().graphs.values().nth(graph).and_then(|g| g.edges.get(edge));
+            let states =
+                edge.map_or_else(String::new, |e| format!("{} > {}", e.from.as_deref().unwrap_or("any"), e.to));
+            format!("{agent} – {states}{}{place}{on}", with(other))
+        }
         With::Agent(other) => format!("{agent} – {}", super::who(scene, other)),
         With::Obstacle(o) => format!("{agent} – obstacle {o}"),
     }

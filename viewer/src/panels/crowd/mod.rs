@@ -1,10 +1,13 @@
 //! Agents of a scene: what is drawn of them, figures, the selected agent, and what happens.
 
 mod agent;
+pub mod boards;
 mod drawn;
 mod events;
 mod figures;
+mod graphs;
 mod minds;
+mod news;
 mod rates;
 
 use super::paint::empty;
@@ -21,6 +24,9 @@ use eframe::egui::{CollapsingHeader, Color32, RichText, Sense, Ui, vec2};
 pub struct State {
     /// Only events of the selected agent are listed.
     only_selected: bool,
+    /// Only events about the place, or the message, of this number are listed.
+    place: Option<usize>,
+    message: Option<usize>,
 }
 
 const NO_SCENE: &str = "Scenes of agents need no bundle: data/scenes/corridor.toml, circle.toml, ring.toml, \
@@ -41,8 +47,14 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Co
     section(ui, "Now", |ui| figures::show(ui, scene));
     section(ui, "Agent", |ui| agent::show(ui, model, scene, commands));
     if let Some(minds) = scene.run().simulation().minds() {
-        section(ui, "What it has in mind", |ui| minds::show_agent(ui, model, scene, minds));
-        section(ui, "News", |ui| minds::show_news(ui, minds, commands));
+        section(ui, "What it has in mind", |ui| minds::show(ui, model, scene, minds));
+        if !scene.run().simulation().scene().graphs.is_empty() {
+            section(ui, "State graphs", |ui| graphs::show(ui, model, scene, minds));
+        }
+        if minds.has_events() {
+            section(ui, "News", |ui| news::show(ui, model, scene, minds, commands));
+            section(ui, "Billboards", |ui| boards::show(ui, model, scene, minds, commands));
+        }
     }
     section(ui, "Event rate", |ui| rates::show(ui, model, scene, commands));
     section(ui, "Events", |ui| events::show(ui, model, scene, state, commands));

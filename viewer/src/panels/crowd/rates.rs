@@ -55,8 +55,11 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
 /// Names of kinds with how many there were; a click shows or hides one in plot, list and view.
 fn key(ui: &mut Ui, model: &Model, totals: [u64; What::COUNT], commands: &mut Vec<Command>) {
     let dark = ui.visuals().dark_mode;
-    // What only the scheme of occupied cells tells is left out where there is none of it.
-    let is_special = |w: &What| matches!(w, What::Entering | What::Leaving | What::Contacting | What::Separating);
+    // What only the scheme of occupied cells tells, and minds, is left out where there is none of it.
+    let is_special = |w: &What| {
+        let of_minds = What::Came.number() <= w.number();
+        of_minds || matches!(w, What::Entering | What::Leaving | What::Contacting | What::Separating)
+    };
     let there = What::ALL.into_iter().filter(|w| !is_special(w) || totals[w.number()] > 0);
     Grid::new("kinds").num_columns(COLUMNS).spacing([10.0, 2.0]).show(ui, |ui| {
         for (i, what) in there.enumerate() {

@@ -127,7 +127,8 @@ fn ring_vertex(in: RingIn) -> RingOut {
 
 @fragment
 fn ring_fragment(in: RingOut) -> @location(0) vec4<f32> {
-    let radius = length(in.place);
+    // What has no inner radius is a square.
+    let radius = select(length(in.place), max(abs(in.place.x), abs(in.place.y)), in.radii.x < 0.0);
     let change = max(fwidth(radius), 1e-6);
     let outside = clamp((in.radii.y - radius) / change + 0.5, 0.0, 1.0);
     let inside = select(1.0, clamp((radius - in.radii.x) / change + 0.5, 0.0, 1.0), in.radii.x > 0.0);

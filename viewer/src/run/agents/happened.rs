@@ -4,6 +4,7 @@ use super::rates::Rates;
 use glam::Vec3;
 use std::collections::VecDeque;
 use throng_runtime::crowd::EventKind;
+use throng_runtime::simulation::scenario::{Turn, TurnKind};
 
 /// Events of a kind that are kept.
 const KEPT: usize = 1500;
@@ -33,6 +34,16 @@ pub enum What {
     Struck,
     /// An agent made no progress for 10 s.
     Stuck,
+    /// An agent came to a place.
+    Came,
+    /// An agent went from a place.
+    Went,
+    /// An agent came to know of a message.
+    Learnt,
+    /// An agent followed a rule.
+    Rule,
+    /// An agent took an edge of a graph.
+    Edge,
 }
 
 /// The other party of an event.
@@ -44,11 +55,52 @@ pub enum With {
     Agent(usize),
     /// An obstacle.
     Obstacle(usize),
+    /// How a message was learnt, and from whom.
+    Message(&'static str, Option<usize>),
+    /// Number of a rule, and of the other agent.
+    Rule(usize, Option<usize>),
+    /// Number of a graph and of its edge, and of the other agent.
+    Edge(usize, usize, Option<usize>),
+}
+
+impl With {
+    /// The other agent.
+    pub fn other(self) -> Option<usize> {
+        match self {
+            Self::Nobody | Self::Obstacle(_) => None,
+            Self::Agent(other) => Some(other),
+            Self::Message(_, other) | Self::Rule(_, other) | Self::Edge(_, _, other) => other,
+        }
+    }
+}
+
+/// Which events are listed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EventFilter {
+    /// Of these kinds.
+    pub kinds: [bool; What::COUNT],
+    /// About this place alone.
+    pub place: Option<usize>,
+    /// About this message alone.
+    pub message: Option<usize>,
+}
+
+impl EventFilter {
+    /// All of some kinds.
+    pub fn of_kinds(kinds: [bool; What::COUNT]) -> Self {
+        Self { kinds, place: None, message: None }
+    }
+
+    fn lets(&self, h: &Happened) -> bool {
+        self.kinds[h.what.number()]
+            && self.place.is_none_or(|p| h.place == Some(p))
+            && self.message.is_none_or(|m| h.message == Some(m))
+    }
 }
 
 impl What {
     /// Number of kinds.
-    pub const COUNT: usize = 11;
+    pub const COUNT: usize = 16;
 
     /// All kinds, in their order.
     pub const ALL: [Self; Self::COUNT] = [
@@ -63,6 +115,11 @@ impl What {
         Self::Left,
         Self::Struck,
         Self::Stuck,
+        Self::Came,
+        Self::Went,
+        Self::Learnt,
+        Self::Rule,
+        Self::Edge,
     ];
 
     /// The kind of an event and the other party; none for an unknown kind.
@@ -81,6 +138,24 @@ impl What {
             EventKind::Stuck => (Self::Stuck, With::Nobody),
             _ => return None,
         })
+    }
+
+    /// The kind of what happens in a mind and the other party; none for what is not listed.
+    pub fn of_turn(turn: &Turn, first: usize) -> Option<(Self, With)> {
+        let other = turn.other.map(|agent| first + agent);
+        Some(match turn.kind {
+            TurnKind::Starts => return None,
+            TurnKind::Enters => (Self::Came, With::Nobody),
+            TurnKind::Leaves => (Self::Went, With::Nobody),
+            TurnKind::Learns(how) => (Self::Learnt, With::Message(how, other)),
+            TurnKind::Follows(rule) => (Self::Rule, With::Rule(rule, other)),
+            TurnKind::Takes { graph, edge, .. } => (Self::Edge, With::Edge(graph, edge, other)),
+        })
+    }
+
+    /// True for what the engine of the crowd does, and not somebody in it.
+    pub fn is_of_engine(self) -> bool {
+        self.number() <= Self::Separating.number()
     }
 
     /// Its number among all kinds.
@@ -102,6 +177,11 @@ impl What {
             Self::Left => "left",
             Self::Struck => "struck",
             Self::Stuck => "stuck",
+            Self::Came => "came",
+            Self::Went => "went",
+            Self::Learnt => "learnt",
+            Self::Rule => "rule",
+            Self::Edge => "edge",
         }
     }
 
@@ -119,6 +199,11 @@ impl What {
             Self::Left => "An agent left the crowd at the end of its route",
             Self::Struck => "An obstacle that moves ran into an agent",
             Self::Stuck => "An agent made no progress toward its goal for 10 s",
+            Self::Came => "An agent came to a place",
+            Self::Went => "An agent went from a place",
+            Self::Learnt => "An agent came to know of a message",
+            Self::Rule => "An agent followed a rule",
+            Self::Edge => "An agent took an edge of a state-transition graph",
         }
     }
 }
@@ -134,6 +219,10 @@ pub struct Happened {
     pub what: What,
     /// The other party.
     pub with: With,
+    /// Number of the place that it is about.
+    pub place: Option<usize>,
+    /// Number of the message that it is about.
+    pub message: Option<usize>,
     /// Where it was (m).
     pub at: Vec3,
     /// Where the other agent was (m).
@@ -143,7 +232,7 @@ pub struct Happened {
 impl Happened {
     /// True where it has to do with an agent.
     pub fn is_about(&self, agent: usize) -> bool {
-        self.agent == agent || self.with == With::Agent(agent)
+        self.agent == agent || self.with.other() == Some(agent)
     }
 }
 
@@ -195,12 +284,12 @@ impl EventLog {
         &self.rates
     }
 
-    /// The last events of some kinds until a time, the latest first.
-    pub fn last(&self, shown: &[bool; What::COUNT], until_s: f64, most: usize) -> Vec<Happened> {
-        let kinds = self.kinds.iter().zip(shown).filter(|k| *k.1);
-        let before = |h: &&&Happened| h.time_s <= until_s;
-        let mut all: Vec<Happened> =
-            kinds.flat_map(|(k, _)| k.iter().rev().skip_while(|h| !before(&h)).take(most)).copied().collect();
+    /// The last events that a filter lets through until a time, the latest first.
+    pub fn last(&self, filter: &EventFilter, until_s: f64, most: usize) -> Vec<Happened> {
+        let kinds = self.kinds.iter().zip(filter.kinds).filter(|k| k.1);
+        let is_shown = |h: &&Happened| h.time_s <= until_s && filter.lets(h);
+        let of_kind = |k: &VecDeque<Happened>| k.iter().rev().filter(is_shown).take(most).copied().collect::<Vec<_>>();
+        let mut all: Vec<Happened> = kinds.flat_map(|(k, _)| of_kind(k)).collect();
         // One agent's events at one time stay in the order in which they happened.
         all.sort_by(|a, b| b.time_s.total_cmp(&a.time_s));
         all.truncate(most);
@@ -208,8 +297,8 @@ impl EventLog {
     }
 
     /// The same of the agent that is watched.
-    pub fn last_of_watched(&self, shown: &[bool; What::COUNT], until_s: f64, most: usize) -> Vec<Happened> {
-        let is_shown = |h: &&Happened| h.time_s <= until_s && shown[h.what.number()];
+    pub fn last_of_watched(&self, filter: &EventFilter, until_s: f64, most: usize) -> Vec<Happened> {
+        let is_shown = |h: &&Happened| h.time_s <= until_s && filter.lets(h);
         self.of_watched.iter().rev().filter(is_shown).take(most).copied().collect()
     }
 }
@@ -226,7 +315,7 @@ mod tests {
     use super::*;
 
     fn event(time_s: f64, what: What, agent: usize, with: With) -> Happened {
-        Happened { time_s, agent, what, with, at: Vec3::ZERO, other_at: None }
+        Happened { time_s, agent, what, with, place: None, message: None, at: Vec3::ZERO, other_at: None }
     }
 
     #[test]
@@ -236,11 +325,11 @@ mod tests {
         for i in 0..3 * KEPT {
             log.add(event(1.0 + i as f64, What::Resetting, i, With::Nobody));
         }
-        let all = [true; What::COUNT];
+        let all = EventFilter::of_kinds([true; What::COUNT]);
         let newest = log.last(&all, f64::INFINITY, 2);
         assert_eq!(newest.iter().map(|h| h.agent).collect::<Vec<_>>(), [3 * KEPT - 1, 3 * KEPT - 2]);
-        let mut rare = [false; What::COUNT];
-        rare[What::Stuck.number()] = true;
+        let mut rare = EventFilter::of_kinds([false; What::COUNT]);
+        rare.kinds[What::Stuck.number()] = true;
         assert_eq!(log.last(&rare, f64::INFINITY, 9)[0].agent, 7);
         assert!(log.last(&rare, 0.4, 9).is_empty(), "it has not happened yet");
         let then = (2 * KEPT + 10) as f64 + 1.5;
@@ -254,11 +343,29 @@ mod tests {
         log.add(event(2.0, What::Colliding, 1, With::Agent(2)));
         log.watch(Some(5));
         log.add(event(3.0, What::Resetting, 5, With::Nobody));
-        let all = [true; What::COUNT];
+        let all = EventFilter::of_kinds([true; What::COUNT]);
         let times = |until| log.last_of_watched(&all, until, 9).iter().map(|h| h.time_s).collect::<Vec<_>>();
         assert_eq!((times(9.0), times(2.5)), (vec![3.0, 1.0], vec![1.0]));
         log.forget_after(2.0);
         let times = |until| log.last_of_watched(&all, until, 9).iter().map(|h| h.time_s).collect::<Vec<_>>();
         assert_eq!((times(9.0), log.last(&all, 9.0, 9).len()), (vec![1.0], 2));
+    }
+
+    #[test]
+    fn events_are_filtered_by_place_and_message() {
+        let mut log = EventLog::default();
+        let told = With::Message("told", Some(2));
+        log.add(Happened { message: Some(1), ..event(1.0, What::Learnt, 5, told) });
+        log.add(Happened { message: Some(0), ..event(2.0, What::Learnt, 6, With::Message("happens", None)) });
+        log.add(Happened { place: Some(3), ..event(3.0, What::Came, 5, With::Nobody) });
+        log.add(Happened { place: Some(3), message: Some(1), ..event(4.0, What::Edge, 7, With::Edge(0, 1, None)) });
+        let all = EventFilter::of_kinds([true; What::COUNT]);
+        let times = |filter: &EventFilter| log.last(filter, 9.0, 9).iter().map(|h| h.time_s).collect::<Vec<_>>();
+        assert_eq!(times(&all), [4.0, 3.0, 2.0, 1.0]);
+        assert_eq!(times(&EventFilter { place: Some(3), ..all }), [4.0, 3.0]);
+        assert_eq!(times(&EventFilter { message: Some(1), ..all }), [4.0, 1.0]);
+        assert_eq!(times(&EventFilter { place: Some(3), message: Some(0), ..all }), [0.0; 0]);
+        log.watch(Some(2));
+        assert_eq!(log.last_of_watched(&all, 9.0, 9).len(), 1, "who tells takes part");
     }
 }

@@ -1,5 +1,6 @@
 //! The state of a scene that later steps depend on.
 
+use crate::run::agents::Trace;
 use crate::run::choices::{About, Choices, RunGoal};
 use crate::run::figures::{BoutFigures, Slip, StepFigures};
 use crate::run::{Input, STEP_HZ};
@@ -34,6 +35,8 @@ pub(super) struct State {
     pub choosing: Vec<Choosing>,
     feet: SlipMeter,
     agents: Option<AgentsMeter>,
+    /// How agents came to their states (agents with minds).
+    pub traces: Vec<Trace>,
     pub figures: StepFigures,
 }
 
@@ -44,6 +47,7 @@ impl State {
             choosing: choosing.collect(),
             feet: SlipMeter::new(simulation.num_characters()),
             agents: AgentsMeter::new(&simulation),
+            traces: Trace::of_all(&simulation),
             figures: StepFigures::default(),
             simulation,
         };
@@ -74,6 +78,8 @@ impl State {
         let is_large = simulation.num_characters() >= PARALLEL_FROM;
         let threads: &dyn Threads = if is_large { &Rayon } else { &Inline };
         simulation.step_to(f64::from(step) / f64::from(STEP_HZ), threads)?;
+        self.follow_minds();
+        let simulation = &mut self.simulation;
         for (c, (targets, threats)) in self.choosing.iter_mut().zip(&before) {
             c.observe(simulation, (targets, threats), step);
         }
@@ -86,6 +92,13 @@ impl State {
             self.figures.agents = Some(meter.observe(simulation));
         }
         Ok(())
+    }
+
+    /// Takes what happened in minds.
+    fn follow_minds(&mut self) {
+        for turn in self.simulation.minds().map_or(&[][..], |m| m.turns()) {
+            self.traces[turn.agent].take(turn);
+        }
     }
 
     /// Lets an input take effect.
@@ -117,7 +130,10 @@ impl State {
                     _ => {}
                 }
             }
-            Input::Event(name) => self.simulation.raise(name)?,
+            Input::Event(name) => {
+                self.simulation.raise(name)?;
+                self.follow_minds();
+            }
             Input::Wish { character, wish } => {
                 let number = self.simulation.locate(*character).1;
                 let group = self.simulation.groups().iter().find(|g| g.characters.contains(character));

@@ -3,9 +3,11 @@
 use super::*;
 use crate::document::SceneDocument;
 use crate::fixtures::boxing::Boxing;
+use crate::fixtures::market::Market;
 use crate::fixtures::meeting::Meeting;
 use crate::fixtures::paces::Paces;
 use crate::fixtures::quietly;
+use crate::run::agents::EventFilter;
 use crate::run::{Met, explain};
 use std::path::Path;
 use throng_runtime::NUM_JOINTS;
@@ -165,7 +167,7 @@ fn agents_are_measured_and_their_events_logged() {
     steps(run, 240);
     let figures = run.figures().agents.unwrap();
     assert!(figures.present == 24 && figures.overlaps == 0 && figures.progress_mps > 0.3, "{figures:?}");
-    let all = [true; What::COUNT];
+    let all = EventFilter::of_kinds([true; What::COUNT]);
     let log = run.log();
     let of_one = log.last_of_watched(&all, 9.0, 999);
     assert!(!of_one.is_empty() && of_one.iter().all(|h| h.is_about(3)));
@@ -177,6 +179,67 @@ fn agents_are_measured_and_their_events_logged() {
     assert!(run.log().last(&all, 9.0, 99).iter().all(|h| h.time_s <= 2.0));
     steps(run, 10);
     assert_eq!(run.head.recorded(), 0..=130);
+}
+
+/// What agents came to, and who knows what, in words.
+fn minds_of(run: &SceneRun) -> String {
+    let minds = run.simulation().minds().unwrap();
+    let of = |agent: usize| (minds.states_of(agent), [0, 1, 2].map(|level| run.entry(agent, level)));
+    let known = |e| run.spread().times(e).iter().filter(|t| **t <= run.simulation().time_s()).count();
+    let all: Vec<_> = (0..minds.len()).map(of).collect();
+    format!("{all:?} {:?}", [0, 1].map(known))
+}
+
+#[test]
+fn what_agents_came_to_is_the_same_whichever_way_a_moment_is_shown() {
+    let market = Market::new();
+    let mut document = open(&market.scene(24));
+    let run = document.run_mut();
+    let mut seen = vec![minds_of(run)];
+    for _ in 0..360 {
+        run.step().unwrap();
+        seen.push(minds_of(run));
+    }
+    for step in [200, 30, 359, 0, 61, 360] {
+        run.seek(step).unwrap();
+        assert!(minds_of(run) == seen[step as usize], "step {step}");
+    }
+    let minds = run.simulation().minds().unwrap();
+    let sale = minds.events().iter().position(|e| e == "sale").unwrap();
+    let times = run.spread().times(sale);
+    assert!(times.len() > 2 && times.is_sorted() && times[..2] == [1.0, 1.0], "{times:?}");
+    assert_eq!(times.len(), minds.spread()[sale].informed);
+    // Whoever shops came there by the first edge, and all below is gone; who strolls, by none or the one back.
+    let now = |agent: usize| minds.states_of(agent)[0].unwrap().state;
+    let shopping = (0..24).find(|a| now(*a) == "shop").expect("somebody shops");
+    let entry = run.entry(shopping, 0).unwrap();
+    let (edge, at_s) = entry.edge.unwrap();
+    assert!(edge == 0 && entry.since_s == Some(at_s) && at_s >= 1.0, "{entry:?}");
+    assert_eq!(minds.states_of(shopping)[1], None);
+    // What is listed is what is known.
+    let kinds = What::ALL.map(|what| what == What::Learnt);
+    let listed = run.log().last(&EventFilter { message: Some(sale), ..EventFilter::of_kinds(kinds) }, 9.0, 999);
+    assert_eq!(listed.len(), times.len());
+    assert!(listed.iter().any(|h| matches!(h.with, With::Message("told", Some(_))) && h.other_at.is_some()));
+}
+
+#[test]
+fn an_event_in_the_past_changes_what_spreads_from_there_on() {
+    let market = Market::new();
+    let mut document = open(&market.scene(12));
+    let run = document.run_mut();
+    steps(run, 240);
+    let later = run.spread().times(1).len();
+    run.seek(30).unwrap();
+    run.input(Input::Event("sale".into())).unwrap();
+    assert_eq!(run.spread().times(1), [0.5, 0.5]);
+    let all = EventFilter::of_kinds([true; What::COUNT]);
+    assert!(run.log().last(&all, 9.0, 999).iter().any(|h| h.what == What::Learnt && h.message == Some(1)));
+    let now = minds_of(run);
+    steps(run, 100);
+    assert!(later >= 2 && run.spread().times(1).len() >= 2);
+    run.seek(30).unwrap();
+    assert!(minds_of(run) == now, "the input is repeated");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::Brush;
 use crate::command::SceneLook;
 use crate::render::{Rgba, Shapes};
 use crate::run::SceneRun;
-use crate::run::agents::{Happened, What};
+use crate::run::agents::{EventFilter, Happened, What};
 use glam::Vec3;
 
 /// Time that a mark stays (s).
@@ -35,6 +35,11 @@ pub fn colour_of(what: What, dark: bool) -> Rgba {
         What::Left => (0x4fd0d9, 0x0b7a86),
         What::Struck => (0xff5df0, 0x9c0f9c),
         What::Stuck => (0xff5f50, 0xc01f14),
+        What::Came => (0xe6b06a, 0x95600f),
+        What::Went => (0xb8926a, 0x7a5a33),
+        What::Learnt => (0x6fd3ff, 0x0a6c9c),
+        What::Rule => (0xd9a0ff, 0x8324b8),
+        What::Edge => (0xc8e06a, 0x557000),
     };
     Rgba::hex(if dark { on_dark } else { on_light })
 }
@@ -42,20 +47,20 @@ pub fn colour_of(what: What, dark: bool) -> Rgba {
 /// How long a mark of a kind stays (s).
 fn stay_s(what: What) -> f64 {
     match what {
-        What::Arrived | What::Left | What::Struck | What::Stuck => RARE_S,
+        What::Arrived | What::Left | What::Struck | What::Stuck | What::Learnt => RARE_S,
         _ => MARK_S,
     }
 }
 
 /// Frequent events of all agents.
 fn is_quiet(what: What) -> bool {
-    matches!(what, What::Resetting | What::Entering | What::Leaving)
+    matches!(what, What::Resetting | What::Entering | What::Leaving | What::Came | What::Went | What::Edge)
 }
 
 pub(super) fn lay_out(shapes: &mut Shapes, run: &SceneRun, look: &SceneLook, brush: &Brush<'_>) {
     let now = run.simulation().time_s();
     let is_rare = What::ALL.map(|what| stay_s(what) > MARK_S);
-    let of_kinds = |rare: bool| std::array::from_fn(|k| look.kinds[k] && is_rare[k] == rare);
+    let of_kinds = |rare: bool| EventFilter::of_kinds(std::array::from_fn(|k| look.kinds[k] && is_rare[k] == rare));
     let usual = run.log().last(&of_kinds(false), now, MAX_MARKS);
     let first_s = usual.last().map_or(now, |h| h.time_s);
     let mut more = run.log().last_of_watched(&of_kinds(false), now, MAX_MARKS);

@@ -1,18 +1,23 @@
 //! Agents of a scene: discs on the ground or balls in the air, their routes and bounds, and what happens to them.
 
+mod boards;
 mod marks;
 pub(super) mod obstacles;
 mod selected;
+mod spread;
 
+pub(super) use boards::lay_out as boards;
+pub use boards::{cell_at, colour_of_message};
 pub use marks::colour_of as colour_of_event;
 pub use selected::{TAKEN, colour_of_force};
+pub(super) use spread::colour as colour_by_message;
 
 use super::{Layout, Palette, cues};
 use crate::command::Whose;
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::render::{Rgba, Shapes};
-use crate::run::agents::{bound, way};
+use crate::run::agents::{bound, first_agent, way};
 use glam::Vec3;
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::agents::Disc;
@@ -72,6 +77,9 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, br
         Whose::Selected => selected == Some(who),
         Whose::All => selected == Some(who) || count < MAX_LINES,
     };
+    if let (Some(event), Some(first)) = (look.message, first_agent(simulation)) {
+        spread::lay_out(&mut out.shapes, run, (first, event), selected, brush);
+    }
     let mut count = 0;
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone().filter(|&who| simulation.disc(who).is_some()) {

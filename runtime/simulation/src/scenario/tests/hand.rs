@@ -1,5 +1,6 @@
 //! Scenes that are solved by hand, and scenes that are refused.
 
+use super::super::TurnKind;
 use super::{Signal, explained, played, refused};
 
 const WAIT: &str =
@@ -119,6 +120,61 @@ fn boards_are_read_where_they_are_and_not_for_ever() {
     let (minds, _) = played(3, story, &[(11.0, Signal::CameTo(1, 0))], 12.0);
     assert_eq!(minds.num_known(1), 0, "it was taken down");
 }
+
+#[test]
+fn boards_say_who_wrote_what_and_until_when() {
+    let story = "[agents]\ncell_m = 4.0\n[[rules]]\non = \"starts\"\nwhen = \"me.number == 2\"\n\
+        do = [{ post = \"way\", cells = 1, for_s = 10 }]\n[[events]]\nname = \"way\"\n[[events]]\nname = \"bell\"\nat_s = 1.0\n\
+        posted = true\nfresh_s = 5.0\n";
+    let (minds, _) = played(3, story, &[], 2.0);
+    let posts: Vec<_> = minds.posts().collect();
+    assert_eq!((posts[0].event, posts[0].cell, posts[0].by, posts[0].until_s), (1, None, None, 6.0));
+    let (cell, by) = (posts[1].cell.expect("a cell"), posts[1].by);
+    // Agent 2 is at 6 m; cells of level 1 are 8 m wide.
+    assert_eq!((cell.level, cell.middle, cell.side_m, by), (1, [4.0, 4.0], 8.0, Some(2)));
+    assert_eq!((posts.len(), posts[1].since_s, posts[1].until_s), (2, 0.0, 10.0));
+    let (minds, _) = played(3, story, &[(7.0, Signal::Crossed(0))], 8.0);
+    assert_eq!(minds.posts().map(|p| p.event).collect::<Vec<_>>(), [0], "the bell is taken down");
+    assert_eq!(minds.board_levels(), Some((4.0, 4)));
+}
+
+#[test]
+fn those_who_watch_are_told_of_every_turn_in_its_order() {
+    let story = format!(
+        "{GRAPHS}[[events]]\nname = \"bell\"\nat_s = 1.0\nwho = \"me.number == 1\"\n[[rules]]\nname = \"hear\"\non = \"bell\"\ndo = [{{ timer = 9 }}]\n"
+    );
+    let mut minds = super::minds(&super::scene(2, &story));
+    minds.record_turns();
+    let mut stage = super::Paper::new(2);
+    super::Lives::begin(&mut minds, &mut stage);
+    super::play(&mut minds, &mut stage, &[], 1.5);
+    let kinds: Vec<_> = minds.turns().iter().map(|t| (t.time_s, t.agent, t.kind)).collect();
+    let takes = TurnKind::Takes { level: 0, graph: 1, edge: 0, changes: true };
+    assert_eq!(
+        kinds,
+        [
+            (0.0, 0, TurnKind::Starts),
+            (0.0, 1, TurnKind::Starts),
+            (1.0, 1, TurnKind::Learns("happens")),
+            (1.0, 1, TurnKind::Follows(0)),
+            (1.0, 1, takes),
+        ]
+    );
+    assert_eq!((minds.rule(0), minds.name_of(minds.turns()[2].on)), ("hear", "bell".into()));
+    let now = |agent: usize| minds.states_of(agent).map(|s| s.map(|s| (s.graph, s.state)));
+    assert_eq!(now(0), [Some(("life", "up")), Some(("below", "x")), None]);
+    assert_eq!(now(1), [Some(("life", "down")), None, None]);
+    let learnt = minds.learnt(1, 0).expect("it knows");
+    assert_eq!((learnt.from(), learnt.how(), learnt.time_s), (None, "happens", 1.0));
+    minds.clear_turns();
+    assert!(minds.turns().is_empty() && minds.learnt(0, 0).is_none());
+}
+
+/// Two levels; a bell leads down, where there is nothing below.
+const GRAPHS: &str = "[graphs.life]\nlevel = \"social\"\nstart = \"up\"\n\
+    edges = [{ from = \"up\", to = \"down\", on = \"bell\" }]\n[graphs.life.states]\nup = { graph = \"below\" }\n\
+    down = { do = [{ stay = 99 }] }\n[graphs.below]\nlevel = \"spatial\"\nstart = \"x\"\n[graphs.below.states]\n\
+    x = { do = [{ stay = 99 }] }\n";
 
 #[test]
 fn what_is_felt_weakens_with_the_distance() {

@@ -1,0 +1,139 @@
+//! What happens in minds, one after the other, for those who watch: kept only where it is asked for.
+
+use super::mind::{Context, NO};
+use super::minds::{Minds, Stimulus};
+use super::tables::{HOW, NONE, trigger};
+
+/// Something that happened in a mind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// When (s).
+    pub time_s: f64,
+    /// Number of the agent.
+    pub agent: usize,
+    /// What.
+    pub kind: TurnKind,
+    /// Number of what it followed on, for [`Minds::name_of`].
+    pub on: u16,
+    /// Who was met, or told.
+    pub other: Option<usize>,
+    /// Number of the place, in [`Minds::places`].
+    pub place: Option<usize>,
+    /// Number of the event, in [`Minds::events`].
+    pub event: Option<usize>,
+}
+
+/// Kinds of turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TurnKind {
+    /// It entered the scene.
+    Starts,
+    /// It came to a place.
+    Enters,
+    /// It went from a place.
+    Leaves,
+    /// It came to know of an event: "happens", "told", "read" or "felt".
+    Learns(&'static str),
+    /// It followed a rule, of this number.
+    Follows(usize),
+    /// It took an edge.
+    Takes {
+        /// Level of the graph: 0 is the highest.
+        level: usize,
+        /// Number of the graph, in the order of their names.
+        graph: usize,
+        /// Number of the edge in its graph, as in the scene file.
+        edge: usize,
+        /// It led to another state, so that all below began anew.
+        changes: bool,
+    },
+}
+
+/// A state that an agent is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StateNow<'a> {
+    /// Name of the graph.
+    pub graph: &'a str,
+    /// Name of the state.
+    pub state: &'a str,
+}
+
+impl Minds {
+    /// Keeps what happens from now on, for [`Minds::turns`].
+    pub(crate) fn record_turns(&mut self) {
+        self.turns.get_or_insert_default();
+    }
+
+    /// Forgets what has happened.
+    pub(crate) fn clear_turns(&mut self) {
+        self.turns.iter_mut().for_each(Vec::clear);
+    }
+
+    /// What happened in the last step, or at the last call from outside, in its order; empty unless it is recorded
+    /// ([`crate::agents::Agents::record_events`]).
+    pub fn turns(&self) -> &[Turn] {
+        self.turns.as_deref().unwrap_or_default()
+    }
+
+    /// States of an agent, the highest level first (agent < number of agents).
+    pub fn states_of(&self, agent: usize) -> [Option<StateNow<'_>>; 3] {
+        self.minds[agent].states.map(|s| {
+            let state = self.scenario.states.get(usize::from(s)).filter(|_| s != NO)?;
+            Some(StateNow { graph: &self.scenario.graphs[usize::from(state.of)], state: &state.name })
+        })
+    }
+
+    /// Name of what turns follow on: an event, `enters`, `done` and others.
+    pub fn name_of(&self, on: u16) -> String {
+        self.scenario.trigger_name(on)
+    }
+
+    /// Name of a rule; empty where it has none.
+    pub fn rule(&self, number: usize) -> &str {
+        self.scenario.rules.get(number).map_or("", |r| &r.name)
+    }
+
+    /// Names of places.
+    pub fn places(&self) -> &[String] {
+        &self.scenario.names.places.0
+    }
+
+    /// Notes what an agent senses, where somebody watches and it is of interest by itself.
+    pub(super) fn note_sensed(&mut self, agent: u32, stimulus: Stimulus) {
+        if self.turns.is_none() {
+            return;
+        }
+        let kind = match stimulus.trigger {
+            trigger::STARTS => TurnKind::Starts,
+            trigger::ENTERS => TurnKind::Enters,
+            trigger::LEAVES => TurnKind::Leaves,
+            _ => match self.new_to(agent, stimulus.context) {
+                Some(how) => TurnKind::Learns(how),
+                None => return,
+            },
+        };
+        self.note(agent, stimulus, kind);
+    }
+
+    /// How an agent learns just now of the event of a context; `None` where it knew of it.
+    fn new_to(&self, agent: u32, context: Context) -> Option<&'static str> {
+        if context.event == NO {
+            return None;
+        }
+        let of = agent as usize * self.scenario.events.len() + usize::from(context.event);
+        let is_it =
+            self.learnt[of].is_some_and(|l| (l.time_s, l.from, l.how) == (self.now, context.other, context.how));
+        is_it.then(|| HOW[usize::from(context.how)])
+    }
+
+    /// Notes a turn, where somebody watches.
+    pub(super) fn note(&mut self, agent: u32, stimulus: Stimulus, kind: TurnKind) {
+        let (time_s, context) = (self.now, stimulus.context);
+        let some = |number: u16| (number != NO).then_some(usize::from(number));
+        if let Some(turns) = &mut self.turns {
+            let other = (context.other != NONE).then_some(context.other as usize);
+            let (place, event) = (some(context.place), some(context.event));
+            turns.push(Turn { time_s, agent: agent as usize, kind, on: stimulus.trigger, other, place, event });
+        }
+    }
+}

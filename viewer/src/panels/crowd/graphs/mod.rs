@@ -1,0 +1,92 @@
+//! The state-transition graphs of the selected agent, level by level: its states, and the edges that it took last.
+
+mod layout;
+mod paint;
+mod route;
+
+use crate::document::SceneDocument;
+use crate::model::Model;
+use crate::run::agents::{Entry, first_agent};
+use eframe::egui::Ui;
+use layout::Shape;
+use throng_runtime::simulation::scenario::{Minds, StateNow};
+use throng_runtime::simulation::scene::{EdgeConfig, GraphConfig};
+
+/// Levels by their names, the highest first.
+const LEVELS: [&str; 3] = ["social", "spatial", "primitive"];
+
+/// Shows the graphs that the selected agent is in.
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &Minds) {
+    let simulation = scene.run().simulation();
+    let first = first_agent(simulation).unwrap_or(0);
+    let selected = model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < minds.len());
+    let Some(agent) = selected else {
+        ui.weak("Select an agent.");
+        return;
+    };
+    let states = minds.states_of(agent);
+    if states.iter().all(Option::is_none) {
+        ui.weak("It is in no state: it follows its goal and rules.");
+        return;
+    }
+    for (level, now) in states.iter().enumerate() {
+        let entry = scene.run().entry(first + agent, level);
+        let graph = now.and_then(|now| Some((now, simulation.scene().graphs.get(now.graph)?)));
+        match graph {
+            Some((now, graph)) => one(ui, (level, now), graph, entry),
+            None => drop(ui.weak(format!("{}: no graph in this state", LEVELS[level]))),
+        }
+    }
+}
+
+/// One graph, with what is known of how the agent came to its state.
+fn one(ui: &mut Ui, (level, now): (usize, StateNow<'_>), graph: &GraphConfig, entry: Option<Entry>) {
+    let since = entry.and_then(|e| e.since_s).map_or_else(String::new, |s| format!(", since {s:.1} s"));
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        ui.strong(LEVELS[level]);
+        ui.label(format!("{}: {}{since}", now.graph, now.state));
+    });
+    if let Some(above) = entry.and_then(|e| e.began_with) {
+        ui.weak(format!("began anew as the {} state changed", LEVELS[above]));
+    }
+    let taken = entry.and_then(|e| e.edge).filter(|(edge, _)| *edge < graph.edges.len());
+    let marks = paint::Marks {
+        now: graph.states.keys().position(|s| s == now.state),
+        taken: taken.map(|t| t.0),
+        is_anew: entry.is_some_and(|e| e.began_with.is_some()),
+    };
+    paint::show(ui, now.graph, graph, &Shape::of(graph), marks);
+    if let Some((edge, at_s)) = taken {
+        let stays = if graph.edges[edge].to == now.state { "" } else { " (before)" };
+        ui.label(format!("took at {at_s:.1} s{stays}: {}", in_words(&graph.edges[edge])));
+    }
+    ui.add_space(4.0);
+}
+
+/// An edge as the scene file has it, in a line.
+fn in_words(edge: &EdgeConfig) -> String {
+    let from = edge.from.as_deref().unwrap_or("any state");
+    let when = edge.when.as_ref().map_or_else(String::new, |w| format!(", when {w}"));
+    let by_chance = edge.probability.map_or_else(String::new, |p| format!(", probability {p}"));
+    format!("{from} > {}, on {}{when}{by_chance}", edge.to, edge.on)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_is_told_with_its_predicate_and_probability() {
+        let edge = EdgeConfig {
+            from: Some("walk".into()),
+            to: "bread".into(),
+            on: "enters".into(),
+            when: Some("place.free > 0".into()),
+            probability: Some(0.3),
+        };
+        assert_eq!(in_words(&edge), "walk > bread, on enters, when place.free > 0, probability 0.3");
+        let any = EdgeConfig { from: None, when: None, probability: None, ..edge };
+        assert_eq!(in_words(&any), "any state > bread, on enters");
+    }
+}

@@ -1,0 +1,110 @@
+//! How agents came to the states that they are in: the last edge at each level, and what began anew with it.
+
+use throng_runtime::simulation::Simulation;
+use throng_runtime::simulation::scenario::{Turn, TurnKind};
+
+/// No edge.
+const NONE: u16 = u16::MAX;
+
+/// What happened last at one level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Level {
+    /// When its state began, or began anew (s); NaN where it is not known.
+    since_s: f32,
+    /// When the edge was taken (s).
+    taken_s: f32,
+    /// The last edge, as numbered in the scene file; [`NONE`] for none.
+    edge: u16,
+    /// It began anew with a change at this level.
+    above: u8,
+}
+
+/// The last edges of one agent, the highest level first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trace([Level; 3]);
+
+/// How an agent came to its state at one level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// Since when it is in this state (s); none where that was before the state that was restored.
+    pub since_s: Option<f64>,
+    /// The edge that was taken last at this level, and when (s); it may have led back to the same state.
+    pub edge: Option<(usize, f64)>,
+    /// Level with whose change it began anew.
+    pub began_with: Option<usize>,
+}
+
+impl Trace {
+    /// Of an agent that has been in its states since a time; NaN where that is not known (s).
+    fn begun(since_s: f32) -> Self {
+        Self([Level { since_s, taken_s: f32::NAN, edge: NONE, above: u8::MAX }; 3])
+    }
+
+    /// Of all agents of a scene in its present state; none where they have no minds.
+    pub fn of_all(simulation: &Simulation) -> Vec<Self> {
+        let since_s = if simulation.time_s() == 0.0 { 0.0 } else { f32::NAN };
+        vec![Self::begun(since_s); simulation.minds().map_or(0, |m| m.len())]
+    }
+
+    /// Takes what happened in a mind.
+    pub fn take(&mut self, turn: &Turn) {
+        let time_s = turn.time_s as f32;
+        match turn.kind {
+            TurnKind::Starts => *self = Self::begun(time_s),
+            TurnKind::Takes { level, edge, changes, .. } => {
+                let here = &mut self.0[level];
+                (here.edge, here.taken_s) = (edge as u16, time_s);
+                if changes {
+                    (here.since_s, here.above) = (time_s, u8::MAX);
+                    let anew = Level { since_s: time_s, taken_s: f32::NAN, edge: NONE, above: level as u8 };
+                    self.0[level + 1..].fill(anew);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// How it came to its state at a level (level < 3).
+    pub fn at(&self, level: usize) -> Entry {
+        let l = self.0[level];
+        Entry {
+            since_s: (!l.since_s.is_nan()).then_some(f64::from(l.since_s)),
+            edge: (l.edge != NONE).then_some((usize::from(l.edge), f64::from(l.taken_s))),
+            began_with: (l.above != u8::MAX).then_some(usize::from(l.above)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turn(time_s: f64, kind: TurnKind) -> Turn {
+        Turn { time_s, agent: 0, kind, on: 0, other: None, place: None, event: None }
+    }
+
+    fn edge(level: usize, edge: usize, changes: bool) -> TurnKind {
+        TurnKind::Takes { level, graph: 0, edge, changes }
+    }
+
+    #[test]
+    fn a_change_begins_what_is_below_anew_and_leaves_what_is_above() {
+        let mut trace = Trace::begun(0.0);
+        trace.take(&turn(1.0, edge(1, 4, true)));
+        trace.take(&turn(2.0, edge(2, 7, true)));
+        assert_eq!(trace.at(0), Entry { since_s: Some(0.0), edge: None, began_with: None });
+        assert_eq!(trace.at(2), Entry { since_s: Some(2.0), edge: Some((7, 2.0)), began_with: None });
+        // Back to the same state: nothing begins anew.
+        trace.take(&turn(3.0, edge(1, 5, false)));
+        assert_eq!(trace.at(1), Entry { since_s: Some(1.0), edge: Some((5, 3.0)), began_with: None });
+        assert_eq!(trace.at(2).since_s, Some(2.0));
+        trace.take(&turn(4.0, edge(0, 1, true)));
+        assert_eq!(trace.at(0).edge, Some((1, 4.0)));
+        for level in [1, 2] {
+            assert_eq!(trace.at(level), Entry { since_s: Some(4.0), edge: None, began_with: Some(0) });
+        }
+        trace.take(&turn(5.0, TurnKind::Starts));
+        assert_eq!(trace.at(1), Entry { since_s: Some(5.0), edge: None, began_with: None });
+        assert_eq!(Trace::begun(f32::NAN).at(0).since_s, None);
+    }
+}

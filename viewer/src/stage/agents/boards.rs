@@ -1,0 +1,67 @@
+//! Billboards of cells as a map on the floor: cells on whose boards something is written are tinted.
+
+use super::Brush;
+use crate::command::{BoardCell, Boards, SceneLook};
+use crate::render::{Rgba, Shapes};
+use glam::{Vec2, Vec3};
+use throng_runtime::simulation::Simulation;
+use throng_runtime::simulation::scenario::{Minds, Posted};
+
+/// Cells lie so much above the ground, the smallest the highest (m).
+const CELL_Y: f32 = 0.001;
+/// How strong the tint is of one entry, and of many.
+const TINT: f32 = 0.16;
+const MOST_TINT: f32 = 0.5;
+/// Most cells that are drawn.
+const MAX_CELLS: usize = 2000;
+
+/// What the boards of cells show, of the levels that are looked at.
+pub fn posted<'a>(minds: &'a Minds, look: &SceneLook) -> impl Iterator<Item = (BoardCell, Posted)> + 'a {
+    let boards = look.boards;
+    let of_cells = minds.posts().filter_map(|p| Some((BoardCell::of(&p.cell?), p)));
+    of_cells.filter(move |(cell, _)| match boards {
+        Boards::Nothing => false,
+        Boards::All => true,
+        Boards::Level(level) => cell.level == level,
+    })
+}
+
+/// The smallest cell with an entry at a place on the ground.
+pub fn cell_at(minds: &Minds, look: &SceneLook, at: Vec3) -> Option<BoardCell> {
+    let is_in = |(cell, p): &(BoardCell, Posted)| {
+        let c = p
+            .cell
+            .as_ref()
+            .filter(|c| (Vec2::from(c.middle) - Vec2::new(at.x, at.z)).abs().max_element() * 2.0 <= c.side_m);
+        c.map(|_| *cell)
+    };
+    posted(minds, look).filter_map(|p| is_in(&p)).min_by_key(|c| c.level)
+}
+
+/// The colour of a message.
+pub fn colour_of_message(event: usize) -> Rgba {
+    // Those of groups are not far from each other on the floor.
+    super::super::cues::category(event + 4)
+}
+
+pub(in crate::stage) fn lay_out(shapes: &mut Shapes, simulation: &Simulation, look: &SceneLook, brush: &Brush<'_>) {
+    let Some(minds) = simulation.minds().filter(|_| !brush.in_the_air) else { return };
+    let mut all: Vec<(BoardCell, Posted)> = posted(minds, look).take(MAX_CELLS).collect();
+    // From large to small, so that the small ones lie on the large ones.
+    all.sort_by_key(|(cell, p)| (std::cmp::Reverse(cell.level), cell.at, p.event));
+    for same in all.chunk_by(|a, b| a.0 == b.0) {
+        let (cell, Some(c)) = (same[0].0, same[0].1.cell) else { continue };
+        let y = CELL_Y * (1.0 + 1.0 / (1.0 + cell.level as f32));
+        let (at, half) = (Vec3::new(c.middle[0], y, c.middle[1]), 0.5 * c.side_m);
+        let colour = same
+            .iter()
+            .skip(1)
+            .fold(colour_of_message(same[0].1.event), |sum, (_, p)| sum.mix(colour_of_message(p.event), 0.5));
+        shapes.square(at, half, colour.alpha((TINT * same.len() as f32).min(MOST_TINT)));
+        let is_selected = look.cell == Some(cell);
+        let (line, width) = if is_selected { (brush.palette.selected, 2.5) } else { (colour.alpha(0.8), 1.0) };
+        let corner = |x: f32, z: f32| at + Vec3::new(x, 0.0, z) * (half - 0.5 * brush.pixel_m);
+        let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)];
+        shapes.polyline(&corners, width, line);
+    }
+}

@@ -1,0 +1,86 @@
+//! The spread of a message: who knows of it, and who told whom.
+
+use super::Brush;
+use crate::render::{Rgba, Shapes};
+use crate::run::SceneRun;
+use glam::Vec3;
+use throng_runtime::simulation::scenario::Minds;
+
+/// Lines lie so much above the ground (m).
+const LINE_Y: f32 = 0.03;
+/// Time within which a line from who told fades (s).
+const FADE_S: f64 = 8.0;
+/// How strong it is then.
+const FADED: f32 = 0.25;
+/// Most lines that are drawn.
+const MAX_LINES: usize = 1500;
+
+/// The colour of an agent: whether it knows of a message (agent < number of agents).
+pub(in crate::stage) fn colour(minds: &Minds, agent: usize, event: usize, brush: &Brush<'_>) -> Rgba {
+    match (minds.learnt(agent, event), brush.dark) {
+        (Some(_), _) => super::colour_of_message(event),
+        (None, true) => Rgba::hex(0x59616c),
+        (None, false) => Rgba::hex(0xb4bac2),
+    }
+}
+
+/// From who told to who was told, and of the selected agent all the way to where the message came from.
+pub(super) fn lay_out(
+    shapes: &mut Shapes,
+    run: &SceneRun,
+    (first, event): (usize, usize),
+    selected: Option<usize>,
+    brush: &Brush<'_>,
+) {
+    let simulation = run.simulation();
+    let Some(minds) = simulation.minds() else { return };
+    let place = |agent: usize| {
+        let lift = if brush.in_the_air { Vec3::ZERO } else { Vec3::Y * LINE_Y };
+        simulation.disc(first + agent).map(|d| d.centre + lift)
+    };
+    let told = |agent: usize| {
+        let learnt = minds.learnt(agent, event)?;
+        Some((learnt.from()?, learnt.time_s))
+    };
+    let colour = super::colour_of_message(event);
+    let all = (0..minds.len()).filter_map(|agent| {
+        let (from, time_s) = told(agent)?;
+        Some((place(from)?, place(agent)?, time_s))
+    });
+    for (from, to, time_s) in all.take(MAX_LINES) {
+        let age = ((simulation.time_s() - time_s) / FADE_S).clamp(0.0, 1.0) as f32;
+        shapes.line(from, to, 1.5, colour.alpha(0.9 + (FADED - 0.9) * age));
+    }
+    let Some(selected) = selected.and_then(|who| who.checked_sub(first)).filter(|a| *a < minds.len()) else { return };
+    for pair in sources(selected, told).windows(2) {
+        if let (Some(to), Some(from)) = (place(pair[0]), place(pair[1])) {
+            shapes.line(from, to, 3.5, brush.palette.selected);
+        }
+    }
+}
+
+/// An agent, who told it, who told that one, and so on.
+///
+/// - `told`: from whom and when an agent learnt (s).
+fn sources(agent: usize, told: impl Fn(usize) -> Option<(usize, f64)>) -> Vec<usize> {
+    let (mut all, mut until_s) = (vec![agent], f64::INFINITY);
+    // Who conveys a message may come to know of it later, itself from somebody else.
+    while let Some((from, time_s)) = told(all[all.len() - 1]).filter(|t| t.1 <= until_s && !all.contains(&t.0)) {
+        all.push(from);
+        until_s = time_s;
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources_end_where_a_message_came_from() {
+        let told = [None, Some((0, 1.0)), Some((1, 2.0)), Some((4, 5.0)), Some((3, 3.0))];
+        assert_eq!(sources(2, |a| told[a]), [2, 1, 0]);
+        assert_eq!(sources(4, |a| told[a]), [4, 3], "3 felt it of itself then, and learnt of it from 4 later");
+        assert_eq!(sources(3, |a| told[a]), [3, 4]);
+    }
+}
