@@ -2,7 +2,7 @@
 
 use super::language::{self, Amount, Names, Program, Sort, Spot, Type, Vocabulary};
 use super::tables::{
-    Action, BoardTable, Claims, Edge, EndTable, EventTable, GroupTable, HOW, NONE, Party, PlaceTable, Relation, Rule,
+    Action, BoardTable, Claims, Edge, EndTable, EventTable, GroupTable, How, NONE, Party, PlaceTable, Relation, Rule,
     Scenario, Schedule, Slot, State, Threshold, ValueTable, trigger,
 };
 use super::verbs::{Effect, Operand, Primitives, Verb, WORDS, Word};
@@ -87,7 +87,7 @@ impl<'a> Compiler<'a> {
             events: names("events", events)?,
             values: Names(scene.values.keys().cloned().collect()),
             doors: names("environment.doors", scene.environment.doors.iter().map(|d| &d.name).collect())?,
-            how: Names(HOW.iter().map(|h| (*h).to_string()).collect()),
+            how: Names(How::NAMES.iter().map(|h| (*h).to_string()).collect()),
             has_other: false,
             has_place: false,
         };

@@ -3,7 +3,7 @@
 use super::boards::Posted;
 use super::mind::{Learnt, NO};
 use super::minds::Minds;
-use super::tables::{Action, HOW, NONE, Scenario};
+use super::tables::{Action, How, NONE, Scenario};
 use serde::Serialize;
 
 /// What an agent does, and why.
@@ -151,7 +151,7 @@ impl Minds {
         let spread = |e: usize| Spread {
             event: self.scenario.names.events.0[e].clone(),
             informed: of(e).count(),
-            told: of(e).filter(|l| l.how == super::tables::TOLD).count(),
+            told: of(e).filter(|l| l.how == How::Told).count(),
             last_s: of(e).map(|l| l.time_s).reduce(f64::max),
         };
         (0..num).map(spread).collect()
@@ -238,7 +238,7 @@ impl Learnt {
 
     /// "happens", "told", "read" or "felt".
     pub fn how(&self) -> &'static str {
-        HOW[usize::from(self.how)]
+        self.how.name()
     }
 }
 

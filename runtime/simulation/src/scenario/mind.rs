@@ -1,6 +1,6 @@
 //! What one agent has in mind.
 
-use super::tables::{NONE, Threshold, ValueTable};
+use super::tables::{How, NONE, Threshold, ValueTable};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 
@@ -83,13 +83,13 @@ pub struct Context {
     pub(super) place: u16,
     /// Number of the event; [`NO`] where it is built in.
     pub(super) event: u16,
-    pub(super) how: u8,
+    pub(super) how: How,
     pub(super) strength: f32,
 }
 
 impl Default for Context {
     fn default() -> Self {
-        Self { other: NONE, place: NO, event: NO, how: 0, strength: 1.0 }
+        Self { other: NONE, place: NO, event: NO, how: How::Happens, strength: 1.0 }
     }
 }
 
@@ -114,7 +114,7 @@ pub struct Learnt {
     pub time_s: f64,
     /// From whom; [`NONE`] for nobody.
     pub(super) from: u32,
-    pub(super) how: u8,
+    pub(super) how: How,
     /// Where, over the ground (m).
     pub at: [f32; 2],
 }

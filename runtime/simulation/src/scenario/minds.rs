@@ -5,7 +5,7 @@ use super::language::{Program, run};
 use super::mind::{Context, Feeling, Learnt, Mind, NO, Phase, Reason};
 use super::perceive::{View, hashed};
 use super::stage::Stage;
-use super::tables::{Action, Edge, FELT, HAPPENS, NONE, Party, READ, Scenario, Schedule, TOLD, trigger};
+use super::tables::{Action, Edge, How, NONE, Party, Scenario, Schedule, trigger};
 use super::turns::{Turn, TurnKind};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -335,7 +335,7 @@ impl Minds {
         if event.nobody {
             return Ok(());
         }
-        let context = Context { event: e as u16, how: HAPPENS, ..Context::default() };
+        let context = Context { event: e as u16, how: How::Happens, ..Context::default() };
         for agent in 0..self.minds.len() as u32 {
             if self.minds[agent as usize].is_there
                 && event.who.is_none_or(|who| self.is_true(stage, agent, context, who))
@@ -351,7 +351,7 @@ impl Minds {
         let (m, e) = (agent as usize, usize::from(context.event));
         let bit = 1u64 << e;
         let is_known = self.minds[m].news & bit != 0;
-        if is_known && matches!(context.how, TOLD | READ) {
+        if is_known && matches!(context.how, How::Told | How::Read) {
             return;
         }
         self.minds[m].news |= bit;
@@ -381,7 +381,7 @@ impl Minds {
             while news != 0 {
                 let event = news.trailing_zeros() as u16;
                 news &= news - 1;
-                self.learn(stage, to, Context { other: from, event, how: TOLD, ..Context::default() });
+                self.learn(stage, to, Context { other: from, event, how: How::Told, ..Context::default() });
             }
         }
         if self.scenario.meets {
@@ -419,7 +419,7 @@ impl Minds {
         while news != 0 {
             let event = news.trailing_zeros() as u16;
             news &= news - 1;
-            self.learn(stage, agent, Context { event, how: READ, ..Context::default() });
+            self.learn(stage, agent, Context { event, how: How::Read, ..Context::default() });
         }
     }
 
@@ -447,7 +447,11 @@ impl Minds {
             let liking = if friends { self.friendship(agent, from).max(0.0) } else { 1.0 };
             let strength = strength * near * liking;
             if strength > 0.0 {
-                self.learn(stage, agent, Context { other: from, event, how: FELT, strength, ..Context::default() });
+                self.learn(
+                    stage,
+                    agent,
+                    Context { other: from, event, how: How::Felt, strength, ..Context::default() },
+                );
             }
         }
         self.nearby = nearby;

@@ -93,7 +93,7 @@ impl<S: Stage> Perception for View<'_, S> {
             Load::Of(who, of) => self.who(who).map_or(0.0, |agent| self.attribute(agent, of)),
             Load::Event(of) => match (of, self.context.event) {
                 (EventAttribute::Strength, _) => f64::from(self.context.strength),
-                (EventAttribute::How, _) => f64::from(self.context.how),
+                (EventAttribute::How, _) => f64::from(self.context.how as u8),
                 (_, NO) => -1.0,
                 (EventAttribute::Name, event) => f64::from(event),
                 (EventAttribute::Age, event) => minds.now - minds.happened[usize::from(event)],

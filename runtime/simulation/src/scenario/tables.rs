@@ -3,6 +3,7 @@
 use super::language::{Amount, Op, Program, Vocabulary};
 use super::verbs::{Effect, Operand, Primitives, WORDS};
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// Nothing of a kind that is numbered.
 pub(super) const NONE: u32 = u32::MAX;
@@ -26,12 +27,29 @@ pub(super) mod trigger {
     pub const EVENTS: u16 = NAMES.len() as u16;
 }
 
-/// Ways of learning of an event, in the order of their numbers.
-pub(super) const HOW: [&str; 4] = ["happens", "told", "read", "felt"];
-pub(super) const HAPPENS: u8 = 0;
-pub(super) const TOLD: u8 = 1;
-pub(super) const READ: u8 = 2;
-pub(super) const FELT: u8 = 3;
+/// How one learns of an event.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum How {
+    /// It happens to one.
+    #[default]
+    Happens,
+    /// Somebody tells it.
+    Told,
+    /// It stands on a board.
+    Read,
+    /// Another one's emotion is conveyed.
+    Felt,
+}
+
+impl How {
+    /// What predicates call them, in their order.
+    pub const NAMES: [&str; 4] = ["happens", "told", "read", "felt"];
+
+    /// What predicates call it.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+}
 
 /// A compiled scenario.
 #[derive(Clone, Debug)]

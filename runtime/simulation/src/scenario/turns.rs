@@ -2,7 +2,7 @@
 
 use super::mind::{Context, NO};
 use super::minds::{Minds, Stimulus};
-use super::tables::{HOW, NONE, trigger};
+use super::tables::{NONE, trigger};
 
 /// Something that happened in a mind.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,7 +123,7 @@ impl Minds {
         let of = agent as usize * self.scenario.events.len() + usize::from(context.event);
         let is_it =
             self.learnt[of].is_some_and(|l| (l.time_s, l.from, l.how) == (self.now, context.other, context.how));
-        is_it.then(|| HOW[usize::from(context.how)])
+        is_it.then(|| context.how.name())
     }
 
     /// Notes a turn, where somebody watches.
