@@ -9,7 +9,7 @@ use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec2;
 use throng_viewer::args::{Args, Character, PanelChoice, Size};
-use throng_viewer::command::{Command, SceneCommand};
+use throng_viewer::command::{BoardCell, Command, SceneCommand};
 use throng_viewer::document::{SceneChoice, SceneDocument};
 use throng_viewer::headless::draw_picture;
 use throng_viewer::panels::PANELS;
@@ -34,8 +34,12 @@ fn has_no_errors(v: &Viewing) -> bool {
 
 /// Where an agent is on the screen.
 fn on_screen(v: &Viewing, agent: usize) -> Pos2 {
+    spot(v, scene(v).run().place(agent).expect("it is there"))
+}
+
+/// Where a place is seen.
+fn spot(v: &Viewing, at: glam::Vec3) -> Pos2 {
     let rect = v.harness.get_by_label("3-D view").rect();
-    let at = scene(v).run().place(agent).expect("it is there");
     let at = v.model().settings.camera.project(at, Vec2::new(rect.width(), rect.height())).expect("in view");
     rect.min + vec2(at.x, at.y)
 }
@@ -166,6 +170,30 @@ fn a_scene_that_is_edited_goes_on_at_its_time_and_a_broken_one_leaves_the_old_on
     // A new seed in the file counts.
     std::fs::write(&path, text.replace("seed = 3", "seed = 4")).expect("written over");
     v.until("the new seed", |v| scene(v).choice().seed == 4);
+}
+
+#[test]
+fn a_click_on_a_cell_with_a_board_reads_it_and_keeps_the_agent() {
+    let market = Market::new();
+    let mut v = Viewing::of(&market.scene(24));
+    v.until("some seconds", |v| now(v) >= 180);
+    v.apply(Command::Play(false));
+    v.apply(Command::SelectCharacter(Some(5)));
+    v.harness.run_steps(2);
+    let minds = scene(&v).run().simulation().minds().expect("minds");
+    let smallest = minds.posts().filter_map(|p| p.cell).find(|c| c.level == 0).expect("a cell");
+    let at = glam::Vec3::new(smallest.middle[0], 0.0, smallest.middle[1]);
+    // Nobody is near that point of the cell.
+    let far = |p: &glam::Vec3| places(&v).into_iter().flatten().all(|a| a.distance(*p) > 0.5);
+    let offsets = (-4..=4).flat_map(|i| (-4..=4).map(move |k| glam::Vec3::new(i as f32, 0.0, k as f32) * 0.2));
+    let free = offsets.map(|o| at + o).find(far).expect("a free spot");
+    let pixel = spot(&v, free);
+    click(&mut v, pixel);
+    assert_eq!(v.model().selection.scene.cell, Some(BoardCell::of(&smallest)));
+    assert_eq!(v.model().selection.character, Some(5));
+    v.harness.hover_at(pixel);
+    v.harness.run_steps(40);
+    assert!(v.harness.query_all_by_label_contains("board of a cell of 2 m").next().is_some());
 }
 
 #[test]

@@ -4,6 +4,7 @@ use super::Model;
 use crate::document::{Document, SceneDocument, WorldDocument};
 use crate::run::agents::way;
 use glam::Vec3;
+use throng_precompute::run::SeenObstacle;
 
 impl Model {
     /// A box around all that is shown (m).
@@ -62,12 +63,29 @@ fn of_world(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
     of_units.filter(|p| p.is_finite()).chain((0..world.run().num_characters()).map(|c| world.run().hips(c)))
 }
 
-/// Where the characters of a scene are, what they are after, and both ends of the routes of agents (m).
+/// Where the characters of a scene are, what they are after, and both ends of the routes of agents; where people live by
+/// rules, also places, doors and what stands there, to which they may be sent (m).
 fn of_scene(scene: &SceneDocument) -> impl Iterator<Item = Vec3> {
     let (run, all) = (scene.run(), 0..scene.run().simulation().num_characters());
     let points = all.flat_map(|who| {
         let route = way(run.simulation(), who);
         [run.place(who), run.simulation().target(who), route.first().copied(), route.last().copied()]
     });
-    points.flatten().filter(|p| p.is_finite())
+    let standing = Some(scene.standing()).filter(|s| run.simulation().minds().is_some() && !s.in_the_air);
+    let ends = standing.into_iter().flat_map(|s| {
+        let obstacles = s.obstacles.iter().flat_map(|o| match o {
+            SeenObstacle::Wall { from, to, .. } => vec![*from, *to],
+            SeenObstacle::Ball { centre, .. } => vec![*centre],
+            SeenObstacle::Polygon(corners) => corners.clone(),
+            _ => Vec::new(),
+        });
+        s.doors.iter().flat_map(|d| d.ends).chain(obstacles)
+    });
+    let places = scene.scene().places.iter().flat_map(|place| {
+        let at = |p: &[f32]| Vec3::new(p[0], if p.len() > 2 { p[1] } else { 0.0 }, p[p.len() - 1]);
+        let slots = place.slots.iter().map(|s| s.at.as_slice());
+        let queue = place.queue.iter().flat_map(|q| q.points.iter().map(|p| p.as_slice()));
+        std::iter::once(place.at.as_slice()).chain(slots).chain(queue).map(at).collect::<Vec<_>>()
+    });
+    points.flatten().chain(ends).chain(places).filter(|p| p.is_finite())
 }

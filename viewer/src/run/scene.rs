@@ -392,8 +392,8 @@ fn log<V: throng_runtime::crowd::Space>(
         agents.position(agent, event.time).map(in_world).or_else(last)
     };
     for event in agents.engine_events() {
-        let Some((what, with)) = What::of(&event.kind) else { continue };
-        let agent = event.agent.index();
+        let Some((what, with)) = What::of(&event.kind, |id| agents.agent_of(id)) else { continue };
+        let Some(agent) = agents.agent_of(event.agent) else { continue };
         let other_at = if let With::Agent(other) = with { place(other, event) } else { None };
         let with = if let With::Agent(other) = with { With::Agent(first + other) } else { with };
         let at = place(agent, event).unwrap_or_default();

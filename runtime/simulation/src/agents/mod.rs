@@ -163,6 +163,12 @@ impl<V: Space> Agents<V> {
         self.outside.ids[agent]
     }
 
+    /// Number of an agent by its name in the engine; `None` once another one has that name.
+    pub fn agent_of(&self, id: Id) -> Option<usize> {
+        let agent = *self.outside.agent_of.get(id.index())? as usize;
+        (self.id(agent) == Some(id)).then_some(agent)
+    }
+
     /// Where an agent is at a time that the engine knows; `None` where it has left (agent < num_agents).
     pub fn position(&self, agent: usize, time_s: f64) -> Option<V> {
         self.crowd().position(self.id(agent)?, time_s).map(V::from_world)

@@ -3,7 +3,7 @@
 use super::rates::Rates;
 use glam::Vec3;
 use std::collections::VecDeque;
-use throng_runtime::crowd::EventKind;
+use throng_runtime::crowd::{EventKind, Id};
 use throng_runtime::simulation::scenario::{Turn, TurnKind};
 
 /// Events of a kind that are kept.
@@ -123,15 +123,18 @@ impl What {
     ];
 
     /// The kind of an event and the other party; none for an unknown kind.
-    pub fn of(kind: &EventKind) -> Option<(Self, With)> {
+    ///
+    /// - `agent`: number of an agent by its name in the engine; none where it has left.
+    pub fn of(kind: &EventKind, agent: impl Fn(Id) -> Option<usize>) -> Option<(Self, With)> {
+        let with = |other: Id| agent(other).map_or(With::Nobody, With::Agent);
         Some(match *kind {
             EventKind::Resetting => (Self::Resetting, With::Nobody),
-            EventKind::Colliding { other } => (Self::Colliding, With::Agent(other.index())),
+            EventKind::Colliding { other } => (Self::Colliding, with(other)),
             EventKind::Meeting { obstacle } => (Self::Meeting, With::Obstacle(obstacle)),
             EventKind::Entering => (Self::Entering, With::Nobody),
             EventKind::Leaving => (Self::Leaving, With::Nobody),
-            EventKind::Contacting { other } => (Self::Contacting, With::Agent(other.index())),
-            EventKind::Separating { other } => (Self::Separating, With::Agent(other.index())),
+            EventKind::Contacting { other } => (Self::Contacting, with(other)),
+            EventKind::Separating { other } => (Self::Separating, with(other)),
             EventKind::Arrived => (Self::Arrived, With::Nobody),
             EventKind::Left => (Self::Left, With::Nobody),
             EventKind::Struck { obstacle } => (Self::Struck, With::Obstacle(obstacle)),

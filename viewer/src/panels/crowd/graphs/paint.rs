@@ -64,10 +64,12 @@ pub fn show(ui: &mut Ui, name: &str, graph: &GraphConfig, shape: &Shape, marks: 
         let fill = if is_now { palette.head } else { visuals.widgets.inactive.bg_fill };
         let corners = CornerRadius::same(4);
         painter.rect_filled(*place, corners, fill);
-        let line = match () {
-            () if is_now && marks.is_anew => Stroke::new(2.0, palette.state),
-            () if state == shape.start => Stroke::new(1.5, visuals.text_color()),
-            () => Stroke::new(1.0, visuals.weak_text_color()),
+        let line = if is_now && marks.is_anew {
+            Stroke::new(2.0, palette.state)
+        } else if state == shape.start {
+            Stroke::new(1.5, visuals.text_color())
+        } else {
+            Stroke::new(1.0, visuals.weak_text_color())
         };
         painter.rect_stroke(*place, corners, line, StrokeKind::Inside);
         if graph.states[name].graph.is_some() {

@@ -84,8 +84,8 @@ fn stub(of: Rect, number: usize) -> Curve {
 /// What is wrong with a curve: through boxes, over the side, on another curve, a long way round.
 fn cost(curve: &Curve, ends: (usize, usize), boxes: &[Rect], within: Rect, others: &[Curve]) -> f32 {
     let is_in_box = |p: &Pos2| {
-        let others = boxes.iter().enumerate().filter(|(i, _)| *i != ends.0 && *i != ends.1);
-        others.into_iter().any(|(_, b)| b.expand(3.0).contains(*p))
+        let mut others = boxes.iter().enumerate().filter(|(i, _)| *i != ends.0 && *i != ends.1);
+        others.any(|(_, b)| b.expand(3.0).contains(*p))
     };
     let hidden = curve.iter().filter(|p| is_in_box(p)).count();
     let outside = curve.iter().filter(|p| !within.contains(**p)).count();
@@ -142,8 +142,8 @@ mod tests {
             assert!(from.is_none_or(|f| boxes[f].expand(2.0).contains(curve[0])), "{curve:?}");
             assert!(curve.iter().all(|p| within.contains(*p)));
             let ends = [from.unwrap_or(to), to];
-            let others = boxes.iter().enumerate().filter(|(i, _)| !ends.contains(i));
-            assert!(others.into_iter().all(|(_, b)| curve.iter().all(|p| !b.contains(*p))), "{curve:?}");
+            let mut others = boxes.iter().enumerate().filter(|(i, _)| !ends.contains(i));
+            assert!(others.all(|(_, b)| curve.iter().all(|p| !b.contains(*p))), "{curve:?}");
         }
         // Two edges of a pair of states lie apart, and so do both directions.
         for (i, k) in [(0, 1), (0, 2), (1, 2)] {
