@@ -1,6 +1,7 @@
 //! Blend spaces: bodies blended from a few example motions, at any speed, turning rate and style (Kim, Kim and Shin 2003a,
 //! section 4).
 
+mod activity;
 mod grid;
 mod ground;
 mod posture;
@@ -9,6 +10,8 @@ mod slopes;
 mod space;
 mod warp;
 
+pub(crate) use activity::Sample;
+pub use activity::{Activity, ActivityId, ActivitySet};
 pub use grid::{MAX_KNOTS, WeightGrid};
 pub use ground::{Ground, HeightField};
 pub use posture::Posture;

@@ -1,10 +1,10 @@
 //! A blend space ready to be asked: views on its tables, and what is worked out of them once.
 
+use super::ActivitySet;
 use super::grid::WeightGrid;
 use super::records::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, ReferenceRow};
 use super::warp::Timing;
 use super::{Blends, slopes};
-use crate::activity::ActivitySet;
 use crate::format::{FormatError, Table};
 use crate::skeleton::Skeleton;
 use throng_base::Result;

@@ -6,8 +6,7 @@ mod sections;
 
 pub use sections::tags;
 
-use crate::activity::ActivitySet;
-use crate::blend::{BlendSpace, Blends};
+use crate::blend::{ActivitySet, BlendSpace, Blends};
 use crate::contacts::Contacts;
 use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Meta, RotationCode, Storage, Table, Tag};
 use crate::graph::MotionGraph;
@@ -275,7 +274,13 @@ impl Bundle {
 
     /// The activities; empty where the bundle was built without them.
     pub fn activities(&self) -> ActivitySet {
-        ActivitySet::new(self)
+        let meta = self.meta();
+        if meta.activities.is_empty() {
+            return ActivitySet::default();
+        }
+        let code = [*self.rotation_code()];
+        let (clips, motion) = (self.clips(), (self.frames(), self.contacts(), &code));
+        ActivitySet::of(&meta.activities, clips, motion, self.skeleton(), meta.rate_hz as f32)
     }
 
     /// A number that tells this bundle's content from others: of the checksums of all sections, and the length.

@@ -43,7 +43,7 @@ pub struct Meta {
     pub frames_in: u64,
     /// Frames that its actions play.
     pub frames_kept: u64,
-    /// What bodies can do beside moving about, see [`crate::activity`]. Written after all else, and only where there is
+    /// What bodies can do beside moving about, see [`crate::blend::ActivitySet`]. Written after all else, and only where there is
     /// anything, so that files without it stay as they were.
     #[serde(skip)]
     pub activities: Vec<ActivityMeta>,
@@ -170,6 +170,9 @@ impl Meta {
         let (mut meta, rest): (Self, _) = decode_first("META", bytes)?;
         if !rest.is_empty() {
             meta.activities = decode("META", rest)?;
+            if meta.activities.is_empty() {
+                return Err(FormatError::layout("META is followed by a list of no activities".to_owned()));
+            }
         }
         if !RATES_HZ.contains(&meta.rate_hz) {
             return Err(FormatError::layout(format!("META gives a rate of {} Hz, expected 1 to 1000", meta.rate_hz)));

@@ -6,8 +6,7 @@
 use super::Control;
 use super::block::Block;
 use super::spring::Spring;
-use crate::activity::{Activity, ActivityId, ActivitySet, Sample};
-use crate::blend::{AxisRecord, MAX_AXES, Posture, axis};
+use crate::blend::{Activity, ActivityId, ActivitySet, AxisRecord, MAX_AXES, Posture, Sample, axis};
 use crate::planar::wrap_angle;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};

@@ -224,7 +224,11 @@ impl<V: Space> Decider<'_, V> {
             steering: &scenery.steering,
         };
         let mut f = forces(walker, &scenery.fields[state.field as usize], &around);
-        f.interaction += self.bonds.pull((agent, walker.position), self.time, self.states, self.cells);
+        f.interaction += self.bonds.pull((agent, walker.position), |id| {
+            let state = &self.states[id.index()];
+            let is_there = state.cell != NONE && state.generation == id.generation;
+            is_there.then(|| self.cells.plan(id.index).at(self.time).0)
+        });
         f
     }
 

@@ -10,6 +10,7 @@ pub(crate) mod prefetch;
 mod query;
 pub(crate) mod queue;
 pub(crate) mod schemes;
+mod sensing;
 mod snapshot;
 mod spawn;
 pub(crate) mod watchdog;

@@ -6,7 +6,6 @@
 //! partner no longer follows is only looked for again.
 
 pub(crate) mod crossing;
-mod look;
 
 use crate::Space;
 use crate::space::plan::Plan;
@@ -56,7 +55,7 @@ pub struct Sense {
 
 impl Sense {
     /// Channels on which one of two hears the other: on any, and on those where being near is enough.
-    fn channels(&self, other: &Self) -> (u32, u32) {
+    pub(crate) fn channels(&self, other: &Self) -> (u32, u32) {
         let (there, back) = (self.tells & other.hears, other.tells & self.hears);
         (there | back, there & !other.once | back & !self.once)
     }
@@ -138,7 +137,7 @@ pub(crate) struct Sensors<V> {
     pub of: Vec<Sensing>,
     /// Swept boxes of all who tell or hear.
     pub boxes: BoxGrid,
-    zones: BoxGrid,
+    pub zones: BoxGrid,
     /// How often anybody's channels changed.
     pub changes: u64,
     /// Events at which the engine stops are noted.

@@ -1,8 +1,6 @@
 //! What single agents care for: places and agents that draw them near or drive them away, and with whom they walk.
 
 use crate::error::CrowdError;
-use crate::events::decide::AgentState;
-use crate::space::cells::Cells;
 use crate::{Id, NONE, Space};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -152,19 +150,16 @@ impl<V: Space> Bonds<V> {
     }
 
     /// The acceleration by the interests of an agent.
-    pub fn pull(&self, (agent, position): (u32, V), time: f64, states: &[AgentState<V>], cells: &Cells<V>) -> V {
+    ///
+    /// - `place`: where another agent is, as long as it is in the crowd.
+    pub fn pull(&self, (agent, position): (u32, V), place: impl Fn(Id) -> Option<V>) -> V {
         let mut pull = V::default();
         for interest in self.of(agent).iter().flat_map(|bond| bond.interests.iter().flatten()) {
             let at = match interest.at {
-                InterestAt::Place(at) => at,
-                InterestAt::Agent(Id { index, generation }) => {
-                    let state = &states[index as usize];
-                    if state.cell == NONE || state.generation != generation {
-                        continue;
-                    }
-                    cells.plan(index).at(time).0
-                }
+                InterestAt::Place(at) => Some(at),
+                InterestAt::Agent(id) => place(id),
             };
+            let Some(at) = at else { continue };
             let (toward, distance) = (at - position).unit_and_length();
             pull += toward * (interest.strength * (1.0 - distance / interest.reach).max(0.0));
         }

@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::sync::Arc;
 use throng_base::Result;
 use throng_base::maths;
-use throng_core::activity::ActivityId;
+use throng_core::blend::ActivityId;
 use throng_core::walkers::Performance;
 use throng_core::walkers::{Walkers, WalkersConfig};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};

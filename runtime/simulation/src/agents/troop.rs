@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_base::{Bytes, Error, Result, Run, run_each};
-use throng_core::activity::ActivityId;
+use throng_core::blend::ActivityId;
 use throng_core::walkers::{Control, Performance, WalkerStart, Walkers};
 use throng_core::{Bodies, Cast, Planar};
 use throng_crowd::{Crowd, Id};

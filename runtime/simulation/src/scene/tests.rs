@@ -5,7 +5,7 @@ use super::*;
 const BLOCK: &str = "place = { block = { from = [0.0, 0.0], to = [5.0, 5.0] } }\n";
 /// The engines that this build knows.
 const ENGINES: &str = match cfg!(feature = "baselines") {
-    true => "expected one of events, occupancy, fixed, found",
+    true => "expected one of events, occupancy, fixed, pairs, found",
     false => "expected one of events, found",
 };
 const GOAL: &str = "goal = { shift = { by = [9.0, 0.0] } }\n";

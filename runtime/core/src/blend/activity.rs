@@ -1,7 +1,6 @@
 //! Activities: what bodies do when they stand, such as waving, shaking hands or sitting down.
 
-use crate::blend::{Posture, channel};
-use crate::bundle::Bundle;
+use super::{Posture, channel};
 use crate::contacts::Contacts;
 use crate::format::{ActivityMeta, ClipRecord, FrameRow, RotationCode, Table};
 use crate::planar::Planar;
@@ -59,18 +58,8 @@ pub(crate) struct Sample {
 }
 
 impl ActivitySet {
-    pub(crate) fn new(bundle: &Bundle) -> Self {
-        let meta = bundle.meta();
-        if meta.activities.is_empty() {
-            return Self::default();
-        }
-        let code = [*bundle.rotation_code()];
-        let (clips, motion) = (bundle.clips(), (bundle.frames(), bundle.contacts(), &code));
-        Self::of(&meta.activities, clips, motion, bundle.skeleton(), meta.rate_hz as f32)
-    }
-
     /// Activities of checked tables.
-    fn of(
+    pub(crate) fn of(
         activities: &[ActivityMeta],
         clips: &[ClipRecord],
         (frames, contacts, code): (&Table<FrameRow>, &Table<Contacts>, &[RotationCode; 1]),

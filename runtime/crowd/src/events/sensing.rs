@@ -1,9 +1,9 @@
 //! The engine's part: looking for what an agent senses next, and letting it happen.
 
-use super::crossing::{first_change, is_near, leaves_cell};
-use super::{Sense, Sensed, Sensing, swept};
+use super::engine::Engine;
 use crate::error::CrowdError;
-use crate::events::engine::Engine;
+use crate::senses::crossing::{first_change, is_near, leaves_cell};
+use crate::senses::{Sense, Sensed, Sensing, swept};
 use crate::space::plan::Plan;
 use crate::{EventKind, Id, NONE, Space};
 use throng_base::ground::Bounds;
