@@ -49,7 +49,7 @@ fn acts_begin_and_end_standing_at_the_same_place() {
         }
         let [a, b] = [range.start, range.end - 1].map(|f| clip.root_positions[f]);
         let apart = if tag == "sit" { 0.1 } else { 0.03 };
-        assert!(a.distance(b) < apart, "{}: {}", clip.name, a.distance(b));
+        assert!(a.distance(b) < apart, "{}: {a} and {b}", clip.name);
     }
 }
 

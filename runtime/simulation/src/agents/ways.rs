@@ -48,7 +48,7 @@ impl RouteMap {
         Ok(streets.corners(from.to_world(), to.to_world())?.into_iter().map(V::from_world).collect())
     }
 
-    /// Points by chance between two corners, one after the other from a start: no obstacle is near them, and the way does not
+    /// Points by chance between two corners, one after the other from a start: no obstacle and no door is near them, and the way does not
     /// turn back at once. Where there is hardly such a point, one is taken as it is; where it is in an obstacle, its way will be
     /// refused.
     pub fn wander<V: Space>(&self, start: V, (from, to, num): (&[f32], &[f32], usize), rng: &mut Pcg64Mcg) -> Vec<V> {
@@ -60,7 +60,7 @@ impl RouteMap {
                 let c: [f32; 3] = std::array::from_fn(|i| from.get(i).map_or(0.0, |&f| rng.random_range(f..to[i])));
                 point = V::from_coordinates(c);
                 let turns_back = before.dot(point - at) < 0.0;
-                if !turns_back && self.streets.as_ref().is_none_or(|s| s.is_free(point.to_world())) {
+                if !turns_back && self.with_doors.as_ref().is_none_or(|s| s.is_free(point.to_world())) {
                     break;
                 }
             }
