@@ -48,7 +48,8 @@ fn acts_begin_and_end_standing_at_the_same_place() {
             assert_eq!(stands, [true; 2], "{} frame {frame}", clip.name);
         }
         let [a, b] = [range.start, range.end - 1].map(|f| clip.root_positions[f]);
-        let apart = if tag == "sit" { 0.1 } else { 0.03 };
+        // Who stands sways by two centimetres to each side.
+        let apart = if tag == "sit" { 0.1 } else { 0.05 };
         assert!(a.distance(b) < apart, "{}: {a} and {b}", clip.name);
     }
 }
