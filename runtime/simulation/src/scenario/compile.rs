@@ -123,6 +123,7 @@ impl<'a> Compiler<'a> {
             rules_of: Vec::new(),
             rule_order: Vec::new(),
             num_pauses: 0,
+            source: scene.source.clone(),
             graphs: scene.graphs.keys().cloned().collect(),
             states: Vec::new(),
             edges: Vec::new(),

@@ -18,7 +18,7 @@ impl Minds {
     /// Begins a behaviour that is about an event.
     pub(super) fn start(&mut self, stage: &mut impl Stage, agent: u32, actions: u32, context: Context) -> Result<()> {
         let mind = &mut self.minds[agent as usize];
-        mind.context = context;
+        (mind.context, mind.begun) = (context, mind.begun.wrapping_add(1));
         self.enter_action(stage, agent, actions)
     }
 

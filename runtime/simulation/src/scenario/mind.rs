@@ -54,6 +54,8 @@ pub struct Mind {
     pub(super) home: [f32; 3],
     /// Desired speed, but for what a behaviour asks for a while (m/s).
     pub(super) speed: f32,
+    /// Behaviours that it began.
+    pub(super) begun: u16,
     /// Number of stimuli at one time.
     pub(super) handled: u32,
     pub(super) handled_at: f64,
@@ -147,6 +149,7 @@ impl Mind {
             draws: 0,
             home: [0.0; 3],
             speed: 0.0,
+            begun: 0,
             handled: 0,
             handled_at: -1.0,
             reason: Reason { time_s: 0.0, trigger: 0, rule: NONE, edge: NONE, context },

@@ -9,7 +9,6 @@ use super::tables::{Action, Edge, How, NONE, Party, Scenario, Schedule, trigger}
 use super::turns::{Turn, TurnKind};
 use std::collections::VecDeque;
 use std::sync::Arc;
-use throng_base::text::Source;
 use throng_base::{Error, Result};
 
 /// Stimuli of one agent at one time, from which on it is taken to run in a circle.
@@ -32,6 +31,8 @@ const RETRY_S: f64 = 0.5;
 pub(super) struct Stimulus {
     pub trigger: u16,
     pub context: Context,
+    /// Behaviours that the agent had begun by then.
+    pub begun: u16,
 }
 
 /// What a crowd tells minds of.
@@ -458,7 +459,8 @@ impl Minds {
     }
 
     pub(super) fn push(&mut self, agent: u32, trigger: u16, context: Context) {
-        self.queue.push_back((agent, Stimulus { trigger, context }));
+        let begun = self.minds[agent as usize].begun;
+        self.queue.push_back((agent, Stimulus { trigger, context, begun }));
     }
 
     pub(super) fn touch(&mut self, agent: u32) {
@@ -542,6 +544,11 @@ impl Minds {
     fn handle(&mut self, stage: &mut impl Stage, agent: u32, stimulus: Stimulus) -> Result<()> {
         let m = agent as usize;
         let mind = &mut self.minds[m];
+        let is_of_behaviour = [trigger::DONE, trigger::FULL, trigger::STUCK].contains(&stimulus.trigger);
+        if is_of_behaviour && stimulus.begun != mind.begun {
+            // That behaviour has given way to another one.
+            return Ok(());
+        }
         if mind.handled_at != self.now {
             (mind.handled_at, mind.handled) = (self.now, 0);
         }
@@ -861,7 +868,7 @@ impl Minds {
              rules or states follow each other in a circle; let one of them take time, such as `stay`",
             self.now
         );
-        Source::default().error(0..0, why)
+        self.scenario.source.at(if mind.reason.rule == NONE { "graphs" } else { "rules" }, why)
     }
 
     pub(super) fn action(&self, number: u32) -> Action {

@@ -4,6 +4,7 @@ use super::language::{Amount, Op, Program, Vocabulary};
 use super::verbs::{Effect, Operand, Primitives, WORDS};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use throng_base::text::Source;
 
 /// Nothing of a kind that is numbered.
 pub(super) const NONE: u32 = u32::MAX;
@@ -54,6 +55,8 @@ impl How {
 /// A compiled scenario.
 #[derive(Clone, Debug)]
 pub struct Scenario {
+    /// The scene file, for messages.
+    pub(super) source: Source,
     pub(super) code: Vec<Op>,
     pub(super) names: Vocabulary,
     pub(super) primitives: Primitives,

@@ -102,7 +102,7 @@ pub struct Scene {
     pub picture: PictureConfig,
     /// The file that it was read from.
     #[serde(skip)]
-    source: Source,
+    pub(crate) source: Source,
 }
 
 const HELP: &str = "`throng schema --of scene` lists all keys, and data/scenes/ has examples.";

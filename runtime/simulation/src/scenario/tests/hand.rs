@@ -89,6 +89,19 @@ fn a_rule_interrupts_and_what_it_interrupted_begins_again() {
 }
 
 #[test]
+fn what_ends_a_behaviour_is_forgotten_once_another_one_has_begun() {
+    // Both orders of the second agent find the till full, and the list is over at once: the first `full` counts.
+    let story = "[[places]]\nname = \"till\"\nat = [1.0, 0.0]\nslots = [{ at = [1.0, 0.0] }]\n[graphs.life]\nlevel = \"social\"\n\
+        start = \"a\"\nedges = [{ from = \"a\", to = \"b\", on = \"full\" }, { from = \"b\", to = \"a\" }, { from = \"b\", to = \"c\", \
+        on = \"full\" }]\n[graphs.life.states]\na = { do = [{ buy = \"till\", for_s = 99 }, { buy = \"till\", for_s = 99 }] }\n\
+        b = { do = [{ stay = 2 }] }\nc = { do = [{ stay = 99 }] }\n";
+    for (until, state) in [(1.0, "b"), (1.99, "b"), (5.0, "b")] {
+        let (minds, _) = played(2, story, &[], until);
+        assert_eq!(explained(&minds, 1).states, [state], "{until}");
+    }
+}
+
+#[test]
 fn those_in_a_queue_move_up_and_nobody_holds_two_slots() {
     let story = "[[places]]\nname = \"line\"\nat = [0.0, 0.0]\nqueue = { points = [[0.0, 0.0], [0.0, 5.0]], spacing_m = 1.0 }\n\
         [[places]]\nname = \"till\"\nat = [1.0, 0.0]\nslots = [{ at = [1.0, 0.0] }]\n\

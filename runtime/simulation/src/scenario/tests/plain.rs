@@ -54,6 +54,7 @@ struct Person {
     followed: BTreeMap<usize, f64>,
     draws: u32,
     home: Vec3,
+    begun: u32,
 }
 
 /// An event on a board, its cell, and until when.
@@ -66,7 +67,8 @@ pub(super) struct Plain {
     due: Vec<(f64, u32)>,
     happened: BTreeMap<String, f64>,
     posts: Vec<Post>,
-    queue: Vec<(u32, String, About)>,
+    /// What happens to whom, and how many behaviours that one had begun.
+    queue: Vec<(u32, String, About, u32)>,
     touched: Vec<u32>,
 }
 
@@ -146,7 +148,7 @@ impl Plain {
             let own = &mut self.people[a as usize].passed;
             let was = if passed { !own.insert(on.clone()) } else { own.remove(&on) };
             if passed && !was {
-                self.queue.push((a, on, About::default()));
+                self.push(a, on, About::default());
             }
         }
         self.touch(a);
@@ -230,6 +232,11 @@ impl Plain {
         text.is_none_or(|t| self.worth(&parse(t).unwrap(), a, about) != 0.0)
     }
 
+    fn push(&mut self, a: u32, on: impl Into<String>, about: About) {
+        let begun = self.people[a as usize].begun;
+        self.queue.push((a, on.into(), about, begun));
+    }
+
     fn learn(&mut self, a: u32, about: About) {
         let known = self.people[a as usize].news.contains(&about.event);
         if known && ["told", "read"].contains(&about.how) {
@@ -241,7 +248,7 @@ impl Plain {
             person.learnt.insert(about.event.clone(), (about.how.into(), about.other, self.now));
         }
         self.touch(a);
-        self.queue.push((a, about.event.clone(), about));
+        self.push(a, about.event.clone(), about);
     }
 
     fn read(&mut self, stage: &Paper, a: u32) {
@@ -354,7 +361,7 @@ impl Plain {
             let (action, about) = (doing.actions.get(at).cloned(), doing.about.clone());
             let Some(action) = action else {
                 match self.people[a as usize].busy.take() {
-                    None => self.queue.push((a, "done".into(), About::default())),
+                    None => self.push(a, "done", About::default()),
                     Some((_, before)) => {
                         self.people[a as usize].doing = before;
                         if let Some(before) = &self.people[a as usize].doing {
@@ -435,7 +442,7 @@ impl Plain {
                 let Some(slot) = free else {
                     // What is said is asked for all the same.
                     self.deed(stage, a, action, about, [0.0; 2]);
-                    self.queue.push((a, "full".into(), About::default()));
+                    self.push(a, "full", About::default());
                     return self.ended(stage, a);
                 };
                 self.people[a as usize].slot = Some((name.clone(), slot));
@@ -500,6 +507,7 @@ impl Plain {
             person.states[level + 1..].fill(None);
             let Some(below) = config.graph else {
                 let actions = self.actions(&config.does.unwrap());
+                self.people[a as usize].begun += 1;
                 self.people[a as usize].doing = Some(Doing { actions, at: 0, about: about.clone() });
                 return self.go_on(stage, a, 0);
             };
@@ -532,6 +540,7 @@ impl Plain {
                 None => person.doing.take(),
             };
             person.busy = Some((rule.priority, before));
+            person.begun += 1;
             person.doing = Some(Doing { actions, at: 0, about: about.clone() });
             return self.go_on(stage, a, 0);
         }
@@ -577,7 +586,11 @@ impl Plain {
 
     fn finish(&mut self, stage: &mut Paper) {
         while !self.queue.is_empty() {
-            let (a, on, about) = self.queue.remove(0);
+            let (a, on, about, begun) = self.queue.remove(0);
+            let is_of_behaviour = ["done", "full", "stuck"].contains(&&*on);
+            if is_of_behaviour && begun != self.people[a as usize].begun {
+                continue;
+            }
             self.touch(a);
             self.handle(stage, a, &on, &about);
         }
@@ -607,12 +620,12 @@ impl Lives for Plain {
             self.touch(a);
             let graph = self.scene.graphs["life"].clone();
             self.enter_state(stage, a, "life", &graph.start, &About::default());
-            self.queue.push((a, "starts".into(), About::default()));
+            self.push(a, "starts", About::default());
             let at = stage.position(a).unwrap();
             for site in self.scene.places.clone() {
                 if Vec3::new(site.at[0], 0.0, site.at[1]).distance(at) <= site.radius_m {
                     self.read(stage, a);
-                    self.queue.push((a, "enters".into(), About::default()));
+                    self.push(a, "enters", About::default());
                 }
             }
         }
@@ -658,29 +671,29 @@ impl Lives for Plain {
                     }
                 }
                 for (a, b) in [(a, b), (b, a)] {
-                    self.queue.push((a, "meets".into(), About { other: Some(b), ..About::default() }));
+                    self.push(a, "meets", About { other: Some(b), ..About::default() });
                 }
             }
             Signal::CameTo(a, _) => {
                 self.touch(a);
                 self.read(stage, a);
-                self.queue.push((a, "enters".into(), About::default()));
+                self.push(a, "enters", About::default());
             }
             Signal::WentFrom(a, _) => {
                 self.touch(a);
-                self.queue.push((a, "leaves".into(), About::default()));
+                self.push(a, "leaves", About::default());
             }
             Signal::Crossed(a) => {
                 self.touch(a);
                 self.read(stage, a);
-                self.queue.push((a, "crosses".into(), About::default()));
+                self.push(a, "crosses", About::default());
             }
             Signal::Arrived(a) => {
                 self.touch(a);
                 if self.people[a as usize].walks {
                     self.arrived(stage, a);
                 } else {
-                    self.queue.push((a, "arrives".into(), About::default()));
+                    self.push(a, "arrives", About::default());
                 }
             }
             Signal::Timer(a) => {
@@ -690,11 +703,11 @@ impl Lives for Plain {
                     let own = self.people[a as usize].values.get_mut(&name).unwrap();
                     (own.0, own.2) = (number, now);
                     self.people[a as usize].passed.insert(on.clone());
-                    self.queue.push((a, on, About::default()));
+                    self.push(a, on, About::default());
                 }
                 if self.people[a as usize].timer <= now {
                     self.people[a as usize].timer = NEVER;
-                    self.queue.push((a, "timer".into(), About::default()));
+                    self.push(a, "timer", About::default());
                 }
                 let p = &self.people[a as usize];
                 if p.until <= now || p.most <= now {
