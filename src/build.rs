@@ -5,7 +5,7 @@ use crate::{keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use throng_precompute::actions::ActionReport;
+use throng_precompute::activities::ActivityReport;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::examples::BlendReport;
 use throng_precompute::files;
@@ -185,7 +185,7 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
         ));
     }
     rows.extend(r.blend_spaces.iter().flat_map(blend));
-    rows.extend(actions(&r.action_clips));
+    rows.extend(activities(&r.activities));
     for p in &r.policies {
         rows.push((
             "policy",
@@ -225,15 +225,15 @@ fn print_paper(r: &BuildReport) -> Outcome {
 }
 
 /// Rows of what bodies can be asked to do.
-fn actions(all: &[ActionReport]) -> Vec<(&'static str, String)> {
-    let row = |same: &[ActionReport]| {
+fn activities(all: &[ActivityReport]) -> Vec<(&'static str, String)> {
+    let row = |same: &[ActivityReport]| {
         let longest = same.iter().map(|a| a.duration_s).fold(0.0, f64::max);
         let looped = same.iter().filter_map(|a| a.looped_s).fold(0.0, f64::max);
         let s = if same.len() == 1 { "" } else { "s" };
         let clips = format!("{}: {} clip{s} of up to {longest:.1} s", same[0].tag, same.len());
         if looped > 0.0 { format!("{clips}, of which {looped:.1} s go on") } else { clips }
     };
-    all.chunk_by(|a, b| a.tag == b.tag).map(|same| ("action", row(same))).collect()
+    all.chunk_by(|a, b| a.tag == b.tag).map(|same| ("activity", row(same))).collect()
 }
 
 /// Rows of a blend space.

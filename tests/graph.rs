@@ -312,7 +312,7 @@ fn json_lists_states_and_actions() {
         groups: None,
         patches: None,
         blends: &[],
-        actions: &[],
+        activities: &[],
         meta: &meta,
     };
     let mut bytes = Vec::new();

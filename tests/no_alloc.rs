@@ -408,7 +408,7 @@ fn busy_crowd(scheme: Scheme) -> Setup {
 
 #[test]
 fn a_crowd_allocates_nothing_whatever_its_scheme() {
-    for scheme in [Scheme::Registration, Scheme::Occupancy, Scheme::Fixed] {
+    for scheme in [Scheme::Registration, Scheme::Occupancy, Scheme::Fixed, Scheme::Pairs] {
         let mut crowd = Crowd::on_ground(busy_crowd(scheme)).expect("a crowd");
         let mut events = 0;
         for i in 1..=20 {
@@ -422,7 +422,7 @@ fn a_crowd_allocates_nothing_whatever_its_scheme() {
         let is_busy = match scheme {
             Scheme::Registration => events > 2000 && c.colliding > 0,
             Scheme::Occupancy => events > 2000 && c.colliding > 0 && c.entering > 0 && c.contacting + c.leaving > 0,
-            Scheme::Fixed => c.decisions > 40_000 && c.undone > 0,
+            Scheme::Fixed | Scheme::Pairs => c.decisions > 40_000 && c.undone > 0,
         };
         assert!(is_busy, "{scheme:?}: {c:?}, {events} events are too few to prove anything");
     }

@@ -41,7 +41,7 @@ fn bundle_of(spaces: &BlendSpaces) -> Vec<u8> {
         groups: None,
         patches: None,
         blends: &spaces.spaces,
-        actions: &[],
+        activities: &[],
         meta: &meta,
     };
     let mut bytes = Vec::new();

@@ -25,7 +25,7 @@ fn bench_measures_a_crowd_with_the_engine_that_is_named() {
             &KEYS,
         )
     };
-    for engine in ["events", "occupancy", "fixed"] {
+    for engine in ["events", "occupancy", "fixed", "pairs"] {
         let report = ask(engine);
         assert_eq!((&report["agents"], &report["engine"]), (&40.into(), &engine.into()));
         assert!(report["progress_mps"].as_f64() > Some(0.5), "{report}");

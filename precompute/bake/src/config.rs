@@ -1,6 +1,6 @@
 //! What a build is told: one TOML file, each stage's settings in a table of its own.
 
-use crate::actions::ActionConfig;
+use crate::activities::ActivityConfig;
 use crate::cluster::ClusterConfig;
 use crate::examples::BlendConfig;
 use crate::features::FeaturesConfig;
@@ -54,7 +54,7 @@ pub struct BuildConfig {
     pub blend: BTreeMap<String, BlendConfig>,
     /// What bodies can be asked to do when they stand, by tag: greeting, sitting down. Those of blend spaces perform it.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub actions: BTreeMap<String, ActionConfig>,
+    pub activities: BTreeMap<String, ActivityConfig>,
     /// How policies are solved.
     pub policy: PolicyConfig,
     /// What characters can be asked to do.
@@ -78,7 +78,7 @@ impl Default for BuildConfig {
             graph: GraphConfig::default(),
             patches: PatchConfig::default(),
             blend: BTreeMap::new(),
-            actions: BTreeMap::new(),
+            activities: BTreeMap::new(),
             policy: PolicyConfig::default(),
             behaviours: vec![BehaviourConfig::default()],
         }

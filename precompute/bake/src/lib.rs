@@ -1,6 +1,6 @@
 //! Bakes clips into Throng tables. [`pipeline`] lists the stages in order.
 
-pub mod actions;
+pub mod activities;
 pub mod cache;
 pub mod cluster;
 pub mod config;

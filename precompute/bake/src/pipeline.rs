@@ -10,11 +10,11 @@ use crate::policy::Policy;
 use crate::report::{self, BuildReport, Built};
 use crate::stages::{Motion, Output, Stages};
 use crate::write::{self, Baked};
-use crate::{actions, cluster, examples, features, graph, motion, policy, provenance, stops};
+use crate::{activities, cluster, examples, features, graph, motion, policy, provenance, stops};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::path::{Path, PathBuf};
-use throng_core::format::ActionMeta;
+use throng_core::format::ActivityMeta;
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Warnings};
 use throng_motion::import::Imported;
@@ -76,7 +76,7 @@ fn make(
     let clips = &motion.clips;
     let features = s.on_demand("features", &[motion.key], &cfg.features, || features::extract(clips, &cfg.features))?;
     let blends = blends(cfg, &motion, motion.key, &mut attempts, &s)?;
-    let actions = acts(cfg, clips, &mut attempts)?;
+    let activities = activities(cfg, clips, &mut attempts)?;
     let baked_patches = match &units {
         Some(units) => {
             let groups = s.stage("cluster", &[features.key], &cfg.cluster, |p| {
@@ -113,7 +113,7 @@ fn make(
         groups,
         patches,
         blends: &blends.spaces,
-        actions: &actions,
+        activities: &activities,
         meta: &meta,
     };
     let written = s.run("write", |_| write::bundle(&baked, out))?;
@@ -187,13 +187,13 @@ fn blends(
     Ok(all)
 }
 
-/// The actions of a config.
-fn acts(cfg: &BuildConfig, clips: &ClipSet, attempts: &mut Attempts) -> Result<Vec<ActionMeta>, BuildError> {
-    let tables: Vec<_> = cfg.actions.iter().map(|(tag, table)| (tag.clone(), table.clone())).collect();
+/// The activities of a config.
+fn activities(cfg: &BuildConfig, clips: &ClipSet, attempts: &mut Attempts) -> Result<Vec<ActivityMeta>, BuildError> {
+    let tables: Vec<_> = cfg.activities.iter().map(|(tag, table)| (tag.clone(), table.clone())).collect();
     let mut all = Vec::new();
     for some in attempts.pieces(&tables) {
-        let found = actions::find(clips, &some.iter().cloned().collect());
-        all.extend(attempts.made(format!("action {}", some[0].0), found)?.unwrap_or_default());
+        let found = activities::find(clips, &some.iter().cloned().collect());
+        all.extend(attempts.made(format!("activity {}", some[0].0), found)?.unwrap_or_default());
     }
     Ok(all)
 }

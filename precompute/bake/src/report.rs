@@ -2,7 +2,7 @@
 
 mod paper;
 
-use crate::actions::ActionReport;
+use crate::activities::ActivityReport;
 use crate::cluster::PoseGroups;
 use crate::config::BuildConfig;
 use crate::examples::{BlendReport, BlendSpaces};
@@ -60,7 +60,7 @@ pub struct BuildReport {
     /// What was made of each blend space.
     pub blend_spaces: Vec<BlendReport>,
     /// What bodies can be asked to do when they stand.
-    pub action_clips: Vec<ActionReport>,
+    pub activities: Vec<ActivityReport>,
     /// Examples of all blend spaces.
     pub blend_examples: usize,
     /// Weight tables of all blend spaces (bytes).
@@ -150,7 +150,7 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
         group_frames: group_frames(&groups),
         patches: baked.patches.map_or_else(Vec::new, |p| p.report.clone()),
         blend_spaces: blends.to_vec(),
-        action_clips: baked.actions.iter().map(|a| ActionReport::of(a, cfg.resample.rate_hz)).collect(),
+        activities: baked.activities.iter().map(|a| ActivityReport::of(a, cfg.resample.rate_hz)).collect(),
         blend_examples: blends.iter().map(|b| b.examples.len()).sum(),
         weight_table_bytes: blends.iter().map(|b| b.weight_table_bytes).sum(),
         weight_table_max_error: blends.iter().map(|b| b.weight_table_max_error).fold(0.0, f64::max),
@@ -180,13 +180,13 @@ impl BuildReport {
         let spaces: Vec<&str> = self.blend_spaces.iter().map(|b| &*b.name).collect();
         let patches: Vec<&str> = self.patches.iter().map(|p| &*p.name).collect();
         let list = |what: &str, names: Vec<&str>| (!names.is_empty()).then(|| format!("{what} {}", names.join(", ")));
-        let mut actions: Vec<&str> = self.action_clips.iter().map(|a| &*a.tag).collect();
-        actions.dedup();
+        let mut activities: Vec<&str> = self.activities.iter().map(|a| &*a.tag).collect();
+        activities.dedup();
         let all = [
             list("policies", policies),
             list("blend spaces", spaces),
             list("motion patches", patches),
-            list("actions", actions),
+            list("activities", activities),
         ];
         let all: Vec<String> = all.into_iter().flatten().collect();
         if all.is_empty() { "clips alone".into() } else { all.join("; ") }

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use std::path::Path;
 use throng_core::blend::BlendRecord;
 use throng_core::format::{
-    ActionMeta, AlignedBytes, BlendMeta, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, PatchMeta, RotationCode,
-    SkeletonRecord,
+    ActivityMeta, AlignedBytes, BlendMeta, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, PatchMeta,
+    RotationCode, SkeletonRecord,
 };
 use throng_core::graph::{MotionSegment, StateRecord};
 use throng_core::hits::KIND_NAMES;
@@ -41,8 +41,8 @@ pub struct Baked<'a> {
     pub patches: Option<&'a Patches>,
     /// Blend spaces.
     pub blends: &'a [BlendSpace],
-    /// Actions of bodies.
-    pub actions: &'a [ActionMeta],
+    /// Activities of bodies.
+    pub activities: &'a [ActivityMeta],
     /// Name, provenance and figures; clips and behaviours are filled in here.
     pub meta: &'a Meta,
 }
@@ -113,7 +113,7 @@ pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
         meta.units.clone_from(&p.units);
     }
     meta.blends = baked.blends.iter().map(blend_meta).collect();
-    meta.actions = baked.actions.to_vec();
+    meta.activities = baked.activities.to_vec();
     let mut out = BundleWriter::new();
     out.section(tags::META, &meta.encode()?);
     out.section(tags::SKELETON, &[SkeletonRecord::from(&baked.clips.skeleton)]);

@@ -3,7 +3,7 @@
 //! A bundle (`*.throng`) is opened as [`Bundle`]; [`characters::PolicyCharacters`] and [`walkers::Walkers`] are
 //! [`Cast`]s that move and pose people. [`policy`] answers single queries without characters.
 
-pub mod action;
+pub mod activity;
 pub mod blend;
 pub mod bundle;
 pub mod cast;

@@ -25,6 +25,9 @@ pub enum Scheme {
     /// tried (Kim, Kim and Shin 2003b, section 4). Nothing but the forces keeps agents apart.
     #[cfg(feature = "baselines")]
     Fixed,
+    /// For comparison: as [`Scheme::Fixed`], and every agent looks at every other one (Kim, Kim and Shin 2003a, section 5).
+    #[cfg(feature = "baselines")]
+    Pairs,
 }
 
 impl Scheme {

@@ -19,6 +19,10 @@ use serde::{Deserialize, Serialize};
 use throng_base::error::check_index;
 use throng_base::prefetch;
 
+/// Side of cells of which each has everybody next to it (m).
+#[cfg(feature = "baselines")]
+const ALL_M: f32 = 9e4;
+
 /// All that does not change while time passes.
 #[derive(Clone, Debug)]
 pub(crate) struct Scenery<V> {
@@ -188,6 +192,11 @@ impl<V: Space> Scenery<V> {
     fn side(&self, setup: &Setup<V>) -> Result<f32, CrowdError> {
         let config = &setup.config;
         let shortest = 1.5 * self.interval;
+        #[cfg(feature = "baselines")]
+        if config.scheme == Scheme::Pairs {
+            // All of a crowd is in cells next to each other.
+            return Ok(ALL_M);
+        }
         #[cfg(feature = "baselines")]
         let shortest = if config.scheme == Scheme::Fixed { config.step_s.max(shortest) } else { shortest };
         let need = 2.0 * (self.radius + self.stopping + self.fastest * shortest + 0.01);

@@ -132,7 +132,7 @@ impl CompiledScene {
         let motions = self.scenario.as_ref().map_or(&[] as &[String], |s| s.motions());
         let groups = self.scene.groups.iter().enumerate().filter(|(_, g)| g.is_of_agents());
         let bundles: Vec<&Bundle> = groups.filter_map(|(g, _)| self.bundles[g].as_ref()).collect();
-        let has = |bundle: &Bundle, tag: &str| bundle.meta().actions.iter().any(|a| a.tag == tag);
+        let has = |bundle: &Bundle, tag: &str| bundle.meta().activities.iter().any(|a| a.tag == tag);
         let is_missing = |tag: &&String| !bundles.is_empty() && !bundles.iter().all(|b| has(b, tag));
         motions.iter().filter(is_missing).map(|tag| format!("`{tag}`: those who do it stand meanwhile")).collect()
     }

@@ -65,7 +65,8 @@ fn hands_meet_at_the_height_of_the_belly_and_rise_over_the_head_in_joy() {
         let at = |f: usize| clip.joint_positions(&SET.skeleton, f);
         (0..clip.num_frames()).map(|f| (at(f)[joint.index()], at(f)[Joint::Head.index()])).collect::<Vec<_>>()
     };
-    let given = hand("handshake", Joint::RightHand).into_iter().map(|h| h.0).max_by(|a, b| a.z.total_cmp(&b.z)).unwrap();
+    let given =
+        hand("handshake", Joint::RightHand).into_iter().map(|h| h.0).max_by(|a, b| a.z.total_cmp(&b.z)).unwrap();
     assert!((0.95..1.25).contains(&given.y) && (0.4..0.7).contains(&given.z) && given.x.abs() < 0.12, "{given}");
     assert!(hand("cheer", Joint::LeftHand).iter().any(|(hand, head)| hand.y > head.y + 0.15));
 }

@@ -4,7 +4,7 @@ use super::grid::WeightGrid;
 use super::records::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, ReferenceRow};
 use super::warp::Timing;
 use super::{Blends, slopes};
-use crate::action::ActionSet;
+use crate::activity::ActivitySet;
 use crate::format::{FormatError, Table};
 use crate::skeleton::Skeleton;
 use throng_base::Result;
@@ -29,7 +29,7 @@ pub struct BlendSpace {
     name: String,
     skeleton: Skeleton,
     fingerprint: u64,
-    actions: ActionSet,
+    activities: ActivitySet,
 }
 
 impl BlendSpace {
@@ -66,18 +66,30 @@ impl BlendSpace {
         };
         let name = blends.names.get(space).cloned().unwrap_or_default();
         let (skeleton, fingerprint) = (blends.skeleton.clone(), blends.fingerprint);
-        let actions = ActionSet::default();
-        Ok(Self { record, examples, grid, references, channels, timing, slopes, name, skeleton, fingerprint, actions })
+        let activities = ActivitySet::default();
+        Ok(Self {
+            record,
+            examples,
+            grid,
+            references,
+            channels,
+            timing,
+            slopes,
+            name,
+            skeleton,
+            fingerprint,
+            activities,
+        })
     }
 
     /// The same space, whose bodies can do these things when they stand.
-    pub fn with_actions(self, actions: ActionSet) -> Self {
-        Self { actions, ..self }
+    pub fn with_activities(self, activities: ActivitySet) -> Self {
+        Self { activities, ..self }
     }
 
     /// What bodies can do when they stand.
-    pub fn actions(&self) -> &ActionSet {
-        &self.actions
+    pub fn activities(&self) -> &ActivitySet {
+        &self.activities
     }
 
     /// Its name in the bundle.

@@ -1,11 +1,11 @@
 //! Every stored index against its table, every number for being finite.
 
-mod actions;
+mod activities;
 mod blends;
 mod patches;
 mod stops;
 
-pub(super) use actions::actions;
+pub(super) use activities::activities;
 pub(super) use blends::blends;
 pub(super) use patches::{patches, pose_groups};
 pub(super) use stops::stops;

@@ -6,7 +6,7 @@ mod sections;
 
 pub use sections::tags;
 
-use crate::action::ActionSet;
+use crate::activity::ActivitySet;
 use crate::blend::{BlendSpace, Blends};
 use crate::contacts::Contacts;
 use crate::format::{AlignedBytes, ClipRecord, FormatError, FrameRow, Layout, Meta, RotationCode, Storage, Table, Tag};
@@ -169,7 +169,7 @@ impl Bundle {
         check::pose_groups(&bundle)?;
         check::patches(&bundle)?;
         check::blends(&bundle)?;
-        check::actions(&bundle)?;
+        check::activities(&bundle)?;
         Ok(bundle)
     }
 
@@ -268,14 +268,14 @@ impl Bundle {
     /// As [`Bundle::find_blend`].
     pub fn blend(&self, name: &str) -> Result<BlendSpace> {
         match BlendSpace::new(self.blends(), self.find_blend(name)?) {
-            Ok(space) => Ok(space.with_actions(self.actions())),
+            Ok(space) => Ok(space.with_activities(self.activities())),
             Err(e) => unreachable!("checked when the bundle was opened: {e}"),
         }
     }
 
-    /// The actions; empty where the bundle was built without them.
-    pub fn actions(&self) -> ActionSet {
-        ActionSet::new(self)
+    /// The activities; empty where the bundle was built without them.
+    pub fn activities(&self) -> ActivitySet {
+        ActivitySet::new(self)
     }
 
     /// A number that tells this bundle's content from others: of the checksums of all sections, and the length.

@@ -43,10 +43,10 @@ pub struct Meta {
     pub frames_in: u64,
     /// Frames that its actions play.
     pub frames_kept: u64,
-    /// What bodies can do beside moving about, see [`crate::action`]. Written after all else, and only where there is
+    /// What bodies can do beside moving about, see [`crate::activity`]. Written after all else, and only where there is
     /// anything, so that files without it stay as they were.
     #[serde(skip)]
-    pub actions: Vec<ActionMeta>,
+    pub activities: Vec<ActivityMeta>,
 }
 
 /// A file of the input.
@@ -93,12 +93,12 @@ pub struct BlendMeta {
     pub examples: Vec<String>,
 }
 
-/// An action: frames of a clip that begin and end standing.
+/// An activity: frames of a clip that begin and end standing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct ActionMeta {
+pub struct ActivityMeta {
     /// Unique name.
     pub name: String,
-    /// What it is asked for by; several actions may have one tag.
+    /// What it is asked for by; several activities may have one tag.
     pub tag: String,
     /// Its clip.
     pub clip: u32,
@@ -106,7 +106,7 @@ pub struct ActionMeta {
     pub first_frame: u32,
     /// Number of frames (>= 2).
     pub num_frames: u32,
-    /// First frame within the action, and number of frames, of the part that goes on until the action is to end.
+    /// First frame within the activity, and number of frames, of the part that goes on until the activity is to end.
     pub looped: Option<[u32; 2]>,
     /// The body does not stand in the middle of it: it cannot just walk away.
     pub is_seated: bool,
@@ -156,8 +156,8 @@ impl Meta {
     /// [`FormatError::Layout`] where it cannot be encoded.
     pub fn encode(&self) -> Result<Vec<u8>, FormatError> {
         let mut bytes = encode("META", self)?;
-        if !self.actions.is_empty() {
-            bytes.extend(encode("META", &self.actions)?);
+        if !self.activities.is_empty() {
+            bytes.extend(encode("META", &self.activities)?);
         }
         Ok(bytes)
     }
@@ -169,7 +169,7 @@ impl Meta {
     pub fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
         let (mut meta, rest): (Self, _) = decode_first("META", bytes)?;
         if !rest.is_empty() {
-            meta.actions = decode("META", rest)?;
+            meta.activities = decode("META", rest)?;
         }
         if !RATES_HZ.contains(&meta.rate_hz) {
             return Err(FormatError::layout(format!("META gives a rate of {} Hz, expected 1 to 1000", meta.rate_hz)));
@@ -183,10 +183,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn actions_follow_all_else_and_none_leave_no_trace() {
+    fn activities_follow_all_else_and_none_leave_no_trace() {
         let bare = Meta { rate_hz: 60.0, ..Meta::default() };
-        let wave = ActionMeta { name: "wave".into(), looped: Some([3, 4]), ..ActionMeta::default() };
-        let full = Meta { actions: vec![wave], ..bare.clone() };
+        let wave = ActivityMeta { name: "wave".into(), looped: Some([3, 4]), ..ActivityMeta::default() };
+        let full = Meta { activities: vec![wave], ..bare.clone() };
         let [short, long] = [&bare, &full].map(|m| m.encode().unwrap());
         assert_eq!(long[..short.len()], short);
         assert_eq!([&short, &long].map(|b| Meta::decode(b).unwrap()), [bare, full]);

@@ -11,7 +11,7 @@
 //! - 3: pose groups and motion patches; contacts of seven bits; a motion graph may be absent where there are patches.
 //! - 4: blend spaces; a motion graph may be absent where there are any.
 //! - 5: frame rows of 96 bytes, whose rotations are packed as a section of its own says.
-//! - 6: stop tables. META may be followed by a list of actions, where there are any.
+//! - 6: stop tables. META may be followed by a list of activities, where there are any.
 
 #[cfg(not(target_endian = "little"))]
 compile_error!("bundles are little-endian and viewed in place; this target is big-endian");
@@ -30,7 +30,7 @@ pub use error::FormatError;
 pub use header::Kind;
 pub use header::{ALIGN, Header, MAGIC, Section, Tag, VERSION};
 pub use layout::Layout;
-pub use meta::{ActionMeta, BlendMeta, ClipMeta, Meta, PatchMeta, SourceMeta, decode, encode};
+pub use meta::{ActivityMeta, BlendMeta, ClipMeta, Meta, PatchMeta, SourceMeta, decode, encode};
 pub use records::{ClipRecord, FrameRow, ROTATION_BYTES, SkeletonRecord};
 pub use rotation_code::{JointCode, RotationCode};
 pub use storage::AlignedBytes;

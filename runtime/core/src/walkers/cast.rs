@@ -145,7 +145,7 @@ impl Cast for Walkers {
         }
         let can_be = |row: usize, id: Id| {
             let act = &kept.acts[row];
-            let acts = act.acting.can_be(self.space.actions()) && act.gaze.can_be();
+            let acts = act.acting.can_be(self.space.activities()) && act.gaze.can_be();
             acts && kept.orders[row].check(id).is_ok() && kept.blocks[row / LANES].can_be(row % LANES)
         };
         if !kept.roster.ids().iter().enumerate().all(|(row, &id)| can_be(row, id)) {
@@ -171,7 +171,7 @@ impl Cast for Walkers {
     }
 
     /// Takes the blend space of the same name. Feet ease over; joint angles, which follow the new examples, change at
-    /// once, and so do parameters where the space has other axes. Actions of names that are gone are given up.
+    /// once, and so do parameters where the space has other axes. Activities of names that are gone are given up.
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
         let space = new.blend(self.space.name())?;
         if self.is_database_body {
@@ -182,8 +182,8 @@ impl Cast for Walkers {
         if kinds(space.axes()) != kinds(self.space.axes()) {
             self.state.blocks.iter_mut().for_each(|block| block.placed = [0.0; LANES]);
         }
-        let old = self.space.actions();
-        self.state.acts.iter_mut().for_each(|act| act.acting.adopt(old, space.actions()));
+        let old = self.space.activities();
+        self.state.acts.iter_mut().for_each(|act| act.acting.adopt(old, space.activities()));
         self.space = space;
         self.setup = self.find_setup(self.capacity());
         self.block_weights = vec![0.0; LANES * self.space.stride()];

@@ -189,17 +189,17 @@ impl Walkers {
 
     /// Begins, changes or ends what a walker does beside moving about.
     ///
-    /// It comes to a stand, turns to the heading, and plays the action; feet that stand stay where they are. Until it is
+    /// It comes to a stand, turns to the heading, and plays the activity; feet that stand stay where they are. Until it is
     /// over it keeps its heading, and its place where the order gives no position. It ends at its end; with `None`
     /// or another performance, which follows it; and when the order asks for more than 0.3 m/s. Who sits stands up
     /// first: [`Walkers::performing`] says until when to wait. [`WalkerEvent::Performed`] tells when it is over.
     ///
     /// # Errors
-    /// [`Error::Gone`](throng_base::Error::Gone), [`Error::Index`](throng_base::Error::Index) for an action that is not in
-    /// [`BlendSpace::actions`], [`Error::Value`](throng_base::Error::Value) for a heading that is no number.
+    /// [`Error::Gone`](throng_base::Error::Gone), [`Error::Index`](throng_base::Error::Index) for an activity that is not in
+    /// [`BlendSpace::activities`], [`Error::Value`](throng_base::Error::Value) for a heading that is no number.
     pub fn perform(&mut self, id: Id, performance: Option<Performance>) -> Result<()> {
         let row = self.row(id)?;
-        performance.map_or(Ok(()), |p| p.check(self.space.actions()))?;
+        performance.map_or(Ok(()), |p| p.check(self.space.activities()))?;
         let heading = self.root(row).heading;
         self.state.acts[row].acting.perform(performance, heading);
         Ok(())
@@ -340,7 +340,7 @@ impl Walkers {
         let mut hash = Hash128::default();
         hash.word(self.space.fingerprint());
         hash.word(capacity as u64);
-        let rest = (self.space.name(), self.space.actions().all(), &self.config, &self.skeletons);
+        let rest = (self.space.name(), self.space.activities().all(), &self.config, &self.skeletons);
         hash.bytes(format!("{rest:?}").as_bytes());
         self.ground.hash(&mut hash);
         hash.finish()

@@ -1,12 +1,12 @@
-//! What walkers do when they stand: they turn to a heading, play an action of the bundle, and go on as blended.
+//! What walkers do when they stand: they turn to a heading, play an activity of the bundle, and go on as blended.
 //!
-//! A share of the action's posture is laid over the blended one, before it is put on the body and on the ground: feet
+//! A share of the activity's posture is laid over the blended one, before it is put on the body and on the ground: feet
 //! that stand stay where they are, whatever is blended. The share is pulled by a spring, so that its rate never jumps.
 
 use super::Control;
 use super::block::Block;
 use super::spring::Spring;
-use crate::action::{Action, ActionId, ActionSet, Sample};
+use crate::activity::{Activity, ActivityId, ActivitySet, Sample};
 use crate::blend::{AxisRecord, MAX_AXES, Posture, axis};
 use crate::planar::wrap_angle;
 use glam::Vec2;
@@ -14,24 +14,24 @@ use serde::{Deserialize, Serialize};
 
 /// Speed asked for from which a body walks away instead (m/s).
 const WALKING_MPS: f32 = 0.3;
-/// Time in which half of a change from the blend to an action, or back, is made (s).
+/// Time in which half of a change from the blend to an activity, or back, is made (s).
 const HALF_LIFE_S: f32 = 0.09;
-/// How long before its end an action begins to fade (s).
+/// How long before its end an activity begins to fade (s).
 const LEAD_S: f32 = 0.25;
-/// Time of a change from one place of an action to another (s).
+/// Time of a change from one place of an activity to another (s).
 const CROSS_S: f32 = 0.35;
-/// Share of an action that is none.
+/// Share of an activity that is none.
 const GONE: f32 = 1e-3;
 /// A body stands and has turned: what is left of its turn, its turning rate, and its speed (rad, rad/s, m/s).
 const TURNED: f32 = 0.03;
 const TURNING: f32 = 0.15;
 const STANDING_MPS: f32 = 0.15;
 
-/// An action to perform.
+/// An activity to perform.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Performance {
-    /// Which, of [`crate::blend::BlendSpace::actions`].
-    pub action: ActionId,
+    /// Which, of [`crate::blend::BlendSpace::activities`].
+    pub activity: ActivityId,
     /// Heading to turn to first; `None` is that of the body (rad).
     pub heading: Option<f32>,
 }
@@ -39,11 +39,11 @@ pub struct Performance {
 /// How far a performance has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Performing {
-    /// The action.
-    pub action: ActionId,
+    /// The activity.
+    pub activity: ActivityId,
     /// Which part of it.
     pub part: Part,
-    /// Time within the action; 0 until it begins (s).
+    /// Time within the activity; 0 until it begins (s).
     pub seconds: f32,
 }
 
@@ -55,31 +55,31 @@ pub enum Part {
     Idle,
     /// It comes to a stand and turns.
     Turn,
-    /// Up to the looped part, or all of an action without.
+    /// Up to the looped part, or all of an activity without.
     Begin,
     /// What goes on until it is to end.
     Loop,
     /// After the looped part.
     End,
-    /// The action is over and fades.
+    /// The activity is over and fades.
     Fade,
 }
 
 /// The performance of one walker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Acting {
-    action: u32,
+    activity: u32,
     part: Part,
     /// That it keeps (rad).
     heading: f32,
-    /// Time within the action, and within what is left behind (s).
+    /// Time within the activity, and within what is left behind (s).
     seconds: f32,
     left: f32,
     /// Share of what is left behind, before it is eased.
     cross: f32,
     /// It ends as soon as it can.
     is_ending: bool,
-    /// Share of the action in the posture.
+    /// Share of the activity in the posture.
     share: f32,
     /// How fast that changes (1/s).
     rate: f32,
@@ -88,15 +88,15 @@ pub(crate) struct Acting {
 
 /// What the performances of a step have in common.
 pub(crate) struct Stage<'a> {
-    pub actions: &'a ActionSet,
+    pub activities: &'a ActivitySet,
     axes: &'a [AxisRecord],
     spring: Spring,
     dt_s: f32,
 }
 
 impl<'a> Stage<'a> {
-    pub fn new(actions: &'a ActionSet, axes: &'a [AxisRecord], dt_s: f32) -> Self {
-        Self { actions, axes, spring: Spring::new(dt_s, HALF_LIFE_S), dt_s }
+    pub fn new(activities: &'a ActivitySet, axes: &'a [AxisRecord], dt_s: f32) -> Self {
+        Self { activities, axes, spring: Spring::new(dt_s, HALF_LIFE_S), dt_s }
     }
 
     /// True where a body neither moves nor turns.
@@ -126,13 +126,13 @@ impl Acting {
 
     fn begin(&mut self, p: Performance, heading: f32) {
         let heading = p.heading.unwrap_or(heading);
-        *self = Self { action: p.action.0, part: Part::Turn, heading, ..Self::default() };
+        *self = Self { activity: p.activity.0, part: Part::Turn, heading, ..Self::default() };
     }
 
     /// How far it has come; none where nothing is performed.
     pub fn performing(&self) -> Option<Performing> {
         let is_on = !matches!(self.part, Part::Idle | Part::Fade);
-        is_on.then_some(Performing { action: ActionId(self.action), part: self.part, seconds: self.seconds })
+        is_on.then_some(Performing { activity: ActivityId(self.activity), part: self.part, seconds: self.seconds })
     }
 
     /// True where there is nothing to do.
@@ -151,14 +151,14 @@ impl Acting {
 
     /// It sits, or is about to, and has to stand up first.
     fn holds(&self, stage: &Stage<'_>) -> bool {
-        self.part != Part::Turn && stage.actions.get(ActionId(self.action)).is_some_and(|a| a.is_seated)
+        self.part != Part::Turn && stage.activities.get(ActivityId(self.activity)).is_some_and(|a| a.is_seated)
     }
 
     /// Moves time on, once the body was steered.
     ///
     /// - returns true where the performance has ended.
     pub fn advance(&mut self, stage: &Stage<'_>, control: &Control, (block, lane): (&Block, usize)) -> bool {
-        let Some(action) = stage.actions.get(ActionId(self.action)) else {
+        let Some(activity) = stage.activities.get(ActivityId(self.activity)) else {
             *self = Self::default();
             return false;
         };
@@ -176,7 +176,7 @@ impl Acting {
                     self.part = Part::Begin;
                 }
             }
-            _ => self.play(action, walks(control), stage.dt_s),
+            _ => self.play(activity, walks(control), stage.dt_s),
         }
         let aim = if matches!(self.part, Part::Begin | Part::Loop | Part::End) { 1.0 } else { 0.0 };
         let (off, rate) = stage.spring.pull(self.share - aim, self.rate);
@@ -191,15 +191,15 @@ impl Acting {
         was_on && self.performing().is_none()
     }
 
-    /// Moves on within the action.
-    fn play(&mut self, action: &Action, walks: bool, dt_s: f32) {
-        let end = action.duration_s;
+    /// Moves on within the activity.
+    fn play(&mut self, activity: &Activity, walks: bool, dt_s: f32) {
+        let end = activity.duration_s;
         self.seconds = (self.seconds + dt_s).min(end);
         self.left = (self.left + dt_s).min(end);
         self.cross = (self.cross - dt_s / CROSS_S).max(0.0);
         self.is_ending |= walks;
-        let leaves = self.is_ending && !action.is_seated && (walks || action.looped_s.is_none());
-        match (self.part, action.looped_s) {
+        let leaves = self.is_ending && !activity.is_seated && (walks || activity.looped_s.is_none());
+        match (self.part, activity.looped_s) {
             (Part::Fade, _) => {}
             (Part::Begin | Part::Loop | Part::End, _) if leaves => self.part = Part::Fade,
             (Part::Begin, Some([from, _])) if self.seconds >= from => self.part = Part::Loop,
@@ -223,51 +223,51 @@ impl Acting {
     /// Lays what is performed over a blended posture.
     ///
     /// - returns its share.
-    pub fn lay(&self, actions: &ActionSet, posture: &mut Posture) -> f32 {
-        let Some(action) = actions.get(ActionId(self.action)).filter(|_| self.share > 0.0) else { return 0.0 };
-        actions.lay(&self.sample(actions, action), self.share, posture);
+    pub fn lay(&self, activities: &ActivitySet, posture: &mut Posture) -> f32 {
+        let Some(activity) = activities.get(ActivityId(self.activity)).filter(|_| self.share > 0.0) else { return 0.0 };
+        activities.lay(&self.sample(activities, activity), self.share, posture);
         self.share
     }
 
-    fn sample(&self, actions: &ActionSet, action: &Action) -> Sample {
-        let now = actions.sample(action, self.seconds);
+    fn sample(&self, activities: &ActivitySet, activity: &Activity) -> Sample {
+        let now = activities.sample(activity, self.seconds);
         if self.cross == 0.0 {
             return now;
         }
         let eased = self.cross * self.cross * (3.0 - 2.0 * self.cross);
-        now.mix(&actions.sample(action, self.left), eased)
+        now.mix(&activities.sample(activity, self.left), eased)
     }
 
-    /// The same performance by other actions: given up where there is none of its name.
-    pub fn adopt(&mut self, old: &ActionSet, new: &ActionSet) {
-        let now = old.get(ActionId(self.action)).and_then(|a| new.named(&a.name).ok());
+    /// The same performance by other activities: given up where there is none of its name.
+    pub fn adopt(&mut self, old: &ActivitySet, new: &ActivitySet) {
+        let now = old.get(ActivityId(self.activity)).and_then(|a| new.named(&a.name).ok());
         match now {
-            Some(now) if self.next.is_none() => self.action = now.0,
+            Some(now) if self.next.is_none() => self.activity = now.0,
             _ => *self = Self::default(),
         }
     }
 
     /// True where its numbers can be.
-    pub fn can_be(&self, actions: &ActionSet) -> bool {
+    pub fn can_be(&self, activities: &ActivitySet) -> bool {
         if self.part == Part::Idle {
             return *self == Self::default();
         }
-        let Some(action) = actions.get(ActionId(self.action)) else { return false };
-        let times = [self.seconds, self.left].iter().all(|t| (0.0..=action.duration_s).contains(t));
+        let Some(activity) = activities.get(ActivityId(self.activity)) else { return false };
+        let times = [self.seconds, self.left].iter().all(|t| (0.0..=activity.duration_s).contains(t));
         let shares = [self.cross, self.share].iter().all(|s| (0.0..=1.0).contains(s));
-        let part = action.looped_s.is_some() || !matches!(self.part, Part::Loop | Part::End);
-        let next = self.next.is_none_or(|n| n.check(actions).is_ok());
+        let part = activity.looped_s.is_some() || !matches!(self.part, Part::Loop | Part::End);
+        let next = self.next.is_none_or(|n| n.check(activities).is_ok());
         times && shares && part && next && self.heading.abs() < 1e6 && self.rate.abs() < 1e3
     }
 }
 
 impl Performance {
-    /// Checks that there is such an action, and the heading.
+    /// Checks that there is such an activity, and the heading.
     ///
     /// # Errors
     /// [`throng_base::Error::Index`], [`throng_base::Error::Value`].
-    pub(super) fn check(&self, actions: &ActionSet) -> throng_base::Result<()> {
-        throng_base::error::check_index("action", None, self.action.0 as usize, actions.all().len())?;
+    pub(super) fn check(&self, activities: &ActivitySet) -> throng_base::Result<()> {
+        throng_base::error::check_index("activity", None, self.activity.0 as usize, activities.all().len())?;
         super::config::moderate("heading", None, self.heading.unwrap_or(0.0))
     }
 }

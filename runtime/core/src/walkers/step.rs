@@ -83,7 +83,7 @@ impl<'a> Tick<'a> {
             air: spring(config.foot_half_life_s),
             landing: spring(LANDING_HALF_LIFE_S),
             drop: spring(DROP_HALF_LIFE_S),
-            stage: Stage::new(space.actions(), space.axes(), dt_s),
+            stage: Stage::new(space.activities(), space.axes(), dt_s),
             eyes: Eyes::new(dt_s),
         }
     }
@@ -178,7 +178,7 @@ impl Act {
         (block, body, lane): (&Block, &LaneBody, usize),
         posture: &mut Posture,
     ) -> f32 {
-        let share = if self.acting.is_idle() { 0.0 } else { self.acting.lay(tick.stage.actions, posture) };
+        let share = if self.acting.is_idle() { 0.0 } else { self.acting.lay(tick.stage.activities, posture) };
         if look_at.is_some() || !self.gaze.is_off() {
             let root = block.root(lane);
             let ground = tick.ground.at(Vec2::new(root.x, root.z)).height;

@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::sync::Arc;
 use throng_base::Result;
 use throng_base::maths;
-use throng_core::action::{ActionId, ActionSet};
+use throng_core::activity::ActivityId;
 use throng_core::walkers::Performance;
 use throng_core::walkers::{Walkers, WalkersConfig};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
@@ -26,8 +26,8 @@ pub(super) struct Followers {
     first: usize,
     count: usize,
     num_bodies: usize,
-    /// Of each troop and each tag of motion of the scenario: actions of its bundle.
-    actions: Vec<Vec<Vec<ActionId>>>,
+    /// Of each troop and each tag of motion of the scenario: activities of its bundle.
+    activities: Vec<Vec<Vec<ActivityId>>>,
     /// What each body does that it was told last (count).
     told: Vec<Shown>,
     /// Agents take them in turn, by their numbers in the crowd.
@@ -47,10 +47,10 @@ impl Followers {
         let key = format!("groups[{group}]");
         let mut troops = Vec::with_capacity(config.spaces.len());
         let motions = compiled.scenario().map_or(&[] as &[String], |s| s.motions());
-        let mut actions = Vec::new();
+        let mut activities = Vec::new();
         for t in 0..config.spaces.len() {
             let space = compiled.space(group, t)?;
-            actions.push(motions.iter().map(|tag| space.actions().tagged(tag).collect()).collect());
+            activities.push(motions.iter().map(|tag| space.activities().tagged(tag).collect()).collect());
             let numbers = (first..first + config.count).filter(|m| m % config.spaces.len() == t);
             let room = numbers.clone().count();
             let made = Walkers::with_capacity(space, &bodies, WalkersConfig::default(), room).and_then(|walkers| {
@@ -71,7 +71,7 @@ impl Followers {
             first,
             count: config.count,
             num_bodies: bodies.len(),
-            actions,
+            activities,
             told: vec![Shown::default(); config.count],
             troops,
         })
@@ -96,7 +96,7 @@ impl Followers {
         done.map_err(|e| self.scene.fault(&self.key, e))
     }
 
-    /// Tells the body of an agent what to do beside walking: to face and look at a place, and to perform an action again and
+    /// Tells the body of an agent what to do beside walking: to face and look at a place, and to perform an activity again and
     /// again; one of greeting once.
     fn show<V: Space>(&mut self, outside: &Outside<V>, agent: usize) -> Result<()> {
         let (num, row) = (self.troops.len(), (agent - self.first) / self.troops.len());
@@ -112,14 +112,14 @@ impl Followers {
         let Some(motion) = shown.motion else {
             return if is_new { troop.perform(row, None) } else { Ok(()) };
         };
-        let all = &self.actions[t][usize::from(motion)];
+        let all = &self.activities[t][usize::from(motion)];
         if all.is_empty() || !is_new && (troop.is_performing(row) || troop.is_once(all[0])) {
             return Ok(());
         }
         // Another one for each, and for each time.
         let turn = agent + (outside.crowd.now() * 0.37) as usize;
         let heading = ahead.filter(|a| a.length_squared() > 1e-4).map(|a| maths::atan2(a.x, a.y));
-        troop.perform(row, Some(Performance { action: all[turn % all.len()], heading }))
+        troop.perform(row, Some(Performance { activity: all[turn % all.len()], heading }))
     }
 
     /// What the next steps depend on, troop by troop.

@@ -115,6 +115,7 @@ impl<V: Space> Agents<V> {
     /// Measures from now on how long crowd, minds and bodies take.
     pub fn set_timed(&mut self) {
         self.spent = Some(Spent::default());
+        self.outside.ways_s = Some(0.0);
     }
 
     /// Time that crowd, minds and bodies took since [`Agents::set_timed`].
@@ -284,7 +285,7 @@ impl<V: Space> Kind for Agents<V> {
 pub struct Spent {
     /// Crowd and minds.
     pub all_s: f64,
-    /// Minds: rules, graphs, what they tell the crowd.
+    /// Minds: rules, graphs, what they tell the crowd, but for finding the ways that they ask for.
     pub minds_s: f64,
     /// Bodies.
     pub bodies_s: f64,
@@ -318,7 +319,9 @@ fn live<V: Space>(
             return Ok(());
         }
         if let (Some(spent), Some(begin)) = (spent.as_mut(), begin) {
-            spent.minds_s += begin.elapsed().as_secs_f64();
+            // Ways are the crowd's.
+            let ways_s = outside.ways_s.replace(0.0).unwrap_or(0.0);
+            spent.minds_s += begin.elapsed().as_secs_f64() - ways_s;
         }
     }
 }

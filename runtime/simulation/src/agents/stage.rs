@@ -5,6 +5,7 @@ use crate::scenario::{Signal, Stage};
 use crate::scene::GoalConfig;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::time::Instant;
 use throng_base::Result;
 use throng_crowd::{
     AtEnd, Crowd, CrowdError, Event, EventKind, Go, Id, InterestAt, PersonalInterest, Route, Sense, Space,
@@ -34,6 +35,8 @@ pub(crate) struct Outside<V> {
     pub newcomers: Vec<u32>,
     /// Somebody lives by more than a goal.
     pub is_minded: bool,
+    /// Time that finding ways took, where it is measured (s).
+    pub ways_s: Option<f64>,
 }
 
 /// What a body does beside walking.
@@ -77,6 +80,7 @@ impl<V: Space> Outside<V> {
             shown: vec![Shown::default(); num],
             newcomers: Vec::with_capacity(num),
             is_minded: false,
+            ways_s: None,
             layout,
         })
     }
@@ -118,7 +122,12 @@ impl<V: Space> Outside<V> {
         let m = agent as usize;
         let Some(id) = self.here(agent) else { return Ok(false) };
         self.sent[m] += 1;
-        match self.crowd.order(id, order) {
+        let begin = self.ways_s.map(|_| Instant::now());
+        let ordered = self.crowd.order(id, order);
+        if let (Some(ways_s), Some(begin)) = (&mut self.ways_s, begin) {
+            *ways_s += begin.elapsed().as_secs_f64();
+        }
+        match ordered {
             Ok(()) => {
                 self.crowd.wake(id).map_err(|e| self.layout.explain(&e))?;
                 Ok(true)

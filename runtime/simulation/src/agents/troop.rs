@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_base::{Bytes, Error, Result, Run, run_each};
-use throng_core::action::ActionId;
+use throng_core::activity::ActivityId;
 use throng_core::walkers::{Control, Performance, WalkerStart, Walkers};
 use throng_core::{Bodies, Cast, Planar};
 use throng_crowd::{Crowd, Id};
@@ -82,7 +82,7 @@ impl Troop {
         self.controls[row].look_at = at.map(|at| at + Vec3::Y * EYES_M);
     }
 
-    /// Lets the body of a row perform an action (row < number of bodies).
+    /// Lets the body of a row perform an activity (row < number of bodies).
     pub fn perform(&mut self, row: usize, performance: Option<Performance>) -> Result<()> {
         self.walkers.perform(self.walkers.bodies().ids[row], performance)
     }
@@ -92,9 +92,9 @@ impl Troop {
         self.walkers.performing(row).is_some()
     }
 
-    /// True for an action that is not performed again and again: a greeting.
-    pub fn is_once(&self, action: ActionId) -> bool {
-        let tag = self.walkers.space().actions().get(action).map_or("", |a| a.tag.as_str());
+    /// True for an activity that is not performed again and again: a greeting.
+    pub fn is_once(&self, activity: ActivityId) -> bool {
+        let tag = self.walkers.space().activities().get(activity).map_or("", |a| a.tag.as_str());
         tag.starts_with("greet") || tag.starts_with("handshake")
     }
 

@@ -117,6 +117,8 @@ pub mod engine {
         ("occupancy", Scheme::Occupancy),
         #[cfg(feature = "baselines")]
         ("fixed", Scheme::Fixed),
+        #[cfg(feature = "baselines")]
+        ("pairs", Scheme::Pairs),
     ];
 
     /// The names, for messages.

@@ -36,7 +36,7 @@ impl<V: Space> Baseline<V> {
         match config.scheme {
             Scheme::Registration => None,
             Scheme::Occupancy => Some(Self::Occupancy(Occupancy::new(cells.num_cells(), capacity))),
-            Scheme::Fixed => Some(Self::Fixed(Fixed::new(config.step_s, config.halvings, capacity))),
+            Scheme::Fixed | Scheme::Pairs => Some(Self::Fixed(Fixed::new(config.step_s, config.halvings, capacity))),
         }
     }
 

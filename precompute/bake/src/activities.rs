@@ -1,10 +1,10 @@
-//! Actions: frames of clips that begin and end standing, which bodies perform when they are asked for their tag.
+//! Activities: frames of clips that begin and end standing, which bodies perform when they are asked for their tag.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::Contacts;
-use throng_core::format::ActionMeta;
+use throng_core::format::ActivityMeta;
 use throng_motion::clip::{Clip, ClipSet, FrameRange};
 use throng_motion::error::BuildError;
 use throng_motion::import::matches;
@@ -14,26 +14,26 @@ const STANDING_MPS: f32 = 0.35;
 /// Hips lower than this share of where they were at the beginning are those of somebody who sits or kneels.
 const SEATED: f32 = 0.8;
 
-/// Where the actions of one tag come from.
+/// Where the activities of one tag come from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
-pub struct ActionConfig {
+pub struct ActivityConfig {
     /// Clips that show it from their first frame to their last, as patterns with `*`. Where there are none, the ranges of
     /// clips that carry the tag show it.
     pub clips: Vec<String>,
-    /// Tag of the range within it that goes on until the action is to end.
+    /// Tag of the range within it that goes on until the activity is to end.
     pub looped: String,
 }
 
-impl Default for ActionConfig {
+impl Default for ActivityConfig {
     fn default() -> Self {
         Self { clips: Vec::new(), looped: "loop".into() }
     }
 }
 
-/// What was made of one action.
+/// What was made of one activity.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct ActionReport {
+pub struct ActivityReport {
     /// Its name: the clip's, and frames where the clip gave several.
     pub name: String,
     /// What it is asked for by.
@@ -46,34 +46,34 @@ pub struct ActionReport {
     pub is_seated: bool,
 }
 
-impl ActionReport {
-    /// Of an action as a bundle stores it.
-    pub fn of(action: &ActionMeta, rate_hz: f64) -> Self {
+impl ActivityReport {
+    /// Of an activity as a bundle stores it.
+    pub fn of(activity: &ActivityMeta, rate_hz: f64) -> Self {
         let seconds = |frames: u32| f64::from(frames) / rate_hz;
         Self {
-            name: action.name.clone(),
-            tag: action.tag.clone(),
-            duration_s: seconds(action.num_frames - 1),
-            looped_s: action.looped.map(|[_, count]| seconds(count)),
-            is_seated: action.is_seated,
+            name: activity.name.clone(),
+            tag: activity.tag.clone(),
+            duration_s: seconds(activity.num_frames - 1),
+            looped_s: activity.looped.map(|[_, count]| seconds(count)),
+            is_seated: activity.is_seated,
         }
     }
 }
 
-/// Finds the actions of every tag of a config; mirrored copies have none.
+/// Finds the activities of every tag of a config; mirrored copies have none.
 ///
 /// - returns them tag by tag, in the order of the clips.
 ///
 /// # Errors
 /// [`BuildError::Key`] where nothing shows what a tag asks for, or something that does not begin and end standing.
-pub fn find(clips: &ClipSet, config: &BTreeMap<String, ActionConfig>) -> Result<Vec<ActionMeta>, BuildError> {
-    let of_tag = |(tag, config): (&String, &ActionConfig)| {
-        of_tag(clips, tag, config).map_err(|why| BuildError::key(format!("actions.{tag}"), why))
+pub fn find(clips: &ClipSet, config: &BTreeMap<String, ActivityConfig>) -> Result<Vec<ActivityMeta>, BuildError> {
+    let of_tag = |(tag, config): (&String, &ActivityConfig)| {
+        of_tag(clips, tag, config).map_err(|why| BuildError::key(format!("activities.{tag}"), why))
     };
     Ok(config.iter().map(of_tag).collect::<Result<Vec<_>, _>>()?.concat())
 }
 
-fn of_tag(clips: &ClipSet, tag: &str, config: &ActionConfig) -> Result<Vec<ActionMeta>, String> {
+fn of_tag(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Result<Vec<ActivityMeta>, String> {
     let mut found = Vec::new();
     for (number, clip) in (0u32..).zip(&clips.clips).filter(|(_, c)| !c.mirrored) {
         let ranges = ranges(clip, tag, config);
@@ -82,7 +82,7 @@ fn of_tag(clips: &ClipSet, tag: &str, config: &ActionConfig) -> Result<Vec<Actio
             let name = if alone { clip.name.clone() } else { format!("{}:{}-{}", clip.name, range.start, range.end) };
             let name = if config.clips.is_empty() { name } else { format!("{tag}:{name}") };
             check(clip, range).map_err(|why| format!("`{name}`: {why}"))?;
-            found.push(action((name, tag), (number, clip), range, &config.looped));
+            found.push(activity((name, tag), (number, clip), range, &config.looped));
         }
     }
     if found.is_empty() {
@@ -92,7 +92,7 @@ fn of_tag(clips: &ClipSet, tag: &str, config: &ActionConfig) -> Result<Vec<Actio
 }
 
 /// The frames of a clip that show what a tag asks for.
-fn ranges(clip: &Clip, tag: &str, config: &ActionConfig) -> Vec<FrameRange> {
+fn ranges(clip: &Clip, tag: &str, config: &ActivityConfig) -> Vec<FrameRange> {
     if config.clips.iter().any(|pattern| matches(pattern, &clip.name)) {
         return vec![0..clip.num_frames()];
     }
@@ -123,12 +123,17 @@ fn check(clip: &Clip, range: &FrameRange) -> Result<(), String> {
     Ok(())
 }
 
-fn action((name, tag): (String, &str), (number, clip): (u32, &Clip), range: &FrameRange, looped: &str) -> ActionMeta {
+fn activity(
+    (name, tag): (String, &str),
+    (number, clip): (u32, &Clip),
+    range: &FrameRange,
+    looped: &str,
+) -> ActivityMeta {
     let is_within = |r: &FrameRange| range.start <= r.start && r.end < range.end && r.len() > 1;
     let looped = clip.tags.iter().find(|t| t.name == looped && is_within(&t.range)).map(|t| t.range.clone());
     let middle = looped.as_ref().map_or((range.start + range.end) / 2, |l| (l.start + l.end) / 2);
     let height = |frame: usize| clip.root_positions[frame].y;
-    ActionMeta {
+    ActivityMeta {
         name,
         tag: tag.into(),
         clip: number,
@@ -139,8 +144,8 @@ fn action((name, tag): (String, &str), (number, clip): (u32, &Clip), range: &Fra
     }
 }
 
-/// Why a tag has no action.
-fn nothing(clips: &ClipSet, tag: &str, config: &ActionConfig) -> String {
+/// Why a tag has no activity.
+fn nothing(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> String {
     if !config.clips.is_empty() {
         return format!("expected clips named {}, found none among {}", config.clips.join(" or "), clips.clips.len());
     }
@@ -148,7 +153,9 @@ fn nothing(clips: &ClipSet, tag: &str, config: &ActionConfig) -> String {
     tags.sort_unstable();
     tags.dedup();
     let known = if tags.is_empty() { "no clip has a tag".into() } else { format!("the tags are {}", tags.join(", ")) };
-    format!("expected clips with the tag `{tag}`, found none: {known}. Tag them in a file beside the clip, or name `clips`")
+    format!(
+        "expected clips with the tag `{tag}`, found none: {known}. Tag them in a file beside the clip, or name `clips`"
+    )
 }
 
 #[cfg(test)]
@@ -160,22 +167,25 @@ mod tests {
         make(SynthSet::People, &SynthConfig { minutes: 1.2, ..SynthConfig::default() }).unwrap()
     }
 
-    fn asked(tag: &str, config: ActionConfig) -> BTreeMap<String, ActionConfig> {
+    fn asked(tag: &str, config: ActivityConfig) -> BTreeMap<String, ActivityConfig> {
         BTreeMap::from([(tag.to_owned(), config)])
     }
 
     #[test]
     fn tagged_ranges_become_actions_with_their_looped_part() {
-        let (clips, default) = (people(), ActionConfig::default());
+        let (clips, default) = (people(), ActivityConfig::default());
         let config = ["sit", "chat", "greet"].map(|t| (t.to_owned(), default.clone())).into();
         let found = find(&clips, &config).unwrap();
-        for action in &found {
-            let clip = &clips.clips[action.clip as usize];
-            let tag = clip.tags.iter().find(|t| t.name == action.tag).unwrap();
-            assert_eq!((action.first_frame as usize, action.num_frames as usize), (tag.range.start, tag.range.len()));
-            assert_eq!(action.is_seated, action.tag == "sit", "{}", action.name);
+        for activity in &found {
+            let clip = &clips.clips[activity.clip as usize];
+            let tag = clip.tags.iter().find(|t| t.name == activity.tag).unwrap();
+            assert_eq!(
+                (activity.first_frame as usize, activity.num_frames as usize),
+                (tag.range.start, tag.range.len())
+            );
+            assert_eq!(activity.is_seated, activity.tag == "sit", "{}", activity.name);
             let looped = clip.tags.iter().find(|t| t.name == "loop").map(|t| t.range.start);
-            assert_eq!(action.looped.map(|l| (l[0] + action.first_frame) as usize), looped);
+            assert_eq!(activity.looped.map(|l| (l[0] + activity.first_frame) as usize), looped);
         }
         assert!(["chat", "greet", "sit"].iter().all(|t| found.iter().any(|a| a.tag == *t)));
     }
@@ -183,7 +193,7 @@ mod tests {
     #[test]
     fn whole_clips_become_actions_by_name() {
         let clips = people();
-        let config = ActionConfig { clips: vec!["people_chat_*".into()], ..ActionConfig::default() };
+        let config = ActivityConfig { clips: vec!["people_chat_*".into()], ..ActivityConfig::default() };
         let found = find(&clips, &asked("talk", config)).unwrap();
         assert!(found.iter().all(|a| a.tag == "talk" && a.first_frame == 0 && a.looped.is_some()));
     }
@@ -192,14 +202,14 @@ mod tests {
     fn what_is_not_there_or_does_not_stand_is_told() {
         let mut clips = people();
         let error = |clips: &ClipSet, tag: &str, config| find(clips, &asked(tag, config)).unwrap_err().to_string();
-        let text = error(&clips, "dance", ActionConfig::default());
-        assert!(text.contains("actions.dance") && text.contains("the tags are buy, chat"), "{text}");
-        let none = ActionConfig { clips: vec!["x*".into()], ..ActionConfig::default() };
+        let text = error(&clips, "dance", ActivityConfig::default());
+        assert!(text.contains("activities.dance") && text.contains("the tags are buy, chat"), "{text}");
+        let none = ActivityConfig { clips: vec!["x*".into()], ..ActivityConfig::default() };
         assert!(error(&clips, "dance", none).contains("expected clips named x*"));
         for (i, p) in clips.clips[0].root_positions.iter_mut().enumerate() {
             p.z += 0.05 * i as f32;
         }
-        let text = error(&clips, "greet", ActionConfig::default());
+        let text = error(&clips, "greet", ActivityConfig::default());
         assert!(text.contains("people_greet_00") && text.contains("stands at the beginning"), "{text}");
     }
 }

@@ -1,9 +1,9 @@
-//! Actions: what bodies do when they stand, such as waving, shaking hands or sitting down.
+//! Activities: what bodies do when they stand, such as waving, shaking hands or sitting down.
 
 use crate::blend::{Posture, channel};
 use crate::bundle::Bundle;
 use crate::contacts::Contacts;
-use crate::format::{ActionMeta, ClipRecord, FrameRow, RotationCode, Table};
+use crate::format::{ActivityMeta, ClipRecord, FrameRow, RotationCode, Table};
 use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use glam::{Quat, Vec3};
@@ -12,16 +12,16 @@ use std::sync::Arc;
 use throng_base::maths;
 use throng_base::{Error, Result};
 
-/// Number of an action in its [`ActionSet`].
+/// Number of an activity in its [`ActivitySet`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct ActionId(pub u32);
+pub struct ActivityId(pub u32);
 
 /// Frames of a bundle that begin and end standing.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Action {
+pub struct Activity {
     /// Unique name.
     pub name: String,
-    /// What it is asked for by; several actions may have one tag.
+    /// What it is asked for by; several activities may have one tag.
     pub tag: String,
     /// First row in [`Bundle::frames`].
     pub first_frame: usize,
@@ -29,25 +29,25 @@ pub struct Action {
     pub num_frames: usize,
     /// Length (s).
     pub duration_s: f32,
-    /// Begin and end of the part that goes on until the action is to end (s).
+    /// Begin and end of the part that goes on until the activity is to end (s).
     pub looped_s: Option<[f32; 2]>,
     /// The body sits in the middle of it: it stands up before it walks away.
     pub is_seated: bool,
 }
 
-/// The actions of a bundle. A clone is cheap and keeps the bundle's file open.
+/// The activities of a bundle. A clone is cheap and keeps the bundle's file open.
 #[derive(Clone, Debug, Default)]
-pub struct ActionSet {
-    actions: Arc<[Action]>,
+pub struct ActivitySet {
+    activities: Arc<[Activity]>,
     frames: Table<FrameRow>,
     contacts: Table<Contacts>,
-    /// One, or none where there are no actions.
+    /// One, or none where there are no activities.
     code: Table<RotationCode>,
     skeleton: Skeleton,
     rate_hz: f32,
 }
 
-/// A body of an action at one instant, from where its root stood when the action began.
+/// A body of an activity at one instant, from where its root stood when the activity began.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
     /// The hips' in that frame, the others' relative to their parents.
@@ -58,27 +58,27 @@ pub(crate) struct Sample {
     pub contacts: [f32; 2],
 }
 
-impl ActionSet {
+impl ActivitySet {
     pub(crate) fn new(bundle: &Bundle) -> Self {
         let meta = bundle.meta();
-        if meta.actions.is_empty() {
+        if meta.activities.is_empty() {
             return Self::default();
         }
         let code = [*bundle.rotation_code()];
         let (clips, motion) = (bundle.clips(), (bundle.frames(), bundle.contacts(), &code));
-        Self::of(&meta.actions, clips, motion, bundle.skeleton(), meta.rate_hz as f32)
+        Self::of(&meta.activities, clips, motion, bundle.skeleton(), meta.rate_hz as f32)
     }
 
-    /// Actions of checked tables.
+    /// Activities of checked tables.
     fn of(
-        actions: &[ActionMeta],
+        activities: &[ActivityMeta],
         clips: &[ClipRecord],
         (frames, contacts, code): (&Table<FrameRow>, &Table<Contacts>, &[RotationCode; 1]),
         skeleton: &Skeleton,
         rate_hz: f32,
     ) -> Self {
         let seconds = |frames: u32| frames as f32 / rate_hz;
-        let action = |a: &ActionMeta| Action {
+        let activity = |a: &ActivityMeta| Activity {
             name: a.name.clone(),
             tag: a.tag.clone(),
             first_frame: (clips[a.clip as usize].first_frame + a.first_frame) as usize,
@@ -88,7 +88,7 @@ impl ActionSet {
             is_seated: a.is_seated,
         };
         Self {
-            actions: actions.iter().map(action).collect(),
+            activities: activities.iter().map(activity).collect(),
             frames: frames.clone(),
             contacts: contacts.clone(),
             code: code.into(),
@@ -98,35 +98,35 @@ impl ActionSet {
     }
 
     /// All of them, by number.
-    pub fn all(&self) -> &[Action] {
-        &self.actions
+    pub fn all(&self) -> &[Activity] {
+        &self.activities
     }
 
     /// One of them.
-    pub fn get(&self, id: ActionId) -> Option<&Action> {
-        self.actions.get(id.0 as usize)
+    pub fn get(&self, id: ActivityId) -> Option<&Activity> {
+        self.activities.get(id.0 as usize)
     }
 
     /// Those of a tag.
-    pub fn tagged<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = ActionId> + 'a {
-        (0..).map(ActionId).zip(self.all()).filter(move |(_, a)| a.tag == tag).map(|(id, _)| id)
+    pub fn tagged<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = ActivityId> + 'a {
+        (0..).map(ActivityId).zip(self.all()).filter(move |(_, a)| a.tag == tag).map(|(id, _)| id)
     }
 
     /// The one of a name.
     ///
     /// # Errors
     /// [`Error::Unknown`] with the names there are.
-    pub fn named(&self, name: &str) -> Result<ActionId> {
-        let found = (0..).map(ActionId).zip(self.all()).find(|(_, a)| a.name == name);
+    pub fn named(&self, name: &str) -> Result<ActivityId> {
+        let found = (0..).map(ActivityId).zip(self.all()).find(|(_, a)| a.name == name);
         let known = || self.all().iter().map(|a| a.name.clone()).collect();
-        found.map(|(id, _)| id).ok_or_else(|| Error::Unknown { what: "action", name: name.into(), known: known() })
+        found.map(|(id, _)| id).ok_or_else(|| Error::Unknown { what: "activity", name: name.into(), known: known() })
     }
 
-    /// The body of an action at a time (s, clamped to it).
-    pub(crate) fn sample(&self, action: &Action, seconds: f32) -> Sample {
-        let last = action.num_frames - 1;
+    /// The body of an activity at a time (s, clamped to it).
+    pub(crate) fn sample(&self, activity: &Activity, seconds: f32) -> Sample {
+        let last = activity.num_frames - 1;
         let at = (seconds * self.rate_hz).clamp(0.0, last as f32);
-        let (first, frame) = (action.first_frame, (at as usize).min(last - 1));
+        let (first, frame) = (activity.first_frame, (at as usize).min(last - 1));
         let ratio = at - frame as f32;
         let rows = [first + frame, first + frame + 1];
         let [a, b] = rows.map(|r| &self.frames[r]);

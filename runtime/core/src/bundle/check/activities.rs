@@ -1,23 +1,23 @@
-//! Actions: names told apart, frames within their clips, looped parts within them.
+//! Activities: names told apart, frames within their clips, looped parts within them.
 
 use super::super::Bundle;
-use crate::format::{ActionMeta, FormatError};
+use crate::format::{ActivityMeta, FormatError};
 
-/// Every action.
-pub fn actions(t: &Bundle) -> Result<(), FormatError> {
-    let all = &t.meta().actions;
+/// Every activity.
+pub fn activities(t: &Bundle) -> Result<(), FormatError> {
+    let all = &t.meta().activities;
     let mut names: Vec<&str> = all.iter().map(|a| a.name.as_str()).collect();
     names.sort_unstable();
     if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(FormatError::layout(format!("META has two actions `{}`", pair[0])));
+        return Err(FormatError::layout(format!("META has two activities `{}`", pair[0])));
     }
     match all.iter().find(|a| !is_sound(a, t)) {
-        Some(a) => Err(FormatError::layout(format!("action `{}` does not lie in its clip: {a:?}", a.name))),
+        Some(a) => Err(FormatError::layout(format!("activity `{}` does not lie in its clip: {a:?}", a.name))),
         None => Ok(()),
     }
 }
 
-fn is_sound(a: &ActionMeta, t: &Bundle) -> bool {
+fn is_sound(a: &ActivityMeta, t: &Bundle) -> bool {
     let within = |[first, count]: [u32; 2], limit: u32| u64::from(first) + u64::from(count) <= u64::from(limit);
     let Some(clip) = t.clips().get(a.clip as usize) else { return false };
     let looped = a.looped.is_none_or(|l| l[1] > 0 && within(l, a.num_frames - 1));
