@@ -179,20 +179,25 @@ fn a_click_on_a_cell_with_a_board_reads_it_and_keeps_the_agent() {
     v.until("some seconds", |v| now(v) >= 180);
     v.apply(Command::Play(false));
     v.apply(Command::SelectCharacter(Some(5)));
+    v.apply(Command::FrameAll);
     v.harness.run_steps(2);
     let minds = scene(&v).run().simulation().minds().expect("minds");
-    let smallest = minds.posts().filter_map(|p| p.cell).find(|c| c.level == 0).expect("a cell");
-    let at = glam::Vec3::new(smallest.middle[0], 0.0, smallest.middle[1]);
-    // Nobody is near that point of the cell.
-    let far = |p: &glam::Vec3| places(&v).into_iter().flatten().all(|a| a.distance(*p) > 0.5);
-    let offsets = (-4..=4).flat_map(|i| (-4..=4).map(move |k| glam::Vec3::new(i as f32, 0.0, k as f32) * 0.2));
-    let free = offsets.map(|o| at + o).find(far).expect("a free spot");
+    // A spot of a smallest cell with nobody near.
+    let far = |p: &glam::Vec3| places(&v).into_iter().flatten().all(|a| a.distance(*p) > 0.9);
+    let offsets: Vec<_> =
+        (-4..=4).flat_map(|i| (-4..=4).map(move |k| glam::Vec3::new(i as f32, 0.0, k as f32) * 0.2)).collect();
+    let found = minds.posts().filter_map(|p| p.cell).filter(|c| c.level == 0).find_map(|cell| {
+        let at = glam::Vec3::new(cell.middle[0], 0.0, cell.middle[1]);
+        Some((cell, offsets.iter().map(|o| at + *o).find(far)?))
+    });
+    let (smallest, free) = found.expect("a free spot");
     let pixel = spot(&v, free);
     click(&mut v, pixel);
     assert_eq!(v.model().selection.scene.cell, Some(BoardCell::of(&smallest)));
     assert_eq!(v.model().selection.character, Some(5));
-    v.harness.hover_at(pixel);
-    v.harness.run_steps(40);
+    // A tip waits until the pointer has moved and rests again.
+    v.harness.hover_at(pixel + vec2(3.0, 0.0));
+    v.harness.run_steps(60);
     assert!(v.harness.query_all_by_label_contains("board of a cell of 2 m").next().is_some());
 }
 

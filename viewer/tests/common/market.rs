@@ -1,6 +1,6 @@
 //! A small scene of people with graphs of three levels, messages that pass from one to another, and billboards.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A folder with the scene.
 pub struct Market {
@@ -11,11 +11,6 @@ impl Market {
     /// An empty folder.
     pub fn new() -> Self {
         Self { folder: tempfile::tempdir().expect("a folder") }
-    }
-
-    /// The folder.
-    pub fn folder(&self) -> &Path {
-        self.folder.path()
     }
 
     /// The scene, with so many people.

@@ -55,7 +55,9 @@ mod tests {
             place: None,
             event: Some(event),
         };
-        [(1.0, 0), (2.0, 1), (3.0, 0)].map(|(time_s, event)| log.take(&learnt(time_s, event)));
+        for (time_s, event) in [(1.0, 0), (2.0, 1), (3.0, 0)] {
+            log.take(&learnt(time_s, event));
+        }
         log.take(&Turn { kind: TurnKind::Follows(0), ..learnt(3.5, 0) });
         assert_eq!((log.times(0), log.times(1), log.times(7)), (&[1.0, 3.0][..], &[2.0][..], &[][..]));
         log.forget_after(2.0);
