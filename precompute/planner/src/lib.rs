@@ -4,3 +4,4 @@ pub mod ik;
 pub mod limits;
 pub mod linkage;
 pub mod rotation;
+pub mod shape;
