@@ -1,7 +1,15 @@
 //! Plans motion of limbs in time with everything that moves.
 
+pub mod body;
+pub mod collide;
+pub mod driven;
 pub mod ik;
 pub mod limits;
 pub mod linkage;
+pub mod problem;
 pub mod rotation;
+pub mod setup;
 pub mod shape;
+#[cfg(test)]
+mod testing;
+pub mod track;

@@ -30,7 +30,7 @@ pub enum MeshError {
 pub struct Mesh {
     corners: Vec<[Vec3; 3]>,
     tree: Bvh,
-    extent: f64,
+    ball: (DVec3, f64),
 }
 
 impl std::fmt::Debug for Mesh {
@@ -61,8 +61,10 @@ impl Mesh {
         let boxes: Vec<Aabb> =
             corners.iter().map(|[a, b, c]| Aabb { mins: a.min(*b).min(*c), maxs: a.max(*b).max(*c) }).collect();
         let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-        let extent = corners.iter().flatten().map(|c| c.as_dvec3().length()).fold(0.0, f64::max);
-        Ok(Self { corners, tree, extent })
+        let whole = tree.root_aabb();
+        let middle = 0.5 * (whole.mins.as_dvec3() + whole.maxs.as_dvec3());
+        let radius = corners.iter().flatten().map(|c| c.as_dvec3().distance(middle)).fold(0.0, f64::max);
+        Ok(Self { corners, tree, ball: (middle, radius) })
     }
 
     /// Corners of every triangle (m).
@@ -70,9 +72,9 @@ impl Mesh {
         &self.corners
     }
 
-    /// Radius of the ball around the origin that holds it (m).
-    pub fn extent(&self) -> f64 {
-        self.extent
+    /// Middle and radius of a ball that holds it (m).
+    pub fn ball_around(&self) -> (DVec3, f64) {
+        self.ball
     }
 
     /// Distance of a segment, where it is below `limit`, else infinite (m).

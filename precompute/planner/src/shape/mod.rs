@@ -62,12 +62,12 @@ impl Shape {
         }
     }
 
-    /// Radius of the ball around its origin that holds it (m).
-    pub fn extent(&self) -> f64 {
+    /// Middle and radius of a ball that holds it (m).
+    pub fn ball_around(&self) -> (DVec3, f64) {
         match self {
-            Self::Round { core, radius } => core.a.length().max(core.b.length()) + radius,
-            Self::Cuboid { half } => half.length(),
-            Self::Mesh(mesh) => mesh.extent(),
+            Self::Round { core, radius } => (core.middle(), core.half_length() + radius),
+            Self::Cuboid { half } => (DVec3::ZERO, half.length()),
+            Self::Mesh(mesh) => mesh.ball_around(),
         }
     }
 
@@ -81,4 +81,9 @@ impl Shape {
             Self::Mesh(_) => true,
         }
     }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    pub use super::mesh::tests::hills;
 }
