@@ -6,10 +6,13 @@ pub mod driven;
 pub mod ik;
 pub mod limits;
 pub mod linkage;
+pub mod planner;
 pub mod problem;
 pub mod rotation;
+pub mod search;
 pub mod setup;
 pub mod shape;
+pub mod smooth;
 #[cfg(test)]
 mod testing;
 pub mod track;

@@ -62,3 +62,18 @@ impl Somebody {
 pub fn solid(name: &str, shape: Shape, at: DVec3) -> Solid {
     Solid { name: name.into(), shape, path: Path::Still(Rigid::at(at)) }
 }
+
+/// An arm that hangs through a hole in a floor of plates, and shall come above it: it cannot.
+pub fn stuck(s: &Somebody) -> Problem {
+    let mut hanging = LimbPose::REST;
+    hanging.0[0] = crate::rotation::about(DVec3::Z, -1.5);
+    hanging.0[1] = crate::rotation::about(DVec3::NEG_Y, 0.05);
+    let ends = [(hanging, 0.0), (s.pose(0.0, 0.2, 0.3), 1.5)];
+    let plate = |name: &str, [x, z]: [f64; 2], [wide, deep]: [f64; 2]| {
+        solid(name, Shape::cuboid(DVec3::new(wide, 0.02, deep)), DVec3::new(x, 1.13, z))
+    };
+    let left = plate("left", [1.28, 0.0], [2.0, 4.0]);
+    let [front, back] =
+        [("front", 1.0), ("back", -1.0)].map(|(name, side)| plate(name, [0.0, side * 1.16], [4.0, 2.0]));
+    s.problem(ends, &[left, front, back]).expect("a problem")
+}
