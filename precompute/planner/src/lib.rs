@@ -1,6 +1,7 @@
 //! Plans motion of limbs in time with everything that moves.
 
 pub mod body;
+pub mod clips;
 pub mod collide;
 pub mod driven;
 pub mod ik;
@@ -8,6 +9,7 @@ pub mod limits;
 pub mod linkage;
 pub mod planner;
 pub mod problem;
+pub mod recheck;
 pub mod rotation;
 pub mod search;
 pub mod setup;
