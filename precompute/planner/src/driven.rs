@@ -21,8 +21,8 @@ pub struct Driven {
     places: Vec<JointPlaces>,
     /// Rotations relative to the parents.
     turns: Vec<[DQuat; NUM_JOINTS]>,
-    /// How far any joint is at most from the straight line between samples (m).
-    bend: f64,
+    /// How far each joint is at most from the straight line between samples (m).
+    bend: [f64; NUM_JOINTS],
 }
 
 impl Driven {
@@ -61,16 +61,16 @@ impl Driven {
             (placed(skeleton, root, &turns), turns)
         };
         let (places, turns): (Vec<_>, Vec<_>) = (0..count.max(1)).map(|i| at(i as f64)).unzip();
-        let mut bend = 0.0f64;
+        let mut bend = [0.0f64; NUM_JOINTS];
         for (i, w) in places.windows(2).enumerate() {
             let (middle, _) = at(i as f64 + 0.5);
             for j in 0..NUM_JOINTS {
                 let straight = w[0][j].lerp(&w[1][j], 0.5);
-                bend = bend.max((middle[j].position - straight.position).length());
+                bend[j] = bend[j].max((middle[j].position - straight.position).length());
             }
         }
         // An arc is farthest from its chord in the middle, but for what its speed changes on the way.
-        Self { start_s, step_s, places, turns, bend: 1.5 * bend }
+        Self { start_s, step_s, places, turns, bend: bend.map(|b| 1.5 * b) }
     }
 
     /// From the first to the last sample (s).
@@ -88,9 +88,9 @@ impl Driven {
         &self.places
     }
 
-    /// How far any joint is at most from where straight lines between samples have it (m).
-    pub fn bend_m(&self) -> f64 {
-        self.bend
+    /// How far joints are at most from where straight lines between samples have them, of those that count (m).
+    pub fn bend_m(&self, counts: impl Fn(Joint) -> bool) -> f64 {
+        Joint::ALL.into_iter().filter(|j| counts(*j)).map(|j| self.bend[j.index()]).fold(0.0, f64::max)
     }
 
     /// Places of one joint, sample by sample.
@@ -148,7 +148,7 @@ mod tests {
         let set = set.expect("a set");
         let (clip, skeleton) = (&set.clips[0], &set.skeleton);
         let driven = Driven::of_clip(clip, skeleton, 1.0, 3.0);
-        assert!(driven.bend_m() < 1e-3, "{}", driven.bend_m());
+        assert!(driven.bend_m(|_| true) < 1e-3, "{}", driven.bend_m(|_| true));
         let [from, to] = driven.window_s();
         assert!((from - 1.0).abs() < 1e-9 && (to - 3.0).abs() < 1e-9);
         let arm = Linkage::limb(crate::linkage::Limb::LeftArm);
@@ -169,7 +169,7 @@ mod tests {
     fn a_still_body_is_one_sample() {
         let s = Skeleton::default();
         let driven = Driven::still(&s, s.offsets[0].as_dvec3(), [DQuat::IDENTITY; NUM_JOINTS]);
-        assert_eq!((driven.places().len(), driven.bend_m()), (1, 0.0));
+        assert_eq!((driven.places().len(), driven.bend_m(|_| true)), (1, 0.0));
         assert_eq!(driven.limb_pose(Linkage::limb(crate::linkage::Limb::RightLeg), 5.0), LimbPose::REST);
     }
 }

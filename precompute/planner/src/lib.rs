@@ -3,12 +3,14 @@
 pub mod body;
 pub mod clips;
 pub mod collide;
+pub mod correct;
 pub mod driven;
 pub mod ik;
 pub mod limits;
 pub mod linkage;
 pub mod planner;
 pub mod problem;
+mod reach;
 pub mod recheck;
 pub mod rotation;
 pub mod search;

@@ -26,6 +26,18 @@ impl Problem {
     /// [`ProblemError`]: numbers that are none, driven parts that collide by themselves, ends that collide or are outside
     /// limits, too little time.
     pub fn new(spec: &ProblemSpec<'_>) -> Result<Self, ProblemError> {
+        let problem = Self::prepare(spec)?;
+        problem.check_driven(spec)?;
+        problem.check_ends()?;
+        Ok(problem)
+    }
+
+    /// Prepares a problem without looking at its ends, so that these can be asked for: whether they are free, or which pose
+    /// reaches a target.
+    ///
+    /// # Errors
+    /// [`ProblemError`]: numbers that are none, names that nothing has.
+    pub fn prepare(spec: &ProblemSpec<'_>) -> Result<Self, ProblemError> {
         check_numbers(spec)?;
         Self::check_names(spec)?;
         let chain = Chain::new(spec.linkage, spec.skeleton);
@@ -52,8 +64,6 @@ impl Problem {
             goal: spec.goal,
         };
         problem.pairs = problem.all_pairs(spec);
-        problem.check_driven(spec)?;
-        problem.check_ends()?;
         Ok(problem)
     }
 
@@ -78,8 +88,8 @@ impl Problem {
     }
 
     fn all_pairs(&self, spec: &ProblemSpec<'_>) -> Vec<Pair> {
-        let others_bend = spec.others.iter().map(|o| o.motion.bend_m()).fold(0.0, f64::max);
-        let own_bend = spec.motion.bend_m();
+        let others_bend = spec.others.iter().map(|o| o.motion.bend_m(|_| true)).fold(0.0, f64::max);
+        let own_bend = spec.motion.bend_m(|j| chain_link(&self.chain, j).is_none());
         let mut pairs = Vec::new();
         let targets = (0..self.solids.len()).map(Target::Solid).chain((0..self.bodies.len()).map(Target::Body));
         for target in targets {

@@ -110,7 +110,7 @@ impl Mesh {
         let (low, high) = (s.a.min(s.b), s.a.max(s.b));
         let mut square = limit * limit;
         self.tree.traverse(|node: &BvhNode| {
-            if gap(low, high, node) > square {
+            if gap(low, high, node) > square || gap_of_ball(s, node) > square {
                 return TraversalAction::Prune;
             }
             let Some(leaf) = node.leaf_data() else { return TraversalAction::Continue };
@@ -128,6 +128,16 @@ impl Mesh {
 fn gap(low: DVec3, high: DVec3, node: &BvhNode) -> f64 {
     let (mins, maxs) = (node.mins().as_dvec3(), node.maxs().as_dvec3());
     (mins - high).max(low - maxs).max(DVec3::ZERO).length_squared()
+}
+
+/// The square of the distance between a segment and the ball around the box of a node (m^2).
+fn gap_of_ball(s: &Segment, node: &BvhNode) -> f64 {
+    let (mins, maxs) = (node.mins().as_dvec3(), node.maxs().as_dvec3());
+    let middle = 0.5 * (mins + maxs);
+    let d = s.b - s.a;
+    let share = ((middle - s.a).dot(d) / d.length_squared().max(1e-18)).clamp(0.0, 1.0);
+    let apart = (s.a + d * share).distance(middle) - 0.5 * (maxs - mins).length();
+    apart.max(0.0) * apart.max(0.0)
 }
 
 #[cfg(test)]
