@@ -78,15 +78,19 @@ pub fn between(from: DVec3, to: DVec3) -> DQuat {
 /// Grassia 1998, *Practical Parameterization of Rotations Using the Exponential Map*, section 5.
 pub fn swing_twist(q: DQuat, axis: DVec3) -> (DQuat, f64) {
     let q = if q.w < 0.0 { -q } else { q };
+    let twist = twist_about(q, axis);
+    (q * twist.inverse(), 2.0 * maths::atan2(twist.xyz().dot(axis), twist.w))
+}
+
+/// The twist of a rotation about a unit axis: the same whether it comes before or after the swing.
+pub fn twist_about(q: DQuat, axis: DVec3) -> DQuat {
     let along = q.xyz().dot(axis);
     let length = (along * along + q.w * q.w).sqrt();
     if length < 1e-12 {
-        return (q, 0.0);
+        return DQuat::IDENTITY;
     }
-    let (sin, cos) = (along / length, q.w / length);
-    let v = axis * sin;
-    let swing = q * DQuat::from_xyzw(-v.x, -v.y, -v.z, cos);
-    (swing, 2.0 * maths::atan2(sin, cos))
+    let v = axis * (along / length);
+    DQuat::from_xyzw(v.x, v.y, v.z, q.w / length)
 }
 
 /// The rotation as seen in a mirror at x = 0.

@@ -25,6 +25,10 @@ pub struct Elbow {
     /// The upper arm along the straight forearm and across it, times the forearm's length (m^2).
     cos: f64,
     sin: f64,
+    /// The flexion at which the arm is straightest (rad).
+    straightest: f64,
+    /// Nearest and farthest distances within limits (m).
+    distances: [f64; 2],
 }
 
 impl Elbow {
@@ -37,7 +41,14 @@ impl Elbow {
         let along = fore.try_normalize()?;
         let cos = upper.dot(fore);
         let sin = upper.dot(axis.cross(fore));
-        Some(Self { upper, fore, along, axis, flexion, twist: limits.twist, mirrored: limits.mirrored, cos, sin })
+        let (twist, mirrored) = (limits.twist, limits.mirrored);
+        let straightest = maths::atan2(sin, cos);
+        let distances = [0.0; 2];
+        let mut out = Self { upper, fore, along, axis, flexion, twist, mirrored, cos, sin, straightest, distances };
+        let ends = [flexion.least, flexion.most].map(|f| out.square(f).sqrt());
+        let farthest = if flexion.excess(straightest) <= 0.0 { out.square(straightest).sqrt() } else { 0.0 };
+        out.distances = [ends[0].min(ends[1]), ends[0].max(ends[1]).max(farthest)];
+        Some(out)
     }
 
     /// Its rotation, without twist.
@@ -58,17 +69,9 @@ impl Elbow {
         (straight + 2.0 * (self.cos * cos + self.sin * sin)).max(0.0)
     }
 
-    /// The flexion at which the arm is straightest (rad).
-    fn straightest(&self) -> f64 {
-        maths::atan2(self.sin, self.cos)
-    }
-
     /// Nearest and farthest distances within limits (m).
     pub fn distances(&self) -> [f64; 2] {
-        let straightest = self.straightest();
-        let ends = [self.flexion.least, self.flexion.most].map(|f| self.square(f).sqrt());
-        let farthest = if self.flexion.excess(straightest) <= 0.0 { self.square(straightest).sqrt() } else { 0.0 };
-        [ends[0].min(ends[1]), ends[0].max(ends[1]).max(farthest)]
+        self.distances
     }
 
     /// The flexion that brings the wrist to a distance, forwards if it can.
@@ -76,7 +79,7 @@ impl Elbow {
     /// # Errors
     /// How far the distance is out of reach (m).
     pub fn flexion(&self, distance: f64) -> Result<f64, f64> {
-        let [nearest, farthest] = self.distances();
+        let [nearest, farthest] = self.distances;
         let over = (distance - farthest).max(nearest - distance);
         // NaN is out of reach, too.
         if over.is_nan() || over > SAME {
@@ -87,8 +90,7 @@ impl Elbow {
         let most = maths::hypot(self.cos, self.sin);
         let cos = (wanted / most).clamp(-1.0, 1.0);
         let half = maths::atan2((1.0 - cos * cos).sqrt(), cos);
-        let straightest = self.straightest();
-        let candidates = [straightest + half, straightest - half];
+        let candidates = [self.straightest + half, self.straightest - half];
         let better = usize::from(self.flexion.excess(candidates[0]) > self.flexion.excess(candidates[1]).max(1e-12));
         Ok(candidates[better].clamp(self.flexion.least, self.flexion.most))
     }

@@ -8,7 +8,7 @@ mod unreached;
 
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
-use crate::rotation::{Rigid, about, between, swing_twist};
+use crate::rotation::{Rigid, about, between, twist_about};
 use elbow::Elbow;
 use glam::{DQuat, DVec3};
 use swivel::{offsets, refined};
@@ -173,8 +173,8 @@ impl LimbIk {
         let shoulder = about(reach.line, swivel) * reach.onto;
         // What is left for twist and wrist: twist about the forearm first, then the hand's swing.
         let rest = (shoulder * reach.bent).inverse() * reach.hand;
-        let (_, twist) = swing_twist(rest, self.elbow.along);
-        let twisted = about(self.elbow.along, twist);
+        let twisted = twist_about(if rest.w < 0.0 { -rest } else { rest }, self.elbow.along);
+        let twist = 2.0 * maths::atan2(twisted.xyz().dot(self.elbow.along), twisted.w);
         let pose = [shoulder, reach.bent * twisted, twisted.inverse() * rest];
         let excess =
             [self.limits[0].excess(pose[0]), self.elbow.excess(reach.flexion, twist), self.limits[2].excess(pose[2])];
