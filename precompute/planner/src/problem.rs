@@ -60,6 +60,7 @@ pub(crate) struct Part {
     pub link: usize,
     /// In its frame (m).
     pub core: Segment,
+    pub half_length: f64,
     pub radius: f64,
     /// From each joint of the chain to the farther end of the core, at its farthest (m).
     pub reach: [f64; MAX_JOINTS],
@@ -84,6 +85,8 @@ pub(crate) struct BodyPart {
     pub of: Option<String>,
     pub joint: Joint,
     pub track: Track<Segment>,
+    /// At its longest (m).
+    pub half_length: f64,
     pub radius: f64,
 }
 

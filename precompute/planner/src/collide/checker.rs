@@ -4,6 +4,7 @@ use crate::linkage::LimbPose;
 use crate::problem::{Hit, Pair, Problem, State, Target};
 use crate::rotation::Rigid;
 use crate::shape::Segment;
+use glam::DVec3;
 
 /// How far outside limits a pose may be on the way between two that are within (rad).
 pub(super) const LIMIT_TOLERANCE: f64 = 1e-3;
@@ -13,22 +14,25 @@ pub(super) const LIMIT_TOLERANCE: f64 = 1e-3;
 pub struct Checker {
     /// Looks so far: one pose at one time against everything.
     pub checks: u64,
-    /// World cores of the parts.
-    cores: Vec<Segment>,
+    /// World cores of the parts, and their middles.
+    cores: Vec<(Segment, DVec3)>,
     /// Where targets are, and at which look they were put there.
-    bodies: Vec<(u64, Segment)>,
+    bodies: Vec<(u64, Segment, DVec3)>,
     solids: Vec<(u64, Rigid)>,
     /// Breadth-first: intervals still to be proved, and the pairs that are open in each.
     pub(super) intervals: Vec<super::edge::Interval>,
     pub(super) open: Vec<u16>,
+    /// How far each part gets on half a piece (m).
+    pub(super) ways: Vec<f64>,
 }
 
 impl Checker {
     /// Makes room for a problem.
     pub(crate) fn prepare(&mut self, problem: &Problem) {
-        self.cores.resize(problem.parts.len(), Segment::new(glam::DVec3::ZERO, glam::DVec3::ZERO));
+        let nowhere = Segment::new(DVec3::ZERO, DVec3::ZERO);
+        self.cores.resize(problem.parts.len(), (nowhere, DVec3::ZERO));
         self.bodies.clear();
-        self.bodies.resize(problem.bodies.len(), (0, Segment::new(glam::DVec3::ZERO, glam::DVec3::ZERO)));
+        self.bodies.resize(problem.bodies.len(), (0, nowhere, DVec3::ZERO));
         self.solids.clear();
         self.solids.resize(problem.solids.len(), (0, Rigid::IDENTITY));
     }
@@ -38,21 +42,23 @@ impl Checker {
         self.checks += 1;
         let placed = problem.chain.place(&problem.base.at(time_s), pose);
         for (core, part) in self.cores.iter_mut().zip(&problem.parts) {
-            *core = part.core.map(|p| placed[part.link].point(p));
+            let placed = part.core.map(|p| placed[part.link].point(p));
+            *core = (placed, placed.middle());
         }
     }
 
     /// Distance between the surfaces of a pair where it is below `limit`, else infinite; after [`Checker::look`] (m).
     pub(super) fn gap(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64) -> f64 {
         let part = &problem.parts[pair.part];
-        let core = self.cores[pair.part];
+        let (core, middle) = self.cores[pair.part];
         match pair.target {
             Target::Body(b) => {
-                let radii = part.radius + problem.bodies[b].radius;
-                let other = self.body(problem, b, time_s);
+                let body = &problem.bodies[b];
+                let radii = part.radius + body.radius;
+                let (other, other_middle) = self.body(problem, b, time_s);
                 // The balls around both are farther apart than that, mostly.
-                let apart = core.middle().distance_squared(other.middle());
-                let far = limit + radii + core.half_length() + other.half_length();
+                let apart = middle.distance_squared(other_middle);
+                let far = limit + radii + part.half_length + body.half_length;
                 if far <= 0.0 || apart >= far * far {
                     return f64::INFINITY;
                 }
@@ -60,7 +66,7 @@ impl Checker {
                 if gap < limit { gap } else { f64::INFINITY }
             }
             Target::Solid(s) => {
-                let Some(local) = self.in_reach(problem, s, part.radius, &core, time_s, limit) else {
+                let Some(local) = self.in_reach(problem, s, pair.part, time_s, limit) else {
                     return f64::INFINITY;
                 };
                 problem.solids[s].solid.shape.distance(&local, limit + part.radius) - part.radius
@@ -72,38 +78,32 @@ impl Checker {
     pub(super) fn is_nearer(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64) -> bool {
         let Target::Solid(s) = pair.target else { return self.gap(problem, pair, time_s, limit) < limit };
         let radius = problem.parts[pair.part].radius;
-        let core = self.cores[pair.part];
-        let local = self.in_reach(problem, s, radius, &core, time_s, limit);
+        let local = self.in_reach(problem, s, pair.part, time_s, limit);
         local.is_some_and(|local| problem.solids[s].solid.shape.is_nearer(&local, limit + radius))
     }
 
-    /// A core in the frame of a solid, if the ball around that is near enough.
-    fn in_reach(
-        &mut self,
-        problem: &Problem,
-        s: usize,
-        radius: f64,
-        core: &Segment,
-        time_s: f64,
-        limit: f64,
-    ) -> Option<Segment> {
+    /// The core of a part in the frame of a solid, if the ball around that is near enough.
+    fn in_reach(&mut self, problem: &Problem, s: usize, part: usize, time_s: f64, limit: f64) -> Option<Segment> {
+        let (core, middle) = self.cores[part];
+        let part = &problem.parts[part];
         let solid = &problem.solids[s];
         let kept = &mut self.solids[s];
         if kept.0 != self.checks {
             *kept = (self.checks, solid.solid.path.at(time_s));
         }
         let place = kept.1;
-        let far = limit + radius + solid.radius + core.half_length();
-        let apart = core.middle().distance_squared(place.point(solid.middle));
+        let far = limit + part.radius + solid.radius + part.half_length;
+        let apart = middle.distance_squared(place.point(solid.middle));
         (far > 0.0 && apart < far * far).then(|| core.map(|p| place.local_point(p)))
     }
 
-    fn body(&mut self, problem: &Problem, b: usize, time_s: f64) -> Segment {
+    fn body(&mut self, problem: &Problem, b: usize, time_s: f64) -> (Segment, DVec3) {
         let kept = &mut self.bodies[b];
         if kept.0 != self.checks {
-            *kept = (self.checks, problem.bodies[b].track.at(time_s));
+            let core = problem.bodies[b].track.at(time_s);
+            *kept = (self.checks, core, core.middle());
         }
-        kept.1
+        (kept.1, kept.2)
     }
 
     /// True where nothing is too near at a state, and limits hold.

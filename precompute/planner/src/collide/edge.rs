@@ -141,23 +141,31 @@ impl Checker {
     ) -> bool {
         let (from_s, to_s) = (piece.from.time_s, piece.to.time_s);
         self.look(problem, &at.pose, at.time_s);
+        // How far each part gets at most until the ends of the piece.
+        self.ways.clear();
+        self.ways.extend(problem.parts.iter().map(|part| {
+            let turned: f64 = (0..=part.link).map(|j| half_turns[j] * part.reach[j]).sum();
+            turned + problem.base.speed(from_s, to_s, part.base_reach) * half_s
+        }));
+        // Pairs with the same target are side by side.
+        let mut last = (None, 0.0);
         for k in piece.first..piece.end {
             let index = self.open[k as usize];
             let pair = &problem.pairs[usize::from(index)];
             if pair.may_touch_in(from_s, to_s) {
                 continue;
             }
-            let part = &problem.parts[pair.part];
-            let turned: f64 = (0..=part.link).map(|j| half_turns[j] * part.reach[j]).sum();
-            let carried = problem.base.speed(from_s, to_s, part.base_reach) * half_s;
-            let others = match pair.target {
-                Target::Body(b) => problem.bodies[b].track.speed(from_s, to_s),
-                Target::Solid(s) => {
-                    let solid = &problem.solids[s];
-                    solid.solid.path.speed(from_s, to_s, solid.reach)
-                }
-            };
-            let way = turned + carried + others * half_s;
+            if last.0 != Some(pair.target) {
+                let speed = match pair.target {
+                    Target::Body(b) => problem.bodies[b].track.speed(from_s, to_s),
+                    Target::Solid(s) => {
+                        let solid = &problem.solids[s];
+                        solid.solid.path.speed(from_s, to_s, solid.reach)
+                    }
+                };
+                last = (Some(pair.target), speed * half_s);
+            }
+            let way = self.ways[pair.part] + last.1;
             if !self.is_nearer(problem, pair, at.time_s, pair.gap + way) {
                 continue;
             }

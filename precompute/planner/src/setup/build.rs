@@ -285,14 +285,16 @@ fn part(chain: &Chain, name: String, link: usize, core: Segment, radius: f64) ->
     let end = core.a.length().max(core.b.length());
     let reach = std::array::from_fn(|i| if i <= link { chain.span(i, link) + end } else { 0.0 });
     let base_reach = chain.offsets[0].length() + reach[0];
-    Part { name, link, core, radius, reach, base_reach }
+    Part { name, link, core, half_length: core.half_length(), radius, reach, base_reach }
 }
 
 fn driven_parts(of: Option<&str>, motion: &Driven, shape: &BodyShape, keep: impl Fn(Joint) -> bool) -> Vec<BodyPart> {
     let one = |c: &BodyCapsule| {
         let places = motion.places().iter().map(|p| c.core.map(|x| p[c.joint.index()].point(x)));
         let track = Track::segment(motion.clock(), places.collect());
-        BodyPart { of: of.map(Into::into), joint: c.joint, track, radius: c.radius }
+        // Ends that move in straight lines are never farther apart than at samples, but for rounding.
+        let half_length = c.core.half_length() * (1.0 + 1e-9) + 1e-9;
+        BodyPart { of: of.map(Into::into), joint: c.joint, track, half_length, radius: c.radius }
     };
     shape.capsules.iter().filter(|c| keep(c.joint)).map(one).collect()
 }
