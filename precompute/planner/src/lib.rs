@@ -8,6 +8,7 @@ pub mod driven;
 pub mod ik;
 pub mod limits;
 pub mod linkage;
+pub mod manipulate;
 pub mod planner;
 pub mod problem;
 mod reach;
