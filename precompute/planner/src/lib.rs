@@ -1,4 +1,11 @@
 //! Plans motion of limbs in time with everything that moves.
+//!
+//! A [`problem::Problem`] is made of what an application says ([`setup::ProblemSpec`]); a [`planner::Planner`] searches joints
+//! and time for a way and smooths it. [`correct::correct`] and [`manipulate::reach`] do so for clips, [`recheck::Recheck`]
+//! checks what came of it.
+//!
+//! # Source
+//! Shapiro, Kallmann and Faloutsos 2007, *Interactive Motion Correction and Object Manipulation*.
 
 pub mod body;
 pub mod clips;
@@ -18,6 +25,7 @@ pub mod search;
 pub mod setup;
 pub mod shape;
 pub mod smooth;
+pub mod task;
 #[cfg(test)]
 mod testing;
 pub mod track;

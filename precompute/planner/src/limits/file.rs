@@ -274,4 +274,23 @@ mod tests {
         );
         assert!(error("name='a'\n[joints.head]\nkind='swing_twist'\nspeed_dps=1.0").contains("no segment to turn"));
     }
+
+    proptest::proptest! {
+        #[test]
+        fn damaged_files_are_refused_or_hold_what_can_be_used(cut in 0usize..2600, with in "[\\[\\]=\\-0-9a-z.\"\n]{0,3}", skip in 0usize..6) {
+            let bytes = BUILT_IN.len();
+            let cut = cut % bytes;
+            let after = (cut + skip).min(bytes);
+            let text = format!("{}{with}{}", &BUILT_IN[..cut], &BUILT_IN[after..]);
+            match BodyLimits::parse(&text, Path::new("l.toml"), &Skeleton::default()) {
+                Ok(limits) => {
+                    for l in limits.joints.iter().flatten() {
+                        proptest::prop_assert!(l.stiffness().is_finite() && l.stiffness() > 0.0 && l.speed > 0.0);
+                        proptest::prop_assert!(l.excess(DQuat::IDENTITY).is_finite());
+                    }
+                }
+                Err(e) => proptest::prop_assert!(e.to_string().contains("l.toml:"), "{e}"),
+            }
+        }
+    }
 }

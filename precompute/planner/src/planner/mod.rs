@@ -4,8 +4,9 @@
 mod tests;
 
 use crate::collide::Checker;
-use crate::linkage::LimbPose;
+use crate::linkage::{LimbPose, MAX_JOINTS};
 use crate::problem::Problem;
+use crate::rotation::angle;
 use crate::search::{Found, Quest, Search, SearchConfig, TimeGrid};
 use crate::smooth::{Roughness, SmoothConfig, Smoother, roughness};
 use rand::SeedableRng;
@@ -205,4 +206,16 @@ pub struct LimbMotion<'a> {
     pub step_s: f64,
     /// The poses.
     pub frames: &'a [LimbPose],
+}
+
+impl LimbMotion<'_> {
+    /// How different another motion of the same frames is: the mean angle between the poses of joints that turn
+    /// differently in some frame; 0 for the same motion (rad).
+    pub fn distance_rad(&self, other: &Self) -> f64 {
+        let pairs = || self.frames.iter().zip(other.frames);
+        let differs = |i: usize| pairs().any(|(a, b)| a.0[i] != b.0[i]);
+        let joints: Vec<usize> = (0..MAX_JOINTS).filter(|i| differs(*i)).collect();
+        let sum: f64 = pairs().flat_map(|(a, b)| joints.iter().map(|i| angle(a.0[*i], b.0[*i]))).sum();
+        sum / (joints.len() * pairs().count()).max(1) as f64
+    }
 }

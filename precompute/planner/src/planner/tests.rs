@@ -219,3 +219,63 @@ fn styles_give_low_and_high_arms() {
     let (low, high) = (highest(-1.5, -0.3), highest(0.4, 1.5));
     assert!(high > low + 0.05, "{low} {high}");
 }
+
+/// Two plates with a slit between them that a hand is too thick for: the way leads below both.
+#[test]
+fn a_slit_too_narrow_is_gone_round() {
+    let s = Somebody::standing();
+    let ends = [(s.pose(0.9, -0.1, 0.1), 0.0), (s.pose(-0.5, -0.1, 0.1), 1.5)];
+    let open = s.problem(ends, &[]).expect("a problem");
+    let middle = open.place(&State { pose: s.pose(0.2, -0.1, 0.1), time_s: 0.0 });
+    let along = (middle[2].position - middle[0].position).with_y(0.0).normalize();
+    let normal = along.cross(DVec3::Y).normalize();
+    let rotation = crate::rotation::between(DVec3::X, normal);
+    let at = middle[0].position + along * 0.85;
+    let plate = |name: &str, low: f64, high: f64| Solid {
+        name: name.into(),
+        shape: Shape::cuboid(DVec3::new(0.02, high - low, 1.3)),
+        path: Path::Still(Rigid { position: at.with_y(0.5 * (low + high)), rotation }),
+    };
+    // Slit at the height at which the hand swings across, 4 cm wide.
+    let height = middle[2].position.y;
+    let solids = [plate("lower", height - 0.25, height - 0.02), plate("upper", height + 0.02, 4.0)];
+    let problem = s.problem(ends, &solids).expect("a problem");
+    for seed in 0..5 {
+        let (planner, _) = solved(&problem, seed);
+        let motion = planner.motion().expect("a motion");
+        let hands = motion.frames.iter().map(|p| problem.place(&State { pose: *p, time_s: 0.0 })[2].position);
+        let hands: Vec<DVec3> = hands.collect();
+        let side = |p: DVec3| (p - at).dot(normal) > 0.0;
+        for w in hands.windows(2).filter(|w| side(w[0]) != side(w[1])) {
+            let near_body = (w[0] - middle[0].position).dot(along) < 0.2;
+            assert!(w[0].y < height - 0.25 || near_body, "{w:?}");
+        }
+    }
+}
+
+#[test]
+fn a_reach_from_rest_to_rest_has_one_peak_of_speed() {
+    let s = Somebody::standing();
+    let problem = s.problem([(s.pose(0.5, -0.6, 1.2), 0.0), (s.pose(-0.3, 0.2, 0.4), 1.2)], &[]).expect("a problem");
+    let mut planner = Planner::new();
+    let budget = Budget { rate_hz: 60.0, ..Budget::default() };
+    assert!(planner.plan(&problem, &PlanConfig::default(), &budget).is_solved());
+    let motion = planner.motion().expect("a motion");
+    let hand = |f: usize| problem.place(&State { pose: motion.frames[f], time_s: 0.0 })[2].position;
+    let speeds: Vec<f64> = (1..motion.frames.len()).map(|f| hand(f).distance(hand(f - 1))).collect();
+    let peak = speeds.iter().copied().fold(0.0, f64::max);
+    // Starting and stopping gently, and never slow in between.
+    assert!(speeds[0] < 0.05 * peak && speeds[speeds.len() - 1] < 0.05 * peak, "{speeds:?}");
+    let moving: Vec<usize> = (0..speeds.len()).filter(|i| speeds[*i] > 0.5 * peak).collect();
+    assert!(moving.windows(2).all(|w| w[1] == w[0] + 1), "{speeds:?}");
+}
+
+#[test]
+fn variants_differ_by_what_is_said() {
+    let problem = table();
+    let motions: Vec<Planner> = (0..3).map(|seed| solved(&problem, seed).0).collect();
+    let apart = |a: &Planner, b: &Planner| a.motion().expect("a motion").distance_rad(&b.motion().expect("a motion"));
+    assert_eq!(apart(&motions[0], &motions[0]), 0.0);
+    assert!(apart(&motions[0], &motions[1]) > 0.05 && apart(&motions[1], &motions[2]) > 0.05);
+    assert_eq!(apart(&motions[0], &motions[1]), apart(&motions[1], &motions[0]));
+}
