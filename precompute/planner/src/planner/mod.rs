@@ -80,6 +80,8 @@ pub struct Outcome {
     pub first_solution_s: f64,
     /// With smoothing (s).
     pub total_s: f64,
+    /// Share of the easing of ends at rest that could be had (0 to 1).
+    pub eased: f64,
     /// Frames over which start and goal were blended.
     pub blended: [usize; 2],
     /// Before and after smoothing.
@@ -126,6 +128,7 @@ impl Planner {
             checks: 0,
             first_solution_s: 0.0,
             total_s: 0.0,
+            eased: 0.0,
             blended: [0; 2],
             roughness: [Roughness::default(); 2],
         };
@@ -178,9 +181,10 @@ impl Planner {
         smoother.straighten(way, &mut self.spare_way, smooth.straighten, rng, &keep_on);
         smoother.frames(way, frames);
         if keep_on() {
+            outcome.eased = smoother.ease(way, frames);
             smoother.round_corners(frames, frames_in(smooth.round_s), spare, &mut self.windows);
             std::mem::swap(frames, spare);
-            outcome.blended = smoother.blend_ends(frames, spare, frames_in(smooth.blend_s));
+            outcome.blended = smoother.blend_ends(frames, spare, frames_in(smooth.blend_s), outcome.eased > 0.0);
         }
         outcome.roughness[1] = roughness(frames, len, grid.step_s());
     }

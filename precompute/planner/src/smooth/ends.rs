@@ -1,22 +1,28 @@
 //! Blends both ends of a motion into what is before and after it, in velocity and not in place only.
 
 use super::Smoother;
+use super::ease::smoothstep;
 use crate::linkage::LimbPose;
-use crate::rotation::{angle, slerp};
-
-/// Poses closer than this are the same (rad).
-const SAME: f64 = 1e-3;
+use crate::rotation::slerp;
 
 impl Smoother<'_> {
     /// Blends the first and the last frames with the external motion's poses, where the plan begins or ends in its pose, or
     /// with the end's own pose, where it does not: a reach comes to rest in the trunk's frame. Halves a blend until it is
     /// free.
     ///
+    /// - `eased`: ends that are not in the external motion come to rest already.
     /// - `spare`: scratch.
     /// - returns over how many frames each end was blended.
-    pub fn blend_ends(&mut self, frames: &mut Vec<LimbPose>, spare: &mut Vec<LimbPose>, blend: usize) -> [usize; 2] {
+    pub fn blend_ends(
+        &mut self,
+        frames: &mut Vec<LimbPose>,
+        spare: &mut Vec<LimbPose>,
+        blend: usize,
+        eased: bool,
+    ) -> [usize; 2] {
         [false, true].map(|at_goal| {
-            let mut length = blend.min((frames.len() - 1) / 2);
+            let come_to_rest = eased && !self.end(at_goal).follows;
+            let mut length = if come_to_rest { 0 } else { blend.min((frames.len() - 1) / 2) };
             while length > 1 && !self.blend_end(frames, spare, length, at_goal) {
                 length /= 2;
             }
@@ -34,8 +40,7 @@ impl Smoother<'_> {
     ) -> bool {
         let problem = self.problem;
         let end = if at_goal { &problem.goal } else { &problem.init };
-        let present = problem.present_at(end.time_s);
-        let follows = (0..problem.chain.len()).all(|i| angle(present.0[i], end.pose.0[i]) < SAME);
+        let follows = self.end(at_goal).follows;
         let last = frames.len() - 1;
         spare.clear();
         spare.extend_from_slice(frames);
@@ -54,9 +59,4 @@ impl Smoother<'_> {
         }
         free
     }
-}
-
-/// From 0 to 1 with velocity and acceleration 0 at both ends.
-fn smoothstep(x: f64) -> f64 {
-    x * x * x * (10.0 + x * (6.0 * x - 15.0))
 }

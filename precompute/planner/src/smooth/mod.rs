@@ -1,5 +1,6 @@
 //! From landmarks to a motion that looks like one: straightened, rounded, and blended into what is before and after it.
 
+mod ease;
 mod ends;
 mod jerk;
 mod round;
@@ -41,9 +42,8 @@ pub(crate) struct Smoother<'a> {
 }
 
 impl Smoother<'_> {
-    /// The way at a frame.
-    fn way_at(&self, way: &[State], frame: usize) -> State {
-        let time_s = self.grid.at(frame);
+    /// The way at a time.
+    fn way_at(&self, way: &[State], time_s: f64) -> State {
         let next = way.partition_point(|s| s.time_s <= time_s);
         let (Some(to), Some(from)) = (way.get(next), next.checked_sub(1).map(|i| &way[i])) else {
             return State { pose: way[next.saturating_sub(1)].pose, time_s };
@@ -59,7 +59,7 @@ impl Smoother<'_> {
     /// Poses of all frames of a way.
     pub fn frames(&self, way: &[State], out: &mut Vec<LimbPose>) {
         out.clear();
-        out.extend((0..=self.grid.steps).map(|f| self.way_at(way, f).pose));
+        out.extend((0..=self.grid.steps).map(|f| self.way_at(way, self.grid.at(f)).pose));
     }
 
     /// True where the way from one frame to the next is free, and the next one, too.

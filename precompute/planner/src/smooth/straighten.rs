@@ -26,7 +26,8 @@ impl Smoother<'_> {
             if way.len() <= 2 || !keep_on() {
                 return;
             }
-            let [from, to] = [frames[0].min(frames[1]), frames[0].max(frames[1])].map(|f| self.way_at(way, f));
+            let [from, to] =
+                [frames[0].min(frames[1]), frames[0].max(frames[1])].map(|f| self.way_at(way, self.grid.at(f)));
             let inner = |s: &State| s.time_s > from.time_s && s.time_s < to.time_s;
             if !way.iter().any(inner) || !self.checker.is_way_free(self.problem, &from, &to, self.check) {
                 continue;
