@@ -152,7 +152,7 @@ impl JointLimits {
     }
 
     /// The same limits, widened so far that a rotation is within them, with a little room: a clip's poses are admitted even
-    /// where its performer bent farther. A swing beyond [`MAX_SWING`] stays outside.
+    /// where its performer bent farther. A swing beyond 2.8 rad stays outside.
     pub fn admitting(&self, q: DQuat) -> Self {
         /// (rad)
         const ROOM: f64 = 1e-3;

@@ -107,16 +107,16 @@ impl Mesh {
         if limit.is_nan() || limit <= 0.0 {
             return;
         }
-        let (low, high) = (s.a.min(s.b), s.a.max(s.b));
-        let mut square = limit * limit;
+        let core = Core32::new(s);
+        let mut square = core.square(limit);
         self.tree.traverse(|node: &BvhNode| {
-            if gap(low, high, node) > square || gap_of_ball(s, node) > square {
+            if core.is_farther(node, square) {
                 return TraversalAction::Prune;
             }
             let Some(leaf) = node.leaf_data() else { return TraversalAction::Continue };
             let triangle = self.corners[leaf as usize].map(|c| c.as_dvec3());
             match look(square_distance(s, &triangle)) {
-                Some(limit) => square = limit * limit,
+                Some(limit) => square = core.square(limit),
                 None => return TraversalAction::EarlyExit,
             }
             TraversalAction::Continue
@@ -124,20 +124,48 @@ impl Mesh {
     }
 }
 
-/// The square of the distance between a box and that of a node (m^2).
-fn gap(low: DVec3, high: DVec3, node: &BvhNode) -> f64 {
-    let (mins, maxs) = (node.mins().as_dvec3(), node.maxs().as_dvec3());
-    (mins - high).max(low - maxs).max(DVec3::ZERO).length_squared()
+/// A segment in floats, as boxes are, with what rounding may take away from a distance.
+struct Core32 {
+    a: Vec3,
+    d: Vec3,
+    /// One over the square of its length; 0 for a point.
+    over: f32,
+    low: Vec3,
+    high: Vec3,
+    slack: f32,
 }
 
-/// The square of the distance between a segment and the ball around the box of a node (m^2).
-fn gap_of_ball(s: &Segment, node: &BvhNode) -> f64 {
-    let (mins, maxs) = (node.mins().as_dvec3(), node.maxs().as_dvec3());
-    let middle = 0.5 * (mins + maxs);
-    let d = s.b - s.a;
-    let share = ((middle - s.a).dot(d) / d.length_squared().max(1e-18)).clamp(0.0, 1.0);
-    let apart = (s.a + d * share).distance(middle) - 0.5 * (maxs - mins).length();
-    apart.max(0.0) * apart.max(0.0)
+impl Core32 {
+    fn new(s: &Segment) -> Self {
+        let (a, b) = (s.a.as_vec3(), s.b.as_vec3());
+        let square = (b - a).length_squared();
+        let over = if square > 1e-12 { 1.0 / square } else { 0.0 };
+        // A few units in the last place of the largest number that there is.
+        let slack = 1e-5 + 4e-6 * a.abs().max_element().max(b.abs().max_element());
+        Self { a, d: b - a, over, low: a.min(b), high: a.max(b), slack }
+    }
+
+    /// The square of a limit, seen with slack (m^2).
+    fn square(&self, limit: f64) -> f32 {
+        let limit = limit as f32 + self.slack;
+        limit * limit
+    }
+
+    /// True where the box of a node is farther away than a limit: by the box around the segment, or by the ball around the
+    /// node's box.
+    fn is_farther(&self, node: &BvhNode, square: f32) -> bool {
+        let (mins, maxs) = (node.mins(), node.maxs());
+        if (mins - self.high).max(self.low - maxs).max(Vec3::ZERO).length_squared() > square {
+            return true;
+        }
+        let middle = 0.5 * (mins + maxs);
+        let share = ((middle - self.a).dot(self.d) * self.over).clamp(0.0, 1.0);
+        let apart = (self.a + self.d * share).distance_squared(middle);
+        // apart > limit + radius, squared twice: no square root where it is not needed.
+        let radius = 0.25 * (maxs - mins).length_squared();
+        let rest = apart - square - radius;
+        rest > 0.0 && rest * rest > 4.0 * square * radius
+    }
 }
 
 #[cfg(test)]
