@@ -8,7 +8,7 @@ use crate::linkage::{LimbPose, MAX_JOINTS};
 use crate::problem::Problem;
 use crate::rotation::angle;
 use crate::search::{Found, Quest, Search, SearchConfig, TimeGrid};
-use crate::smooth::{Roughness, SmoothConfig, Smoother, roughness};
+use crate::smooth::{Roughness, SmoothConfig, Smoother, Window, roughness};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -105,7 +105,7 @@ pub struct Planner {
     spare_way: Vec<crate::problem::State>,
     frames: Vec<LimbPose>,
     spare: Vec<LimbPose>,
-    windows: Vec<usize>,
+    windows: Vec<Window>,
     /// Of the last plan.
     grid: Option<TimeGrid>,
 }
