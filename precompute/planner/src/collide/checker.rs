@@ -1,0 +1,167 @@
+//! One look at a linkage and what is around it.
+
+use crate::linkage::LimbPose;
+use crate::problem::{Hit, Pair, Problem, State, Target};
+use crate::rotation::Rigid;
+use crate::shape::Segment;
+use glam::DVec3;
+
+/// How far outside limits a pose may be on the way between two that are within (rad).
+pub(super) const LIMIT_TOLERANCE: f64 = 1e-3;
+
+/// Looks for collisions; keeps what it needs from look to look, so that nothing is allocated after the first ones.
+#[derive(Clone, Debug, Default)]
+pub struct Checker {
+    /// Looks so far: one pose at one time against everything.
+    pub checks: u64,
+    /// World cores of the parts, and their middles.
+    cores: Vec<(Segment, DVec3)>,
+    /// Where targets are, and at which look they were put there.
+    bodies: Vec<(u64, Segment, DVec3)>,
+    solids: Vec<(u64, Rigid)>,
+    /// Breadth-first: intervals still to be proved, and the pairs that are open in each.
+    pub(super) intervals: Vec<super::edge::Interval>,
+    pub(super) open: Vec<u16>,
+    /// How far each part gets on half a piece (m).
+    pub(super) ways: Vec<f64>,
+}
+
+impl Checker {
+    /// Makes room for a problem.
+    pub(crate) fn prepare(&mut self, problem: &Problem) {
+        let nowhere = Segment::new(DVec3::ZERO, DVec3::ZERO);
+        self.cores.resize(problem.parts.len(), (nowhere, DVec3::ZERO));
+        self.bodies.clear();
+        self.bodies.resize(problem.bodies.len(), (0, nowhere, DVec3::ZERO));
+        self.solids.clear();
+        self.solids.resize(problem.solids.len(), (0, Rigid::IDENTITY));
+    }
+
+    /// Puts the linkage and its base where they are at a time.
+    pub(super) fn look(&mut self, problem: &Problem, pose: &LimbPose, time_s: f64) {
+        self.checks += 1;
+        let placed = problem.chain.place(&problem.base.at(time_s), pose);
+        for (core, part) in self.cores.iter_mut().zip(&problem.parts) {
+            let placed = part.core.map(|p| placed[part.link].point(p));
+            *core = (placed, placed.middle());
+        }
+    }
+
+    /// Distance between the surfaces of a pair where it is below `limit`, else infinite; after [`Checker::look`] (m).
+    pub(super) fn gap(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64) -> f64 {
+        let part = &problem.parts[pair.part];
+        let (core, middle) = self.cores[pair.part];
+        match pair.target {
+            Target::Body(b) => {
+                let body = &problem.bodies[b];
+                let radii = part.radius + body.radius;
+                let (other, other_middle) = self.body(problem, b, time_s);
+                // The balls around both are farther apart than that, mostly.
+                let apart = middle.distance_squared(other_middle);
+                let far = limit + radii + part.half_length + body.half_length;
+                if far <= 0.0 || apart >= far * far {
+                    return f64::INFINITY;
+                }
+                let gap = core.distance(&other) - radii;
+                if gap < limit { gap } else { f64::INFINITY }
+            }
+            Target::Solid(s) => {
+                let Some(local) = self.in_reach(problem, s, pair.part, time_s, limit) else {
+                    return f64::INFINITY;
+                };
+                problem.solids[s].solid.shape.distance(&local, limit + part.radius) - part.radius
+            }
+        }
+    }
+
+    /// True where the surfaces of a pair are nearer than `limit`; after [`Checker::look`] (m).
+    pub(super) fn is_nearer(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64) -> bool {
+        let Target::Solid(s) = pair.target else { return self.gap(problem, pair, time_s, limit) < limit };
+        let radius = problem.parts[pair.part].radius;
+        let local = self.in_reach(problem, s, pair.part, time_s, limit);
+        local.is_some_and(|local| problem.solids[s].solid.shape.is_nearer(&local, limit + radius))
+    }
+
+    /// The core of a part in the frame of a solid, if the ball around that is near enough.
+    fn in_reach(&mut self, problem: &Problem, s: usize, part: usize, time_s: f64, limit: f64) -> Option<Segment> {
+        let (core, middle) = self.cores[part];
+        let part = &problem.parts[part];
+        let solid = &problem.solids[s];
+        let kept = &mut self.solids[s];
+        if kept.0 != self.checks {
+            *kept = (self.checks, solid.solid.path.at(time_s));
+        }
+        let place = kept.1;
+        let far = limit + part.radius + solid.radius + part.half_length;
+        let apart = middle.distance_squared(place.point(solid.middle));
+        (far > 0.0 && apart < far * far).then(|| core.map(|p| place.local_point(p)))
+    }
+
+    fn body(&mut self, problem: &Problem, b: usize, time_s: f64) -> (Segment, DVec3) {
+        let kept = &mut self.bodies[b];
+        if kept.0 != self.checks {
+            let core = problem.bodies[b].track.at(time_s);
+            *kept = (self.checks, core, core.middle());
+        }
+        (kept.1, kept.2)
+    }
+
+    /// True where nothing is too near at a state, and limits hold.
+    pub fn is_free(&mut self, problem: &Problem, state: &State) -> bool {
+        self.prepare_if_other(problem);
+        let within = |i: usize| problem.limits[i].excess(state.pose.0[i]) <= LIMIT_TOLERANCE;
+        (0..problem.chain.len()).all(within) && self.first_hit(problem, state).is_none()
+    }
+
+    /// The first pair that is too near.
+    fn first_hit(&mut self, problem: &Problem, state: &State) -> Option<usize> {
+        self.look(problem, &state.pose, state.time_s);
+        (0..problem.pairs.len()).find(|&p| {
+            let pair = &problem.pairs[p];
+            !pair.may_touch_at(state.time_s) && self.is_nearer(problem, pair, state.time_s, pair.gap)
+        })
+    }
+
+    /// The pair that is nearer than it may be by the most.
+    pub fn deepest(&mut self, problem: &Problem, state: &State) -> Option<Hit> {
+        self.prepare_if_other(problem);
+        self.look(problem, &state.pose, state.time_s);
+        let mut worst: Option<Hit> = None;
+        for (p, pair) in problem.pairs.iter().enumerate().filter(|(_, pair)| !pair.may_touch_at(state.time_s)) {
+            let depth_m = pair.gap - self.gap(problem, pair, state.time_s, pair.gap);
+            if depth_m > 0.0 && worst.is_none_or(|w| depth_m > w.depth_m) {
+                worst = Some(Hit { pair: p, depth_m });
+            }
+        }
+        worst
+    }
+
+    /// Least distance from solids and others that may not be touched, if it is below `limit` (m).
+    pub fn clearance(&mut self, problem: &Problem, state: &State, limit: f64) -> f64 {
+        self.prepare_if_other(problem);
+        self.look(problem, &state.pose, state.time_s);
+        let own = |target| matches!(target, Target::Body(b) if problem.bodies[b].of.is_none());
+        let open = problem.pairs.iter().filter(|p| !own(p.target) && !p.may_touch_at(state.time_s));
+        open.fold(limit, |least, pair| least.min(self.gap(problem, pair, state.time_s, least)))
+    }
+
+    /// Looks are numbered anew for a problem of another size.
+    pub(super) fn prepare_if_other(&mut self, problem: &Problem) {
+        let sizes = [self.cores.len(), self.bodies.len(), self.solids.len()];
+        if sizes != [problem.parts.len(), problem.bodies.len(), problem.solids.len()] {
+            self.prepare(problem);
+        }
+    }
+}
+
+impl Pair {
+    /// True where they may touch at a time.
+    pub(super) fn may_touch_at(&self, time_s: f64) -> bool {
+        self.allowed.is_some_and(|[from, to]| (from..=to).contains(&time_s))
+    }
+
+    /// True where they may touch all through a stretch.
+    pub(super) fn may_touch_in(&self, from_s: f64, to_s: f64) -> bool {
+        self.allowed.is_some_and(|[from, to]| from <= from_s && to >= to_s)
+    }
+}

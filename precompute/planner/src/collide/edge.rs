@@ -1,0 +1,210 @@
+//! The way between two states: is it free all along?
+
+use super::checker::{Checker, LIMIT_TOLERANCE};
+use crate::linkage::{LimbPose, MAX_JOINTS};
+use crate::problem::{Problem, State, Target};
+use crate::rotation::{angle, middle};
+
+/// How the way between two states is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EdgeCheck {
+    /// Halved again and again until no joint turns farther than that from look to look: what is thinner may be missed
+    /// (the paper's way).
+    Bisection {
+        /// (rad, > 0)
+        resolution_rad: f64,
+    },
+    /// Proved free: from how fast everything moves at most it follows how long nothing can meet.
+    Conservative,
+}
+
+/// A piece of an edge, and the pairs that are not proved apart on it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Interval {
+    from: State,
+    to: State,
+    /// In the list of open pairs.
+    first: u32,
+    end: u32,
+    /// How often the edge was halved.
+    level: u32,
+    /// Joints whose limits are not proved.
+    joints: [bool; MAX_JOINTS],
+}
+
+/// A piece on which nothing moves farther than this, and which is not proved free, counts as blocked (m).
+const FINEST_M: f64 = 2e-4;
+/// The same for limits (rad).
+const FINEST_RAD: f64 = 2e-4;
+/// An edge is never halved more often.
+const MAX_LEVEL: u32 = 40;
+
+impl Checker {
+    /// True where the way is free: time grows, no joint is faster than its limit, limits hold and nothing is too near.
+    ///
+    /// Both ends have to be free: only what is between them is looked at. Joints turn evenly, along shortest arcs.
+    ///
+    /// # Source
+    /// Shapiro, Kallmann and Faloutsos 2007, section 4.1 (bisection); Schwarzer, Saha and Latombe 2002, *Exact Collision
+    /// Checking of Robot Paths* (the adaptive bisection that proves; here everything else moves, too).
+    pub fn is_way_free(&mut self, problem: &Problem, from: &State, to: &State, check: EdgeCheck) -> bool {
+        self.prepare_if_other(problem);
+        let seconds = to.time_s - from.time_s;
+        if seconds.is_nan() || seconds < 0.0 {
+            return false;
+        }
+        let mut turns = [0.0; MAX_JOINTS];
+        for i in 0..problem.chain.len() {
+            turns[i] = angle(from.pose.0[i], to.pose.0[i]);
+            if turns[i] > problem.limits[i].speed * seconds + 1e-9 {
+                return false;
+            }
+        }
+        match check {
+            EdgeCheck::Bisection { resolution_rad } => self.bisect(problem, from, to, &turns, resolution_rad),
+            EdgeCheck::Conservative => self.prove(problem, from, to, &turns),
+        }
+    }
+
+    fn bisect(
+        &mut self,
+        problem: &Problem,
+        from: &State,
+        to: &State,
+        turns: &[f64; MAX_JOINTS],
+        resolution: f64,
+    ) -> bool {
+        let most = turns.iter().copied().fold(0.0, f64::max);
+        self.intervals.clear();
+        self.intervals.push(Interval { from: *from, to: *to, first: 0, end: 0, level: 0, joints: [true; MAX_JOINTS] });
+        let mut next = 0;
+        while let Some(&piece) = self.intervals.get(next) {
+            next += 1;
+            let turned = most / f64::from(1u32 << piece.level.min(31));
+            // What moves by itself is looked at as often as its frames come.
+            let still = piece.to.time_s - piece.from.time_s < 1.0 / 60.0;
+            if (turned <= resolution && still) || piece.level > MAX_LEVEL {
+                continue;
+            }
+            let at = between(&piece.from, &piece.to, problem.chain.len());
+            if !self.is_free(problem, &at) {
+                return false;
+            }
+            for (from, to) in [(piece.from, at), (at, piece.to)] {
+                self.intervals.push(Interval { from, to, level: piece.level + 1, ..piece });
+            }
+        }
+        true
+    }
+
+    fn prove(&mut self, problem: &Problem, from: &State, to: &State, turns: &[f64; MAX_JOINTS]) -> bool {
+        self.open.clear();
+        self.open.extend(0..problem.pairs.len() as u16);
+        let end = self.open.len() as u32;
+        self.intervals.clear();
+        let joints = std::array::from_fn(|i| i < problem.chain.len());
+        self.intervals.push(Interval { from: *from, to: *to, first: 0, end, level: 0, joints });
+        let mut next = 0;
+        while let Some(&piece) = self.intervals.get(next) {
+            next += 1;
+            let half_turns = turns.map(|t| t / f64::from(2u32 << piece.level.min(30)));
+            let half_s = 0.5 * (piece.to.time_s - piece.from.time_s);
+            let at = between(&piece.from, &piece.to, problem.chain.len());
+            let Some(joints) = prove_limits(problem, &at.pose, &half_turns, piece.joints) else { return false };
+            let first = self.open.len() as u32;
+            if !self.prove_pairs(problem, &piece, &at, &half_turns, half_s) {
+                return false;
+            }
+            let end = self.open.len() as u32;
+            if end == first && joints == [false; MAX_JOINTS] {
+                continue;
+            }
+            if piece.level >= MAX_LEVEL {
+                return false;
+            }
+            for (from, to) in [(piece.from, at), (at, piece.to)] {
+                self.intervals.push(Interval { from, to, first, end, level: piece.level + 1, joints });
+            }
+        }
+        true
+    }
+
+    /// False where something is too near in the middle of a piece, or cannot be proved to stay away; pairs that are neither
+    /// proved nor refuted are appended to the open ones.
+    fn prove_pairs(
+        &mut self,
+        problem: &Problem,
+        piece: &Interval,
+        at: &State,
+        half_turns: &[f64; MAX_JOINTS],
+        half_s: f64,
+    ) -> bool {
+        let (from_s, to_s) = (piece.from.time_s, piece.to.time_s);
+        self.look(problem, &at.pose, at.time_s);
+        // How far each part gets at most until the ends of the piece.
+        self.ways.clear();
+        self.ways.extend(problem.parts.iter().map(|part| {
+            let turned: f64 = (0..=part.link).map(|j| half_turns[j] * part.reach[j]).sum();
+            turned + problem.base.speed(from_s, to_s, part.base_reach) * half_s
+        }));
+        // Pairs with the same target are side by side.
+        let mut last = (None, 0.0);
+        for k in piece.first..piece.end {
+            let index = self.open[k as usize];
+            let pair = &problem.pairs[usize::from(index)];
+            if pair.may_touch_in(from_s, to_s) {
+                continue;
+            }
+            if last.0 != Some(pair.target) {
+                let speed = match pair.target {
+                    Target::Body(b) => problem.bodies[b].track.speed(from_s, to_s),
+                    Target::Solid(s) => {
+                        let solid = &problem.solids[s];
+                        solid.solid.path.speed(from_s, to_s, solid.reach)
+                    }
+                };
+                last = (Some(pair.target), speed * half_s);
+            }
+            let way = self.ways[pair.part] + last.1;
+            if !self.is_nearer(problem, pair, at.time_s, pair.gap + way) {
+                continue;
+            }
+            let touches = !pair.may_touch_at(at.time_s) && self.is_nearer(problem, pair, at.time_s, pair.gap);
+            if touches || way < FINEST_M {
+                return false;
+            }
+            self.open.push(index);
+        }
+        true
+    }
+}
+
+/// Which joints stay open: `None` where one is outside its limits.
+fn prove_limits(
+    problem: &Problem,
+    pose: &LimbPose,
+    half_turns: &[f64; MAX_JOINTS],
+    mut open: [bool; MAX_JOINTS],
+) -> Option<[bool; MAX_JOINTS]> {
+    for i in 0..problem.chain.len() {
+        if !open[i] {
+            continue;
+        }
+        let excess = problem.limits[i].excess(pose.0[i]);
+        if excess > LIMIT_TOLERANCE {
+            return None;
+        }
+        let way = problem.limits[i].stiffness() * half_turns[i];
+        open[i] = excess + way > LIMIT_TOLERANCE && way > FINEST_RAD;
+    }
+    Some(open)
+}
+
+/// Half way in time and in every joint.
+fn between(a: &State, b: &State, len: usize) -> State {
+    let mut pose = a.pose;
+    for i in 0..len {
+        pose.0[i] = middle(a.pose.0[i], b.pose.0[i]);
+    }
+    State { pose, time_s: 0.5 * (a.time_s + b.time_s) }
+}

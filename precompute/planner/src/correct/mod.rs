@@ -1,0 +1,233 @@
+//! Corrects clips: where a limb collides with what is around, it is planned anew.
+
+mod spans;
+#[cfg(test)]
+mod tests;
+
+pub use spans::{Span, collisions};
+
+use crate::clips::with_motion;
+use crate::collide::Checker;
+use crate::driven::Driven;
+use crate::linkage::{Limb, Linkage};
+use crate::planner::{Budget, Outcome, PlanConfig, Planner};
+use crate::problem::{Problem, State};
+use crate::setup::{ProblemError, ProblemSpec};
+use throng_core::Contacts;
+use throng_motion::Clip;
+
+/// How clips are corrected.
+#[derive(Clone, Copy, Debug)]
+pub struct CorrectConfig<'a> {
+    /// How plans are made.
+    pub plan: PlanConfig,
+    /// What may be spent on each; its rate is the clip's.
+    pub budget: Budget<'a>,
+    /// Time before and after a collision in which the limb gives way (s, > 0).
+    pub margin_s: f64,
+    /// Where no way is found the margin grows by half, up to this (s, >= margin_s).
+    pub margin_most_s: f64,
+}
+
+impl Default for CorrectConfig<'_> {
+    fn default() -> Self {
+        let budget = Budget { draws: 3000, ..Budget::default() };
+        Self { plan: PlanConfig::default(), budget, margin_s: 0.4, margin_most_s: 2.0 }
+    }
+}
+
+/// Why a stretch stays as it was.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NotCorrected {
+    /// No plan could be asked for.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// None was found.
+    #[error("from {from_s:.2} s to {to_s:.2} s: {why}")]
+    Unsolved {
+        /// (s)
+        from_s: f64,
+        /// (s)
+        to_s: f64,
+        /// Why.
+        why: crate::planner::Unsolved,
+    },
+    /// The clip begins or ends in the collision.
+    #[error("{part} is in {with} up to the clip's {end}: there is no free pose to plan from; move {with}")]
+    NoFreeEnd {
+        /// Of the limb.
+        part: String,
+        /// What it collides with.
+        with: String,
+        /// "start" or "end".
+        end: &'static str,
+    },
+    /// A foot stands in what it collides with.
+    #[error(
+        "{part} stands on the ground where it collides with {with} at {time_s:.2} s: planted feet never move; move {with}"
+    )]
+    Planted {
+        /// Of the limb.
+        part: String,
+        /// What it collides with.
+        with: String,
+        /// (s)
+        time_s: f64,
+    },
+}
+
+/// A stretch that was looked at, and what came of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Corrected {
+    /// Where the clip collides.
+    pub span: Span,
+    /// What was planned anew (s).
+    pub window_s: [f64; 2],
+    /// The plan, or why there is none.
+    pub outcome: Result<Outcome, NotCorrected>,
+}
+
+/// Corrects one linkage of a clip: finds where it collides, widens each stretch until both ends are free, and plans it in
+/// time with the rest of the motion.
+///
+/// The clip begins at time 0 of what is around. Frames outside of the windows and other joints stay as they are, to the bit.
+///
+/// - `spec`: what is around; its motion is the clip's, its ends are not looked at.
+/// - returns the clip, and every stretch with what came of it; those that failed are as they were.
+///
+/// # Errors
+/// [`ProblemError`] where the problem is none at all.
+///
+/// # Source
+/// Shapiro, Kallmann and Faloutsos 2007, section 6.1.
+pub fn correct(
+    clip: &Clip,
+    spec: &ProblemSpec<'_>,
+    config: &CorrectConfig<'_>,
+) -> Result<(Clip, Vec<Corrected>), ProblemError> {
+    let mut out = clip.clone();
+    let last_s = (clip.num_frames().saturating_sub(1)) as f64 / clip.rate_hz;
+    let whole = Problem::prepare(&between(spec, spec.motion, [0.0, last_s]))?;
+    let mut planner = Planner::new();
+    let mut report = Vec::new();
+    let mut free_from_s = 0.0;
+    for span in collisions(&whole) {
+        if span.to_s <= free_from_s {
+            // The plan before took it along.
+            continue;
+        }
+        let mut window = Window { clip, problem: &whole, linkage: spec.linkage, checker: Checker::default() };
+        let mut margin_s = config.margin_s;
+        let corrected = loop {
+            let found = window.around(&span, margin_s, free_from_s).and_then(|window_s| {
+                let (motion, outcome) = planned(&mut planner, spec, window_s, config, clip.rate_hz)?;
+                out = with_motion(&out, 0.0, spec.linkage, &motion).map_err(|e| misfit(&e))?;
+                Ok((window_s, outcome))
+            });
+            match found {
+                Ok((window_s, outcome)) => {
+                    free_from_s = window_s[1];
+                    break Corrected { span: span.clone(), window_s, outcome: Ok(outcome) };
+                }
+                Err(_) if margin_s < config.margin_most_s => margin_s = (1.5 * margin_s).min(config.margin_most_s),
+                Err(e) => break Corrected { window_s: [span.from_s, span.to_s], span: span.clone(), outcome: Err(e) },
+            }
+        };
+        report.push(corrected);
+    }
+    Ok((out, report))
+}
+
+fn misfit(e: &crate::clips::Misfit) -> NotCorrected {
+    ProblemError::Value { what: e.to_string(), expected: "a plan on the clip's frames" }.into()
+}
+
+fn planned<'p>(
+    planner: &'p mut Planner,
+    spec: &ProblemSpec<'_>,
+    window_s: [f64; 2],
+    config: &CorrectConfig<'_>,
+    rate_hz: f64,
+) -> Result<(crate::planner::LimbMotion<'p>, Outcome), NotCorrected> {
+    let problem = Problem::new(&between(spec, spec.motion, window_s))?;
+    let budget = Budget { rate_hz, ..config.budget };
+    let outcome = planner.plan(&problem, &config.plan, &budget);
+    let unsolved = |why| NotCorrected::Unsolved { from_s: window_s[0], to_s: window_s[1], why };
+    match (outcome.why, planner.motion()) {
+        (None, Some(motion)) => Ok((motion, outcome)),
+        (Some(why), _) => Err(unsolved(why)),
+        (None, None) => Err(unsolved(crate::planner::Unsolved::Rate)),
+    }
+}
+
+/// The problem from and to the poses of the motion itself.
+fn between<'a>(spec: &ProblemSpec<'a>, motion: &Driven, window_s: [f64; 2]) -> ProblemSpec<'a> {
+    let [init, goal] = window_s.map(|time_s| State { pose: motion.limb_pose(spec.linkage, time_s), time_s });
+    ProblemSpec { init, goal, admit_ends: true, ..spec.clone() }
+}
+
+/// Looks for the stretch in which a limb may give way.
+struct Window<'a> {
+    clip: &'a Clip,
+    problem: &'a Problem,
+    linkage: Linkage,
+    checker: Checker,
+}
+
+impl Window<'_> {
+    /// A collision and a margin to either side, and on to the next frames that are free.
+    fn around(&mut self, span: &Span, margin_s: f64, free_from_s: f64) -> Result<[f64; 2], NotCorrected> {
+        let rate = self.clip.rate_hz;
+        let last = self.clip.num_frames() - 1;
+        let least = (free_from_s * rate).round() as usize;
+        let [first_hit, last_hit] =
+            [(span.from_s * rate).floor() as usize, ((span.to_s * rate).ceil() as usize).min(last)];
+        if let Some(frame) = (first_hit..=last_hit).find(|f| self.is_planted(*f)) {
+            let (part, with) = (span.part.clone(), span.with.clone());
+            return Err(NotCorrected::Planted { part, with, time_s: frame as f64 / rate });
+        }
+        let margin = (margin_s * rate).ceil() as usize;
+        let end = |end| NotCorrected::NoFreeEnd { part: span.part.clone(), with: span.with.clone(), end };
+        let from =
+            self.free_frame(first_hit, first_hit.saturating_sub(margin).max(least), least).ok_or(end("start"))?;
+        let to = self.free_frame(last_hit, (last_hit + margin).min(last), last).ok_or(end("end"))?;
+        Ok([from, to].map(|f| f as f64 / rate))
+    }
+
+    /// From a frame that collides outwards: the wanted one if it is free and no foot is planted on the way, else one
+    /// nearby, farther out if need be.
+    fn free_frame(&mut self, hit: usize, wanted: usize, most: usize) -> Option<usize> {
+        let outwards = |from: usize, to: usize| -> Vec<usize> {
+            if to >= from { (from..=to).collect() } else { (to..=from).rev().collect() }
+        };
+        // Up to the frame at which a foot stands, that one included: there it is as it was.
+        let mut reach = Vec::new();
+        for frame in outwards(hit, most) {
+            reach.push(frame);
+            if self.is_planted(frame) {
+                break;
+            }
+        }
+        let goes_to = |f: usize| reach.contains(&f);
+        let beyond = outwards(wanted, most);
+        let inside = outwards(wanted, hit);
+        beyond.into_iter().chain(inside).find(|f| goes_to(*f) && *f != hit && self.is_free(*f))
+    }
+
+    fn is_free(&mut self, frame: usize) -> bool {
+        let time_s = frame as f64 / self.clip.rate_hz;
+        let pose = self.problem.present_at(time_s);
+        self.checker.deepest(self.problem, &State { pose, time_s }).is_none()
+    }
+
+    /// True where the limb is a leg whose foot stands.
+    fn is_planted(&self, frame: usize) -> bool {
+        let foot = match self.linkage.limb {
+            Limb::LeftLeg => Contacts::LEFT,
+            Limb::RightLeg => Contacts::RIGHT,
+            Limb::LeftArm | Limb::RightArm => return false,
+        };
+        self.clip.contacts.get(frame).is_some_and(|c| c.any(foot))
+    }
+}

@@ -1,0 +1,53 @@
+//! Where a motion collides.
+
+use crate::collide::Checker;
+use crate::problem::{PRESENT_STEP_S, Problem, State};
+
+/// A stretch of time in which the motion itself has a limb in something.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Span {
+    /// (s)
+    pub from_s: f64,
+    /// (s)
+    pub to_s: f64,
+    /// Of the limb, where it is deepest.
+    pub part: String,
+    /// What it is deepest in.
+    pub with: String,
+    /// (m)
+    pub depth_m: f64,
+}
+
+/// What is nearer than it may be by less is what rounding makes of a plan (m).
+const NEGLIGIBLE_M: f64 = 1e-4;
+
+/// Stretches in which the external motion's own poses of the linkage collide, looked at 120 times a second.
+pub fn collisions(problem: &Problem) -> Vec<Span> {
+    let mut checker = Checker::default();
+    let mut spans: Vec<Span> = Vec::new();
+    let mut inside = false;
+    let [from, to] = [problem.init.time_s, problem.goal.time_s];
+    for step in 0..problem.present.len() {
+        let time_s = (from + step as f64 * PRESENT_STEP_S).min(to);
+        let state = State { pose: problem.present_at(time_s), time_s };
+        let hit = checker.deepest(problem, &state).filter(|h| h.depth_m > NEGLIGIBLE_M);
+        match (&hit, inside) {
+            (Some(hit), true) => {
+                if let Some(span) = spans.last_mut() {
+                    span.to_s = time_s;
+                    if hit.depth_m > span.depth_m {
+                        let [part, with] = problem.names(hit);
+                        (span.part, span.with, span.depth_m) = (part, with, hit.depth_m);
+                    }
+                }
+            }
+            (Some(hit), false) => {
+                let [part, with] = problem.names(hit);
+                spans.push(Span { from_s: time_s, to_s: time_s, part, with, depth_m: hit.depth_m });
+            }
+            (None, _) => {}
+        }
+        inside = hit.is_some();
+    }
+    spans
+}

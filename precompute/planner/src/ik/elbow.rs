@@ -1,0 +1,97 @@
+//! The hinge in the middle of a limb: which flexion brings the wrist to a distance from the shoulder.
+
+use crate::limits::{Interval, JointLimits, Swing};
+use crate::rotation::about;
+use glam::{DQuat, DVec3};
+use throng_base::maths;
+
+/// Distances that differ by less are the same (m).
+const SAME: f64 = 1e-9;
+
+/// Lengths and axes of elbow or knee, on the side that they are on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elbow {
+    /// From shoulder to elbow, in the upper arm's frame (m).
+    pub upper: DVec3,
+    /// From elbow to wrist, in the forearm's frame (m).
+    pub fore: DVec3,
+    /// Of `fore` (unit).
+    pub along: DVec3,
+    /// What the elbow bends about, at right angles to `fore` (unit).
+    pub axis: DVec3,
+    flexion: Interval,
+    twist: Interval,
+    mirrored: bool,
+    /// The upper arm along the straight forearm and across it, times the forearm's length (m^2).
+    cos: f64,
+    sin: f64,
+    /// The flexion at which the arm is straightest (rad).
+    straightest: f64,
+    /// Nearest and farthest distances within limits (m).
+    distances: [f64; 2],
+}
+
+impl Elbow {
+    /// `None` where the limits are no hinge's.
+    pub fn new(upper: DVec3, fore: DVec3, limits: &JointLimits) -> Option<Self> {
+        let Swing::Hinge { flexion, .. } = limits.swing else { return None };
+        let [axis, _] = limits.axes;
+        // Axes of rotations are turned round by a mirror, but for their part along its normal.
+        let axis = if limits.mirrored { DVec3::new(axis.x, -axis.y, -axis.z) } else { axis };
+        let along = fore.try_normalize()?;
+        let cos = upper.dot(fore);
+        let sin = upper.dot(axis.cross(fore));
+        let (twist, mirrored) = (limits.twist, limits.mirrored);
+        let straightest = maths::atan2(sin, cos);
+        let distances = [0.0; 2];
+        let mut out = Self { upper, fore, along, axis, flexion, twist, mirrored, cos, sin, straightest, distances };
+        let ends = [flexion.least, flexion.most].map(|f| out.square(f).sqrt());
+        let farthest = if flexion.excess(straightest) <= 0.0 { out.square(straightest).sqrt() } else { 0.0 };
+        out.distances = [ends[0].min(ends[1]), ends[0].max(ends[1]).max(farthest)];
+        Some(out)
+    }
+
+    /// Its rotation, without twist.
+    pub fn rotation(&self, flexion: f64) -> DQuat {
+        about(self.axis, flexion)
+    }
+
+    /// How far flexion and twist about the forearm are outside their limits (rad).
+    pub fn excess(&self, flexion: f64, twist: f64) -> f64 {
+        let twist = if self.mirrored { -twist } else { twist };
+        self.flexion.excess(flexion).max(self.twist.excess(twist))
+    }
+
+    /// Squared distance from shoulder to wrist (m^2).
+    fn square(&self, flexion: f64) -> f64 {
+        let (sin, cos) = maths::sin_cos(flexion);
+        let straight = self.upper.length_squared() + self.fore.length_squared();
+        (straight + 2.0 * (self.cos * cos + self.sin * sin)).max(0.0)
+    }
+
+    /// Nearest and farthest distances within limits (m).
+    pub fn distances(&self) -> [f64; 2] {
+        self.distances
+    }
+
+    /// The flexion that brings the wrist to a distance, forwards if it can.
+    ///
+    /// # Errors
+    /// How far the distance is out of reach (m).
+    pub fn flexion(&self, distance: f64) -> Result<f64, f64> {
+        let [nearest, farthest] = self.distances;
+        let over = (distance - farthest).max(nearest - distance);
+        // NaN is out of reach, too.
+        if over.is_nan() || over > SAME {
+            return Err(if over.is_nan() { f64::INFINITY } else { over });
+        }
+        let distance = distance.clamp(nearest, farthest);
+        let wanted = 0.5 * (distance * distance - self.upper.length_squared() - self.fore.length_squared());
+        let most = maths::hypot(self.cos, self.sin);
+        let cos = (wanted / most).clamp(-1.0, 1.0);
+        let half = maths::atan2((1.0 - cos * cos).sqrt(), cos);
+        let candidates = [self.straightest + half, self.straightest - half];
+        let better = usize::from(self.flexion.excess(candidates[0]) > self.flexion.excess(candidates[1]).max(1e-12));
+        Ok(candidates[better].clamp(self.flexion.least, self.flexion.most))
+    }
+}

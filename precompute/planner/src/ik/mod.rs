@@ -1,0 +1,184 @@
+//! Analytic inverse kinematics of arms and legs: a place and a rotation for hand or foot, within limits and free.
+
+mod elbow;
+mod swivel;
+#[cfg(test)]
+mod tests;
+mod unreached;
+
+use crate::limits::JointLimits;
+use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
+use crate::rotation::{Rigid, about, between, twist_about};
+use elbow::Elbow;
+use glam::{DQuat, DVec3};
+use swivel::{offsets, refined};
+use throng_base::maths;
+use throng_core::Joint;
+pub use unreached::Unreached;
+
+/// Outside limits by less than this counts as on them (rad).
+const ON_LIMIT: f64 = 1e-7;
+
+/// Solves for the seven degrees of freedom of a limb: three of shoulder or hip, flexion and twist of elbow or knee, swing of
+/// wrist or ankle.
+///
+/// A place and a rotation are six conditions; the seventh is the swivel angle, by which the elbow turns about the line from
+/// shoulder to wrist. It begins where the present pose has it, and is searched in growing steps to both sides until limits
+/// and a predicate hold. Where that finds nothing, the whole circle is looked at finely.
+///
+/// # Source
+/// Tolani and Badler 1996, *Real-Time Inverse Kinematics of the Human Arm*; Shapiro, Kallmann and Faloutsos 2007, section 5.
+/// Differs: the wrist need not lie on the elbow's axis, so that any proportions of the skeleton are exact, and the fine
+/// search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimbIk {
+    chain: Chain,
+    /// Of shoulder, elbow and wrist.
+    limits: [JointLimits; 3],
+    joints: [Joint; 3],
+    elbow: Elbow,
+}
+
+/// What does not depend on the swivel.
+struct Reach {
+    /// Unit, from shoulder to wrist, in the base's frame.
+    line: DVec3,
+    /// Takes the folded arm onto that line.
+    onto: DQuat,
+    /// Flexion of the elbow, and its rotation.
+    flexion: f64,
+    bent: DQuat,
+    /// Wanted rotation of the hand in the base's frame.
+    hand: DQuat,
+}
+
+/// A pose, and which joint is farthest outside its limits.
+#[derive(Clone, Copy)]
+struct Tried {
+    pose: [DQuat; 3],
+    excess: f64,
+    joint: usize,
+}
+
+impl LimbIk {
+    /// For a chain and the limits of its joints.
+    ///
+    /// # Panics
+    /// If the second last joint is no hinge: [`crate::limits::BodyLimits::of_linkage`] gives limits that fit.
+    pub fn new(chain: &Chain, limits: &[JointLimits; MAX_JOINTS]) -> Self {
+        let first = chain.len() - 3;
+        let joints = chain.linkage.limb.joints();
+        let limits: [JointLimits; 3] = std::array::from_fn(|i| limits[first + i]);
+        let elbow = Elbow::new(chain.offsets[first + 1], chain.offsets[first + 2], &limits[1])
+            .expect("elbows and knees have flexion");
+        Self { chain: *chain, limits, joints, elbow }
+    }
+
+    /// Poses the limb so that hand or foot is at `goal`.
+    ///
+    /// - `base`: world transform of the joint that carries the chain.
+    /// - `goal`: world transform wanted for the last joint.
+    /// - `present`: where the swivel begins; a clavicle keeps its rotation.
+    /// - `blocked`: what a pose collides with, if it does.
+    ///
+    /// # Errors
+    /// [`Unreached`]: how far out of reach, how far out of which joint's limits at the best swivel, or what was in the way
+    /// of the first swivel within limits.
+    pub fn solve<B>(
+        &self,
+        base: &Rigid,
+        goal: &Rigid,
+        present: &LimbPose,
+        mut blocked: impl FnMut(&LimbPose) -> Option<B>,
+    ) -> Result<LimbPose, Unreached<B>> {
+        let first = self.chain.len() - 3;
+        let base = if first > 0 {
+            base.then(Rigid { position: self.chain.offsets[0], rotation: present.0[0] })
+        } else {
+            *base
+        };
+        let local = base.local(*goal);
+        let reach = self.reach(&local, first).map_err(|by_m| Unreached::OutOfReach { by_m })?;
+        let start = self.present_swivel(&reach, present.0[first]);
+        let mut best: Option<Tried> = None;
+        let mut in_the_way = None;
+        let mut try_at = |swivel: f64, best: &mut Option<Tried>| {
+            let tried = self.tried(&reach, swivel);
+            if best.is_none_or(|b| tried.excess < b.excess) {
+                *best = Some(tried);
+            }
+            if tried.excess > ON_LIMIT {
+                return (tried.excess, None);
+            }
+            let mut pose = *present;
+            pose.0[first..first + 3].copy_from_slice(&tried.pose);
+            match blocked(&pose) {
+                None => (tried.excess, Some(pose)),
+                Some(by) => {
+                    in_the_way.get_or_insert(by);
+                    (tried.excess, None)
+                }
+            }
+        };
+        for offset in offsets() {
+            if let (_, Some(pose)) = try_at(start + offset, &mut best) {
+                return Ok(pose);
+            }
+        }
+        let found = refined(start, |swivel| try_at(swivel, &mut best));
+        if let Some(pose) = found {
+            return Ok(pose);
+        }
+        match (in_the_way, best) {
+            (Some(by), _) => Err(Unreached::Blocked { by }),
+            (None, Some(b)) => Err(Unreached::OutOfLimits { joint: self.joints[b.joint], by_rad: b.excess.max(0.0) }),
+            (None, None) => unreachable!("at least one swivel was tried"),
+        }
+    }
+
+    /// As [`LimbIk::solve`], with nothing in the way.
+    ///
+    /// # Errors
+    /// [`Unreached::OutOfReach`] and [`Unreached::OutOfLimits`].
+    pub fn solve_free(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<LimbPose, Unreached<String>> {
+        self.solve(base, goal, present, |_| None)
+    }
+
+    /// Nearest and farthest distances from shoulder to wrist that the elbow allows (m).
+    pub fn distances(&self) -> [f64; 2] {
+        self.elbow.distances()
+    }
+
+    fn reach(&self, local: &Rigid, first: usize) -> Result<Reach, f64> {
+        let to_wrist = local.position - self.chain.offsets[first];
+        let distance = to_wrist.length();
+        let flexion = self.elbow.flexion(distance)?;
+        let bent = self.elbow.rotation(flexion);
+        let folded = (self.elbow.upper + bent * self.elbow.fore).normalize_or(DVec3::X);
+        let line = to_wrist.try_normalize().unwrap_or(folded);
+        Ok(Reach { line, onto: between(folded, line), flexion, bent, hand: local.rotation })
+    }
+
+    /// The swivel that leaves the elbow's axis as nearly as it can where the present pose has it (rad).
+    fn present_swivel(&self, reach: &Reach, shoulder: DQuat) -> f64 {
+        let across = |v: DVec3| v - reach.line * v.dot(reach.line);
+        let from = across(reach.onto * self.elbow.axis);
+        let to = across(shoulder * self.elbow.axis);
+        // Where the arm would have to point along that axis, any swivel is as good.
+        let to = if to.length_squared() > 1e-6 { to } else { across(shoulder * self.elbow.upper) };
+        maths::atan2(from.cross(to).dot(reach.line), from.dot(to))
+    }
+
+    fn tried(&self, reach: &Reach, swivel: f64) -> Tried {
+        let shoulder = about(reach.line, swivel) * reach.onto;
+        // What is left for twist and wrist: twist about the forearm first, then the hand's swing.
+        let rest = (shoulder * reach.bent).inverse() * reach.hand;
+        let twisted = twist_about(if rest.w < 0.0 { -rest } else { rest }, self.elbow.along);
+        let twist = 2.0 * maths::atan2(twisted.xyz().dot(self.elbow.along), twisted.w);
+        let pose = [shoulder, reach.bent * twisted, twisted.inverse() * rest];
+        let excess =
+            [self.limits[0].excess(pose[0]), self.elbow.excess(reach.flexion, twist), self.limits[2].excess(pose[2])];
+        let joint = (0..3).max_by(|a, b| excess[*a].total_cmp(&excess[*b])).unwrap_or(0);
+        Tried { pose, excess: excess[joint], joint }
+    }
+}

@@ -1,0 +1,104 @@
+//! In which order swivel angles are tried.
+
+use std::f64::consts::PI;
+
+/// First step to either side, by which share steps grow (rad).
+const FIRST: f64 = 0.06;
+const GROWTH: f64 = 1.2;
+/// Swivels of the fine search.
+const FINE: usize = 240;
+
+/// Offsets from the present swivel: none, then to both sides in growing steps up to half a turn (rad).
+pub fn offsets() -> impl Iterator<Item = f64> {
+    let mut step = FIRST;
+    let mut at = 0.0;
+    let sides = std::iter::from_fn(move || {
+        at += step;
+        step *= GROWTH;
+        (at < PI).then_some([at, -at])
+    });
+    std::iter::once(0.0).chain(sides.flatten())
+}
+
+/// Looks at the whole circle finely, and between neighbours for the narrow windows that limits leave.
+///
+/// - `try_at`: how far a swivel is outside limits (rad), and its pose if that is good.
+pub fn refined<P>(start: f64, mut try_at: impl FnMut(f64) -> (f64, Option<P>)) -> Option<P> {
+    let step = 2.0 * PI / FINE as f64;
+    let mut outside = [0.0; FINE];
+    for (i, out) in outside.iter_mut().enumerate() {
+        // From the present swivel outwards, to both sides in turn.
+        let side = if i % 2 == 0 { -0.5 } else { 0.5 };
+        let (excess, pose) = try_at(start + side * (i + i % 2) as f64 * step);
+        if pose.is_some() {
+            return pose;
+        }
+        *out = excess;
+    }
+    let at = |k: usize| {
+        // Neighbours on the circle: 0, 1, 2 ... to one side are tries 0, 1, 3, 5 ..., to the other 2, 4, 6 ...
+        let k = k % FINE;
+        if k == 0 {
+            0
+        } else if k <= FINE / 2 {
+            2 * k - 1
+        } else {
+            2 * (FINE - k)
+        }
+    };
+    for k in 0..FINE {
+        let [before, here, after] = [outside[at(k + FINE - 1)], outside[at(k)], outside[at(k + 1)]];
+        if here > 0.0 && here <= before && here <= after {
+            let middle = start + k as f64 * step;
+            if let Some(pose) = golden(middle - step, middle + step, &mut try_at) {
+                return Some(pose);
+            }
+        }
+    }
+    None
+}
+
+/// Golden-section search for the swivel that is least outside, until one is good.
+fn golden<P>(mut low: f64, mut high: f64, try_at: &mut impl FnMut(f64) -> (f64, Option<P>)) -> Option<P> {
+    const SHARE: f64 = 0.618_033_988_749_894_9;
+    let inner = |low: f64, high: f64| [high - SHARE * (high - low), low + SHARE * (high - low)];
+    let [mut a, mut b] = inner(low, high);
+    let ((mut fa, pose_a), (mut fb, pose_b)) = (try_at(a), try_at(b));
+    let mut found = pose_a.or(pose_b);
+    while found.is_none() && high - low > 1e-7 {
+        if fa < fb {
+            (high, b, fb) = (b, a, fa);
+            a = inner(low, high)[0];
+            (fa, found) = try_at(a);
+        } else {
+            (low, a, fa) = (a, b, fb);
+            b = inner(low, high)[1];
+            (fb, found) = try_at(b);
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_grow_to_both_sides() {
+        let all: Vec<f64> = offsets().collect();
+        assert_eq!((all[0], all[1], all[2]), (0.0, 0.06, -0.06));
+        assert!(all.len() < 40 && all.last().is_some_and(|o| *o < -2.0));
+        assert!(all.windows(5).skip(1).step_by(2).all(|w| w[4] - w[2] > w[2] - w[0]));
+    }
+
+    #[test]
+    fn a_window_between_two_tries_is_found() {
+        // Good only within 1e-4 of a swivel that no try hits.
+        let good = 1.2345;
+        let found = refined(0.3, |s: f64| {
+            let away = (s - good + PI).rem_euclid(2.0 * PI) - PI;
+            (away.abs() - 1e-4, (away.abs() < 1e-4).then_some(s))
+        });
+        assert!(found.is_some());
+    }
+}

@@ -1,0 +1,225 @@
+use super::*;
+use crate::limits::{BodyLimits, Coordinates, Sampler, Style};
+use crate::linkage::{Limb, Linkage};
+use crate::rotation::{angle, exp};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::f64::consts::PI;
+use throng_core::Skeleton;
+
+struct Setup {
+    chain: Chain,
+    limits: [JointLimits; MAX_JOINTS],
+    ik: LimbIk,
+    sampler: Sampler,
+}
+
+fn setup(limb: Limb, skeleton: &Skeleton) -> Setup {
+    let linkage = Linkage::limb(limb);
+    let chain = Chain::new(linkage, skeleton);
+    let limits = BodyLimits::built_in(skeleton).of_linkage(linkage).expect("limits");
+    let sampler = Sampler::new(linkage, limits, &LimbPose::REST, Style::default(), 1);
+    Setup { chain, limits, ik: LimbIk::new(&chain, &limits), sampler }
+}
+
+/// Proportions of nobody: nothing lies along an axis.
+fn crooked() -> Skeleton {
+    let mut s = Skeleton::default();
+    for j in [Joint::LeftForearm, Joint::LeftHand, Joint::RightShin, Joint::RightFoot] {
+        let o = &mut s.offsets[j.index()];
+        *o += glam::Vec3::new(0.011, -0.017, 0.023);
+    }
+    s
+}
+
+fn base(rng: &mut Pcg64Mcg) -> Rigid {
+    let v = std::array::from_fn(|_| rng.random_range(-2.0..2.0));
+    Rigid { position: glam::DVec3::new(0.4, 1.3, -2.0), rotation: exp(glam::DVec3::from_array(v)) }
+}
+
+fn error(chain: &Chain, base: &Rigid, pose: &LimbPose, goal: &Rigid) -> (f64, f64) {
+    let hand = chain.place(base, pose)[chain.len() - 1];
+    ((hand.position - goal.position).length(), angle(hand.rotation, goal.rotation))
+}
+
+/// Forward, then back: what a pose within limits reaches is reached, within limits, exactly.
+#[test]
+fn what_forward_kinematics_reaches_is_reached() {
+    // A quick look here; `cargo bench --bench planner` has the million.
+    for skeleton in [Skeleton::default(), crooked()] {
+        for limb in Limb::ALL {
+            let s = setup(limb, &skeleton);
+            let mut rng = Pcg64Mcg::seed_from_u64(7);
+            for i in 0..12_500 {
+                let base = base(&mut rng);
+                let wanted = s.sampler.draw(&mut rng, 1);
+                let present = s.sampler.draw(&mut rng, 1);
+                let goal = s.chain.place(&base, &wanted)[2];
+                let found = s.ik.solve_free(&base, &goal, &present).unwrap_or_else(|e| panic!("{limb:?} {i}: {e}"));
+                let (far, turned) = error(&s.chain, &base, &found, &goal);
+                assert!(far < 1e-9 && turned < 1e-7, "{limb:?} {i}: {far} m, {turned} rad");
+                for k in 0..3 {
+                    assert!(s.limits[k].excess(found.0[k]) <= 1e-6, "{limb:?} {i} {k}");
+                }
+            }
+        }
+    }
+}
+
+/// On the very edge of limits the window of swivels has no width, and at full stretch nor has the elbow's circle.
+#[test]
+fn poses_at_limits_and_at_full_stretch_are_reached() {
+    for limb in Limb::ALL {
+        let s = setup(limb, &Skeleton::default());
+        let mut rng = Pcg64Mcg::seed_from_u64(8);
+        for i in 0..300 {
+            let mut wanted = s.sampler.draw(&mut rng, 1);
+            let flexion = if i % 2 == 0 { 0.0 } else { s.limits[1].coordinates(wanted.0[1]).swing[0] };
+            let twist = s.limits[1].twist;
+            let twist = if i % 3 == 0 { twist.most } else { twist.least };
+            wanted.0[1] = s.limits[1].rotation(Coordinates { swing: [flexion, 0.0], twist });
+            let base = base(&mut rng);
+            let goal = s.chain.place(&base, &wanted)[2];
+            let present = s.sampler.draw(&mut rng, 1);
+            let found = s.ik.solve_free(&base, &goal, &present).unwrap_or_else(|e| panic!("{limb:?} {i}: {e}"));
+            let (far, turned) = error(&s.chain, &base, &found, &goal);
+            assert!(far < 1e-5 && turned < 1e-4, "{limb:?} {i}: {far} {turned}");
+        }
+    }
+}
+
+/// Newton steps on seven angles from many starts, knowing nothing of swivels.
+fn by_numbers(s: &Setup, base: &Rigid, goal: &Rigid, rng: &mut Pcg64Mcg) -> bool {
+    let pose = |x: &[f64; 7]| {
+        let shoulder = Coordinates { swing: [x[0], x[1]], twist: x[2] };
+        let elbow = Coordinates { swing: [x[3], 0.0], twist: x[4] };
+        let wrist = Coordinates { swing: [x[5], x[6]], twist: 0.0 };
+        let mut out = LimbPose::REST;
+        for (i, c) in [shoulder, elbow, wrist].into_iter().enumerate() {
+            out.0[i] = s.limits[i].rotation(c);
+        }
+        out
+    };
+    let cost = |x: &[f64; 7]| {
+        let p = pose(x);
+        let (far, turned) = error(&s.chain, base, &p, goal);
+        let outside: f64 = (0..3).map(|i| s.limits[i].excess(p.0[i]).max(0.0)).sum();
+        far + 0.3 * turned + outside
+    };
+    (0..60).any(|_| {
+        let start = s.sampler.draw(rng, 1);
+        let c: [Coordinates; 3] = std::array::from_fn(|i| s.limits[i].coordinates(start.0[i]));
+        let mut x = [c[0].swing[0], c[0].swing[1], c[0].twist, c[1].swing[0], c[1].twist, c[2].swing[0], c[2].swing[1]];
+        // Pattern search: each angle up or down, with steps that halve where nothing helps.
+        let (mut step, mut best) = (0.3, cost(&x));
+        while step > 1e-4 {
+            let mut moved = false;
+            for k in 0..7 {
+                for d in [step, -step] {
+                    let mut y = x;
+                    y[k] += d;
+                    let c = cost(&y);
+                    if c < best {
+                        (x, best, moved) = (y, c, true);
+                    }
+                }
+            }
+            if !moved {
+                step *= 0.5;
+            }
+        }
+        best < 2e-3
+    })
+}
+
+/// Goals at random: where a numerical search finds a pose within limits, so does the analytic one.
+#[test]
+fn no_goal_is_missed_that_a_numerical_search_reaches() {
+    let s = setup(Limb::LeftArm, &Skeleton::default());
+    let mut rng = Pcg64Mcg::seed_from_u64(9);
+    let (mut reached, mut refused) = (0, 0);
+    for i in 0..40 {
+        let base = base(&mut rng);
+        let v = |rng: &mut Pcg64Mcg| glam::DVec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
+        let at = v(&mut rng).normalize() * rng.random_range(0.2..0.545) + s.chain.offsets[0];
+        let goal = base.then(Rigid { position: at, rotation: exp(v(&mut rng) * PI * 0.6) });
+        match s.ik.solve_free(&base, &goal, &LimbPose::REST) {
+            Ok(_) => reached += 1,
+            // Within a tenth of a radian the coarse search may find what is just outside.
+            Err(Unreached::OutOfLimits { by_rad, .. }) if by_rad < 0.02 => {}
+            Err(e) => {
+                refused += 1;
+                assert!(!by_numbers(&s, &base, &goal, &mut rng), "{i}: {e}, but a search reaches it");
+            }
+        }
+    }
+    assert!(reached > 5 && refused > 5, "{reached} {refused}");
+}
+
+#[test]
+fn the_swivel_of_the_present_pose_is_kept_where_it_can_be() {
+    let s = setup(Limb::RightArm, &Skeleton::default());
+    let mut rng = Pcg64Mcg::seed_from_u64(10);
+    for _ in 0..500 {
+        let present = s.sampler.draw(&mut rng, 1);
+        let base = base(&mut rng);
+        let here = s.chain.place(&base, &present);
+        let found = s.ik.solve_free(&base, &here[2], &present).expect("where it already is");
+        let elbow = s.chain.place(&base, &found)[1].position;
+        assert!((elbow - here[1].position).length() < 1e-6);
+    }
+}
+
+#[test]
+fn reasons_say_how_far_and_what() {
+    let s = setup(Limb::LeftArm, &Skeleton::default());
+    let base = Rigid::IDENTITY;
+    let at = |x: f64, y: f64, z: f64| Rigid::at(s.chain.offsets[0] + glam::DVec3::new(x, y, z));
+    let far = s.ik.solve_free(&base, &at(0.29 + 0.255 + 0.12, 0.0, 0.0), &LimbPose::REST).unwrap_err();
+    assert_eq!(far.to_string(), "out of reach by 0.12 m");
+    let near = s.ik.solve_free(&base, &at(0.0, 0.0, 0.02), &LimbPose::REST).unwrap_err();
+    assert!(matches!(near, Unreached::OutOfReach { by_m } if (0.1..0.2).contains(&by_m)), "{near}");
+    // Straight behind the back, fingers forwards.
+    let behind = s.ik.solve_free(&base, &at(-0.3, 0.1, -0.4), &LimbPose::REST).unwrap_err();
+    assert!(behind.to_string().starts_with("out of limits of the "), "{behind}");
+    let mut ahead = at(0.1, -0.1, 0.35);
+    ahead.rotation = crate::rotation::about(glam::DVec3::Y, -PI / 2.0);
+    let wall = s.ik.solve(&base, &ahead, &LimbPose::REST, |_| Some("box")).unwrap_err();
+    assert_eq!(wall.to_string(), "blocked by box");
+    let nan = s.ik.solve_free(&base, &at(f64::NAN, 0.0, 0.0), &LimbPose::REST).unwrap_err();
+    assert!(matches!(nan, Unreached::OutOfReach { .. }));
+}
+
+#[test]
+fn a_predicate_moves_the_elbow_elsewhere() {
+    let s = setup(Limb::LeftArm, &Skeleton::default());
+    let goal = Rigid {
+        position: s.chain.offsets[0] + glam::DVec3::new(0.1, -0.1, 0.35),
+        rotation: crate::rotation::about(glam::DVec3::Y, -PI / 2.0),
+    };
+    let elbow = |p: &LimbPose| s.chain.place(&Rigid::IDENTITY, p)[1].position;
+    let free = s.ik.solve_free(&Rigid::IDENTITY, &goal, &LimbPose::REST).expect("free");
+    let away = elbow(&free);
+    let other =
+        s.ik.solve(&Rigid::IDENTITY, &goal, &LimbPose::REST, |p| ((elbow(p) - away).length() < 0.05).then_some("post"));
+    let other = other.expect("another swivel");
+    let (far, _) = error(&s.chain, &Rigid::IDENTITY, &other, &goal);
+    assert!((elbow(&other) - away).length() >= 0.05 && far < 1e-9);
+}
+
+#[test]
+fn a_clavicle_keeps_its_rotation() {
+    let skeleton = Skeleton::default();
+    let linkage = Linkage { limb: Limb::LeftArm, with_clavicle: true };
+    let chain = Chain::new(linkage, &skeleton);
+    let limits = BodyLimits::built_in(&skeleton).of_linkage(linkage).expect("limits");
+    let ik = LimbIk::new(&chain, &limits);
+    let mut present = LimbPose::REST;
+    present.0[0] = exp(glam::DVec3::new(0.0, -0.1, 0.15));
+    let mut goal = Rigid::at(glam::DVec3::new(0.3, 1.5, 0.4));
+    goal.rotation = crate::rotation::about(glam::DVec3::Y, -PI / 2.0);
+    let base = Rigid::at(glam::DVec3::new(0.0, 1.35, 0.0));
+    let found = ik.solve_free(&base, &goal, &present).expect("reached");
+    assert_eq!(found.0[0], present.0[0]);
+    assert!((chain.place(&base, &found)[3].position - goal.position).length() < 1e-9);
+}

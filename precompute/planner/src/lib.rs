@@ -1,0 +1,31 @@
+//! Plans motion of limbs in time with everything that moves.
+//!
+//! A [`problem::Problem`] is made of what an application says ([`setup::ProblemSpec`]); a [`planner::Planner`] searches joints
+//! and time for a way and smooths it. [`correct::correct`] and [`manipulate::reach`] do so for clips, [`recheck::Recheck`]
+//! checks what came of it.
+//!
+//! # Source
+//! Shapiro, Kallmann and Faloutsos 2007, *Interactive Motion Correction and Object Manipulation*.
+
+pub mod body;
+pub mod clips;
+pub mod collide;
+pub mod correct;
+pub mod driven;
+pub mod ik;
+pub mod limits;
+pub mod linkage;
+pub mod manipulate;
+pub mod planner;
+pub mod problem;
+mod reach;
+pub mod recheck;
+pub mod rotation;
+pub mod search;
+pub mod setup;
+pub mod shape;
+pub mod smooth;
+pub mod task;
+#[cfg(test)]
+mod testing;
+pub mod track;

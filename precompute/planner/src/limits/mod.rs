@@ -1,0 +1,9 @@
+//! How far joints turn and how fast: swing and twist with spherical ellipses, flexion and twist, swing alone.
+
+mod file;
+mod joint;
+mod sample;
+
+pub use file::{BodyLimits, LimitsError};
+pub use joint::{Coordinates, Interval, JointLimits, Swing};
+pub use sample::{Bias, Sampler, Style};

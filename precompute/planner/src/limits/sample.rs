@@ -1,0 +1,216 @@
+//! Poses at random within limits: bent elbows first, farther as the search goes on.
+
+use super::joint::{Coordinates, Interval, JointLimits, Swing};
+use crate::linkage::{LimbPose, Linkage, MAX_JOINTS};
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+
+/// Angles that the user wants, for each degree of freedom (rad); `None` leaves all of the limits.
+///
+/// # Source
+/// Shapiro, Kallmann and Faloutsos 2007, section 4.2 and figure 2: low and high arms for one problem.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Style {
+    /// About the first and the second axis of each joint of the linkage.
+    pub swing: [[Option<Interval>; 2]; MAX_JOINTS],
+    /// Twist of each joint.
+    pub twist: [Option<Interval>; MAX_JOINTS],
+}
+
+/// Which share of its range a joint is sampled from at first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bias {
+    /// All of it.
+    None,
+    /// The share nearest to full flexion; hinges.
+    Flexed(f64),
+    /// The share around a middle: joints that only help.
+    Narrow(f64),
+}
+
+/// Draws poses of a linkage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampler {
+    linkage: Linkage,
+    limits: [JointLimits; MAX_JOINTS],
+    bias: [Bias; MAX_JOINTS],
+    /// What narrow joints are sampled around.
+    around: [Coordinates; MAX_JOINTS],
+    style: Style,
+    widen_over: f64,
+}
+
+impl Sampler {
+    /// The paper's heuristics: flexion of elbow and knee from 90 to 100 % of its range at first, wrist, ankle and clavicle
+    /// from half of theirs around the present pose, shoulder and hip from all of it.
+    ///
+    /// - `widen_over`: after so many draws everything is sampled from all of its range (> 0).
+    pub fn new(
+        linkage: Linkage,
+        limits: [JointLimits; MAX_JOINTS],
+        present: &LimbPose,
+        style: Style,
+        widen_over: u32,
+    ) -> Self {
+        let last = linkage.len() - 1;
+        let bias = std::array::from_fn(|i| match limits[i].swing {
+            Swing::Hinge { .. } => Bias::Flexed(0.1),
+            Swing::Ellipse(_) if i == last || (i == 0 && linkage.len() == MAX_JOINTS) => Bias::Narrow(0.5),
+            Swing::Ellipse(_) => Bias::None,
+        });
+        let around = std::array::from_fn(|i| limits[i].coordinates(present.0[i]));
+        Self { linkage, limits, bias, around, style, widen_over: f64::from(widen_over.max(1)) }
+    }
+
+    /// A pose within limits.
+    ///
+    /// - `draw`: how many were drawn before: intervals widen with it.
+    pub fn draw(&self, rng: &mut Pcg64Mcg, draw: u32) -> LimbPose {
+        let widened = (f64::from(draw) / self.widen_over).min(1.0);
+        let mut pose = LimbPose::REST;
+        for i in 0..self.linkage.len() {
+            pose.0[i] = self.limits[i].rotation(self.coordinates(i, rng, widened));
+        }
+        pose
+    }
+
+    fn coordinates(&self, i: usize, rng: &mut Pcg64Mcg, widened: f64) -> Coordinates {
+        let limits = &self.limits[i];
+        let from = |least: f64| least + (1.0 - least) * widened;
+        let narrow = |whole: Interval, middle: f64| match self.bias[i] {
+            Bias::Narrow(share) => {
+                let half = 0.5 * from(share) * whole.length();
+                Interval::new(middle - half, middle + half).within(whole)
+            }
+            Bias::None | Bias::Flexed(_) => whole,
+        };
+        let wanted = |style: Option<Interval>, whole: Interval| style.map_or(whole, |s| s.within(whole));
+        let twist = narrow(limits.twist, self.around[i].twist);
+        // Wrist and ankle only swing: that they twist a little in clips is play.
+        let swings_only = i + 1 == self.linkage.len();
+        let twist = if swings_only { 0.0 } else { uniform(rng, wanted(self.style.twist[i], twist)) };
+        let [first, second] = self.style.swing[i];
+        let swing = match limits.swing {
+            Swing::Hinge { flexion, .. } => {
+                let share = match self.bias[i] {
+                    Bias::Flexed(share) => from(share),
+                    Bias::None | Bias::Narrow(_) => 1.0,
+                };
+                let flexed = Interval::new(flexion.at(1.0 - share), flexion.most);
+                // What the user wants counts more than what looks best.
+                [uniform(rng, first.map_or(flexed, |s| s.within(flexion))), 0.0]
+            }
+            Swing::Ellipse(radii) => {
+                let box_of = |k: usize, style| {
+                    let whole = Interval::around_zero(radii[k]);
+                    wanted(style, narrow(whole, self.around[i].swing[k]))
+                };
+                in_ellipse(rng, radii, [box_of(0, first), box_of(1, second)])
+            }
+        };
+        Coordinates { swing, twist }
+    }
+}
+
+/// Uniform in an ellipse as far as it lies in a box; the point of its rim behind one of the box where they hardly meet.
+fn in_ellipse(rng: &mut Pcg64Mcg, radii: [f64; 2], within: [Interval; 2]) -> [f64; 2] {
+    const TRIES: usize = 32;
+    let mut point = [0.0; 2];
+    for _ in 0..TRIES {
+        point = within.map(|i| uniform(rng, i));
+        if distance(point, radii) <= 1.0 {
+            return point;
+        }
+    }
+    let far = distance(point, radii);
+    point.map(|x| x / far)
+}
+
+/// From the middle of an ellipse, 1 on its rim.
+fn distance(point: [f64; 2], radii: [f64; 2]) -> f64 {
+    let [x, y] = [point[0] / radii[0], point[1] / radii[1]];
+    (x * x + y * y).sqrt()
+}
+
+fn uniform(rng: &mut Pcg64Mcg, interval: Interval) -> f64 {
+    interval.at(rng.random_range(0.0..1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits::BodyLimits;
+    use crate::linkage::Limb;
+    use rand::SeedableRng;
+    use throng_core::Skeleton;
+
+    fn sampler(limb: Limb, style: Style) -> (Sampler, [JointLimits; MAX_JOINTS]) {
+        let linkage = Linkage { limb, with_clavicle: true };
+        let limits = BodyLimits::built_in(&Skeleton::default()).of_linkage(linkage).expect("limits");
+        (Sampler::new(linkage, limits, &LimbPose::REST, style, 100), limits)
+    }
+
+    #[test]
+    fn every_draw_is_within_limits() {
+        for limb in Limb::ALL {
+            let (s, limits) = sampler(limb, Style::default());
+            let mut rng = Pcg64Mcg::seed_from_u64(1);
+            for draw in 0..2000 {
+                let pose = s.draw(&mut rng, draw);
+                for i in 0..s.linkage.len() {
+                    assert!(limits[i].excess(pose.0[i]) < 1e-9, "{limb:?} {i}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn elbows_are_bent_first_and_free_later() {
+        let (s, limits) = sampler(Limb::LeftArm, Style::default());
+        let mut rng = Pcg64Mcg::seed_from_u64(2);
+        let most = 150f64.to_radians();
+        let mut least = |draw: u32| {
+            let flexion = (0..500).map(|_| limits[2].coordinates(s.draw(&mut rng, draw).0[2]).swing[0]);
+            flexion.fold(f64::INFINITY, f64::min)
+        };
+        assert!(least(0) >= 0.9 * most - 1e-9);
+        assert!((0.4..0.46).contains(&(least(50) / most)));
+        assert!(least(100) < 0.05 * most);
+    }
+
+    #[test]
+    fn a_style_is_kept() {
+        let mut style = Style::default();
+        style.swing[1][1] = Some(Interval::new(0.5, 1.0));
+        style.swing[2][0] = Some(Interval::new(0.2, 0.4));
+        let (s, limits) = sampler(Limb::RightArm, style);
+        let mut rng = Pcg64Mcg::seed_from_u64(3);
+        for draw in 0..500 {
+            let pose = s.draw(&mut rng, draw);
+            assert!((0.5 - 1e-9..=1.0 + 1e-9).contains(&limits[1].coordinates(pose.0[1]).swing[1]));
+            assert!((0.2 - 1e-9..=0.4 + 1e-9).contains(&limits[2].coordinates(pose.0[2]).swing[0]));
+        }
+    }
+
+    #[test]
+    fn samples_fill_an_ellipse_evenly() {
+        let mut rng = Pcg64Mcg::seed_from_u64(4);
+        let radii = [1.4, 0.7];
+        let whole = radii.map(Interval::around_zero);
+        let inner = (0..20_000).filter(|_| {
+            let [x, y] = in_ellipse(&mut rng, radii, whole);
+            (x / 1.4).powi(2) + (y / 0.7).powi(2) < 0.25
+        });
+        // A quarter of the area.
+        let share = inner.count() as f64 / 20_000.0;
+        assert!((share - 0.25).abs() < 0.015, "{share}");
+    }
+
+    #[test]
+    fn the_seed_decides() {
+        let (s, _) = sampler(Limb::LeftLeg, Style::default());
+        let drawn = |seed| s.draw(&mut Pcg64Mcg::seed_from_u64(seed), 7);
+        assert_eq!(drawn(5), drawn(5));
+        assert_ne!(drawn(5), drawn(6));
+    }
+}

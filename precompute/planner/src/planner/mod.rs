@@ -1,0 +1,225 @@
+//! The planner: search, then smoothing, within a budget.
+
+#[cfg(test)]
+mod tests;
+
+use crate::collide::Checker;
+use crate::linkage::{LimbPose, MAX_JOINTS};
+use crate::problem::Problem;
+use crate::rotation::angle;
+use crate::search::{Found, Quest, Search, SearchConfig, TimeGrid};
+use crate::smooth::{Roughness, SmoothConfig, Smoother, Window, roughness};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// How plans are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlanConfig {
+    /// The search.
+    pub search: SearchConfig,
+    /// What follows it.
+    pub smooth: SmoothConfig,
+}
+
+/// How much may be spent on a plan, and what decides chance.
+#[derive(Clone, Copy, Debug)]
+pub struct Budget<'a> {
+    /// Most samples of the search; with this limit alone results are the same on every machine.
+    pub draws: u32,
+    /// Most time (s); whatever is found first is smoothed only while there is some left.
+    pub seconds: Option<f64>,
+    /// Stops as soon as it is true; a plan already found is kept.
+    pub cancel: Option<&'a AtomicBool>,
+    /// Same seed, same plan.
+    pub seed: u64,
+    /// Frames a second of the result (Hz, > 0): the clip's.
+    pub rate_hz: f64,
+}
+
+impl Default for Budget<'_> {
+    fn default() -> Self {
+        Self { draws: 20_000, seconds: None, cancel: None, seed: 1, rate_hz: 30.0 }
+    }
+}
+
+/// Why there is no plan.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Unsolved {
+    /// The budget was spent.
+    #[error("no way found with {draws} samples; the nearest that both ends came was {nearest_m:.3} m; give more time")]
+    Spent {
+        /// Samples drawn.
+        draws: u32,
+        /// Between the tree of the start and that of the goal (m).
+        nearest_m: f64,
+    },
+    /// It was cancelled.
+    #[error("cancelled after {draws} samples")]
+    Cancelled {
+        /// Samples drawn.
+        draws: u32,
+    },
+    /// The frame rate is no rate.
+    #[error("expected a rate of 1 to 1000 frames a second; give the clip's")]
+    Rate,
+}
+
+/// What came of a plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// `None` where there is a motion.
+    pub why: Option<Unsolved>,
+    /// Nodes of both trees.
+    pub nodes: usize,
+    /// Looks at the world.
+    pub checks: u64,
+    /// Until the first way (s).
+    pub first_solution_s: f64,
+    /// With smoothing (s).
+    pub total_s: f64,
+    /// Share of the easing of ends at rest that could be had (0 to 1).
+    pub eased: f64,
+    /// Frames over which start and goal were blended.
+    pub blended: [usize; 2],
+    /// Before and after smoothing.
+    pub roughness: [Roughness; 2],
+}
+
+impl Outcome {
+    /// True where there is a motion.
+    pub fn is_solved(&self) -> bool {
+        self.why.is_none()
+    }
+}
+
+/// Plans motions of limbs.
+///
+/// Everything that it needs is kept from plan to plan: nothing is allocated after the first one of its size.
+#[derive(Clone, Debug, Default)]
+pub struct Planner {
+    checker: Checker,
+    search: Search,
+    spare_way: Vec<crate::problem::State>,
+    frames: Vec<LimbPose>,
+    spare: Vec<LimbPose>,
+    windows: Vec<Window>,
+    /// Of the last plan.
+    grid: Option<TimeGrid>,
+}
+
+impl Planner {
+    /// Nothing planned yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Plans a motion from the start to the goal; [`Planner::motion`] has it.
+    pub fn plan(&mut self, problem: &Problem, config: &PlanConfig, budget: &Budget<'_>) -> Outcome {
+        let began = Instant::now();
+        let checks = self.checker.checks;
+        self.grid = None;
+        self.frames.clear();
+        let mut outcome = Outcome {
+            why: None,
+            nodes: 0,
+            checks: 0,
+            first_solution_s: 0.0,
+            total_s: 0.0,
+            eased: 0.0,
+            blended: [0; 2],
+            roughness: [Roughness::default(); 2],
+        };
+        if !(1.0..=1000.0).contains(&budget.rate_hz) {
+            return Outcome { why: Some(Unsolved::Rate), ..outcome };
+        }
+        let is_cancelled = || budget.cancel.is_some_and(|c| c.load(Ordering::Relaxed));
+        let is_late = || budget.seconds.is_some_and(|s| began.elapsed().as_secs_f64() > s);
+        let keep_on = || match (is_cancelled(), is_late()) {
+            (true, _) => Some(Found::Cancelled),
+            (_, true) => Some(Found::Nothing),
+            _ => None,
+        };
+        let grid = TimeGrid::new(problem.init.time_s, problem.goal.time_s, budget.rate_hz);
+        let mut rng = Pcg64Mcg::seed_from_u64(budget.seed);
+        let search = &mut self.search;
+        let quest = Quest { problem, config: &config.search, grid, draws: budget.draws };
+        let found = search.run(quest, &mut self.checker, &mut rng, keep_on);
+        outcome.nodes = search.num_nodes();
+        outcome.first_solution_s = began.elapsed().as_secs_f64();
+        let (draws, nearest_m) = (search.draws, search.nearest_m);
+        match found {
+            Found::Way => {
+                self.grid = Some(grid);
+                self.smooth(problem, config, grid, &mut rng, &mut outcome, || keep_on().is_none());
+            }
+            Found::Nothing => outcome.why = Some(Unsolved::Spent { draws, nearest_m }),
+            Found::Cancelled => outcome.why = Some(Unsolved::Cancelled { draws }),
+        }
+        outcome.checks = self.checker.checks - checks;
+        outcome.total_s = began.elapsed().as_secs_f64();
+        outcome
+    }
+
+    fn smooth(
+        &mut self,
+        problem: &Problem,
+        config: &PlanConfig,
+        grid: TimeGrid,
+        rng: &mut Pcg64Mcg,
+        outcome: &mut Outcome,
+        keep_on: impl Fn() -> bool,
+    ) {
+        let (smooth, len) = (&config.smooth, problem.chain.len());
+        let frames_in = |seconds: f64| (seconds.max(0.0) / grid.step_s()).round().min(grid.steps as f64) as usize;
+        let (way, frames, spare) = (&mut self.search.way, &mut self.frames, &mut self.spare);
+        let mut smoother = Smoother { problem, grid, check: config.search.edge, checker: &mut self.checker };
+        smoother.frames(way, frames);
+        outcome.roughness[0] = roughness(frames, len, grid.step_s());
+        smoother.straighten(way, &mut self.spare_way, smooth.straighten, rng, &keep_on);
+        smoother.frames(way, frames);
+        if keep_on() {
+            outcome.eased = smoother.ease(way, frames);
+            smoother.round_corners(frames, frames_in(smooth.round_s), spare, &mut self.windows);
+            std::mem::swap(frames, spare);
+            outcome.blended = smoother.blend_ends(frames, spare, frames_in(smooth.blend_s), outcome.eased > 0.0);
+        }
+        outcome.roughness[1] = roughness(frames, len, grid.step_s());
+    }
+
+    /// The motion of the last plan that was solved.
+    pub fn motion(&self) -> Option<LimbMotion<'_>> {
+        let grid = self.grid?;
+        Some(LimbMotion { start_s: grid.start_s, step_s: grid.step_s(), frames: &self.frames })
+    }
+
+    /// The trees of the last plan, to be looked at.
+    pub fn search(&self) -> &Search {
+        &self.search
+    }
+}
+
+/// Poses of a linkage, frame by frame; in between, joints turn evenly along shortest arcs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimbMotion<'a> {
+    /// Time of the first frame (s).
+    pub start_s: f64,
+    /// From frame to frame (s).
+    pub step_s: f64,
+    /// The poses.
+    pub frames: &'a [LimbPose],
+}
+
+impl LimbMotion<'_> {
+    /// How different another motion of the same frames is: the mean angle between the poses of joints that turn
+    /// differently in some frame; 0 for the same motion (rad).
+    pub fn distance_rad(&self, other: &Self) -> f64 {
+        let pairs = || self.frames.iter().zip(other.frames);
+        let differs = |i: usize| pairs().any(|(a, b)| a.0[i] != b.0[i]);
+        let joints: Vec<usize> = (0..MAX_JOINTS).filter(|i| differs(*i)).collect();
+        let sum: f64 = pairs().flat_map(|(a, b)| joints.iter().map(|i| angle(a.0[*i], b.0[*i]))).sum();
+        sum / (joints.len() * pairs().count()).max(1) as f64
+    }
+}

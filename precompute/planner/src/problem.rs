@@ -1,0 +1,191 @@
+//! What is planned: a linkage from one pose to another, in time with everything that moves.
+
+use crate::limits::JointLimits;
+use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
+use crate::rotation::Rigid;
+use crate::shape::{Segment, Shape};
+use crate::track::{Path, Track};
+use glam::DVec3;
+use throng_core::Joint;
+
+/// A point of the search space c^P x [t_init, t_goal].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// The planned joints.
+    pub pose: LimbPose,
+    /// (s)
+    pub time_s: f64,
+}
+
+/// Something in the world that limbs may not touch.
+#[derive(Clone, Debug)]
+pub struct Solid {
+    /// How messages and allowances call it.
+    pub name: String,
+    /// In its own frame.
+    pub shape: Shape,
+    /// Where it is.
+    pub path: Path,
+}
+
+/// A checked problem, prepared for many queries: everything that moves is a function of time with a bound on its speed.
+///
+/// # Source
+/// Shapiro, Kallmann and Faloutsos 2007, section 3: configuration (m^M(t), c^P), world w(t).
+#[derive(Clone, Debug)]
+pub struct Problem {
+    pub(crate) chain: Chain,
+    pub(crate) limits: [JointLimits; MAX_JOINTS],
+    /// The joint that carries the chain.
+    pub(crate) base: Track<Rigid>,
+    pub(crate) parts: Vec<Part>,
+    pub(crate) solids: Vec<PlacedSolid>,
+    pub(crate) bodies: Vec<BodyPart>,
+    /// What may not come near each other, those with the same target side by side.
+    pub(crate) pairs: Vec<Pair>,
+    /// Poses that the external motion would give the linkage, every [`PRESENT_STEP_S`] from `init` on.
+    pub(crate) present: Vec<LimbPose>,
+    pub(crate) init: State,
+    pub(crate) goal: State,
+}
+
+/// Step of what is kept of the motion that a plan replaces (s).
+pub(crate) const PRESENT_STEP_S: f64 = 1.0 / 120.0;
+
+/// A capsule that moves with the linkage.
+#[derive(Clone, Debug)]
+pub(crate) struct Part {
+    pub name: String,
+    /// Which joint of the chain.
+    pub link: usize,
+    /// In its frame (m).
+    pub core: Segment,
+    pub half_length: f64,
+    pub radius: f64,
+    /// From each joint of the chain to the farther end of the core, at its farthest (m).
+    pub reach: [f64; MAX_JOINTS],
+    /// From the base, likewise (m).
+    pub base_reach: f64,
+}
+
+/// A solid, and the ball around it.
+#[derive(Clone, Debug)]
+pub(crate) struct PlacedSolid {
+    pub solid: Solid,
+    pub middle: DVec3,
+    pub radius: f64,
+    /// From its origin to its farthest point (m).
+    pub reach: f64,
+}
+
+/// A capsule of a body that an external motion drives.
+#[derive(Clone, Debug)]
+pub(crate) struct BodyPart {
+    /// Of the other character; `None` for the own body.
+    pub of: Option<String>,
+    pub joint: Joint,
+    pub track: Track<Segment>,
+    /// At its longest (m).
+    pub half_length: f64,
+    pub radius: f64,
+}
+
+/// What a part of the linkage may collide with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Target {
+    Solid(usize),
+    Body(usize),
+}
+
+/// A part of the linkage, what it may not come near, and how near it may come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pair {
+    pub part: usize,
+    pub target: Target,
+    /// Least distance between surfaces (m).
+    pub gap: f64,
+    /// When they may touch (s).
+    pub allowed: Option<[f64; 2]>,
+}
+
+/// Two things that are too near each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    pub(crate) pair: usize,
+    /// By how much (m, > 0).
+    pub depth_m: f64,
+}
+
+impl Problem {
+    /// Where the plan begins.
+    pub fn init(&self) -> &State {
+        &self.init
+    }
+
+    /// Where it ends.
+    pub fn goal(&self) -> &State {
+        &self.goal
+    }
+
+    /// The joints that are planned.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
+    }
+
+    /// Their limits (chain.len()); the last one's repeated behind it.
+    pub fn limits(&self) -> &[JointLimits; MAX_JOINTS] {
+        &self.limits
+    }
+
+    /// World transform of the joint that carries the chain.
+    pub fn base_at(&self, time_s: f64) -> Rigid {
+        self.base.at(time_s)
+    }
+
+    /// Places of the planned joints (chain.len()).
+    pub fn place(&self, state: &State) -> [Rigid; MAX_JOINTS] {
+        self.chain.place(&self.base.at(state.time_s), &state.pose)
+    }
+
+    /// The pose that the external motion would give the linkage.
+    pub fn present_at(&self, time_s: f64) -> LimbPose {
+        let at = ((time_s - self.init.time_s) / PRESENT_STEP_S).clamp(0.0, (self.present.len() - 1) as f64);
+        let i = (at as usize).min(self.present.len().saturating_sub(2));
+        let (a, b) = (&self.present[i], &self.present[(i + 1).min(self.present.len() - 1)]);
+        let mut pose = *a;
+        for (q, to) in pose.0[..self.chain.len()].iter_mut().zip(b.0) {
+            *q = crate::rotation::slerp(*q, to, at - i as f64);
+        }
+        pose
+    }
+
+    /// Names of the two things of a hit.
+    pub fn names(&self, hit: &Hit) -> [String; 2] {
+        let pair = &self.pairs[hit.pair];
+        [self.parts[pair.part].name.clone(), self.target_name(pair.target)]
+    }
+
+    pub(crate) fn target_name(&self, target: Target) -> String {
+        match target {
+            Target::Solid(i) => self.solids[i].solid.name.clone(),
+            Target::Body(i) => self.bodies[i].name(),
+        }
+    }
+
+    /// How long the joints need at least from one pose to another (s), and the joint that needs it.
+    pub fn least_time(&self, from: &LimbPose, to: &LimbPose) -> (f64, Joint) {
+        let joints = self.chain.linkage.joints();
+        let need = |i: usize| crate::rotation::angle(from.0[i], to.0[i]) / self.limits[i].speed;
+        let all = (0..self.chain.len()).map(|i| (need(i), joints[i]));
+        all.fold((0.0, joints[0]), |a, b| if b.0 > a.0 { b } else { a })
+    }
+}
+
+impl BodyPart {
+    pub fn name(&self) -> String {
+        match &self.of {
+            Some(who) => format!("{who}'s {}", self.joint.name()),
+            None => self.joint.name().into(),
+        }
+    }
+}

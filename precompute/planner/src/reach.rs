@@ -1,0 +1,67 @@
+//! Poses that reach a target where everything else is: limits and collisions in one go.
+
+use crate::collide::Checker;
+use crate::ik::{LimbIk, Unreached};
+use crate::linkage::LimbPose;
+use crate::problem::{Problem, State};
+use crate::rotation::Rigid;
+
+impl Problem {
+    /// The pose at a time that brings hand or foot to a target, within limits and free, as near to a present pose's swivel
+    /// as can be.
+    ///
+    /// # Errors
+    /// [`Unreached`], with the name of what is in the way.
+    ///
+    /// # Source
+    /// Shapiro, Kallmann and Faloutsos 2007, sections 5 and 6.2.
+    pub fn reach(
+        &self,
+        checker: &mut Checker,
+        target: &Rigid,
+        time_s: f64,
+        present: &LimbPose,
+    ) -> Result<LimbPose, Unreached<String>> {
+        let ik = LimbIk::new(&self.chain, &self.limits);
+        ik.solve(&self.base_at(time_s), target, present, |pose| {
+            checker.deepest(self, &State { pose: *pose, time_s }).map(|hit| {
+                let [_, with] = self.names(&hit);
+                with
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rotation::about;
+    use crate::setup::ProblemSpec;
+    use crate::shape::Shape;
+    use crate::testing::{Somebody, solid};
+    use glam::DVec3;
+
+    #[test]
+    fn a_target_is_reached_past_what_is_in_the_way_or_says_what_is() {
+        let s = Somebody::standing();
+        let pose = s.pose(0.0, -0.2, 0.4);
+        let target = Rigid { position: DVec3::new(0.2, 1.35, 0.35), rotation: about(DVec3::Y, -1.4) };
+        let with = |shape: Shape, at: DVec3| {
+            let solids = [solid("box", shape, at)];
+            let spec = s.spec([(pose, 0.0), (pose, 1.0)]);
+            let problem = Problem::prepare(&ProblemSpec { solids: &solids, ..spec }).expect("a problem");
+            let reached = problem.reach(&mut Checker::default(), &target, 0.5, &pose);
+            (problem, reached)
+        };
+        let (problem, reached) = with(Shape::ball(0.05), DVec3::splat(9.0));
+        let reached = reached.expect("free");
+        let placed = problem.place(&State { pose: reached, time_s: 0.5 });
+        assert!(placed[2].position.distance(target.position) < 1e-9);
+        // Where the elbow would be: it goes elsewhere.
+        let (problem, other) = with(Shape::ball(0.03), placed[1].position);
+        let elbow = problem.place(&State { pose: other.expect("another swivel"), time_s: 0.5 })[1].position;
+        assert!(elbow.distance(placed[1].position) > 0.05);
+        let (_, blocked) = with(Shape::cuboid(DVec3::splat(0.2)), target.position);
+        assert_eq!(blocked.unwrap_err().to_string(), "blocked by box");
+    }
+}

@@ -1,0 +1,289 @@
+//! Checks results anew, by other means than the planner's.
+//!
+//! Nothing of the planner's mathematics is used: poses come from the clip's own kinematics in floats, distances from a search
+//! over every triangle, limits from angles of directions. Shared are only the data: shapes, paths, capsules and limits.
+
+mod distance;
+mod limits;
+#[cfg(test)]
+mod tests;
+
+use crate::body::BodyCapsule;
+use crate::limits::JointLimits;
+use crate::problem::Solid;
+use crate::setup::{Allowed, Held};
+use distance::{Core, to_capsule, to_solid};
+use glam::{Quat, Vec3};
+use limits::outside;
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_motion::Clip;
+use throng_motion::clip::joint_transforms;
+
+/// Looks a second.
+const RATE_HZ: f64 = 1000.0;
+/// Speeds may be above their limit by this share: clips hold floats.
+const SPEED_TOLERANCE: f64 = 1e-3;
+/// Limits may be left by so much (rad).
+const LIMIT_TOLERANCE: f64 = 5e-3;
+
+/// Somebody else around.
+#[derive(Clone, Copy, Debug)]
+pub struct OtherClip<'a> {
+    /// As allowances call it.
+    pub name: &'a str,
+    /// How it moves, from the same moment on.
+    pub clip: &'a Clip,
+    /// Its proportions.
+    pub skeleton: &'a Skeleton,
+    /// How thick it is.
+    pub capsules: &'a [BodyCapsule],
+}
+
+/// What is checked against what.
+#[derive(Clone, Copy, Debug)]
+pub struct Recheck<'a> {
+    /// Proportions.
+    pub skeleton: &'a Skeleton,
+    /// The clip that was changed.
+    pub before: &'a Clip,
+    /// What came of it.
+    pub after: &'a Clip,
+    /// From when to when it may differ (s).
+    pub span_s: [f64; 2],
+    /// Joints that may differ, and their limits.
+    pub planned: &'a [(Joint, JointLimits)],
+    /// How thick the body is.
+    pub capsules: &'a [BodyCapsule],
+    /// What the last of the planned joints carries.
+    pub held: &'a [Held],
+    /// What is around.
+    pub solids: &'a [Solid],
+    /// Who is around.
+    pub others: &'a [OtherClip<'a>],
+    /// What may touch.
+    pub allowed: &'a [Allowed],
+    /// How deep parts may be in solids and others (m).
+    pub penetration_m: f64,
+    /// How deep parts of the own body may be in each other (m).
+    pub self_press_m: f64,
+}
+
+/// What was found wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Violation {
+    /// When (s).
+    pub time_s: f64,
+    /// What, in words.
+    pub what: String,
+}
+
+/// What a check found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecheckReport {
+    /// Everything that is wrong.
+    pub violations: Vec<Violation>,
+    /// Deepest in solids and others; 0 where nothing is (m).
+    pub penetration_max_m: f64,
+    /// Least distance from solids and others; infinite without any (m).
+    pub clearance_min_m: f64,
+    /// Farthest outside limits; negative by how far inside (rad).
+    pub outside_limits_rad: f64,
+    /// Fastest joint, as a share of its limit.
+    pub speed_share: f64,
+    /// Looks.
+    pub looks: usize,
+}
+
+impl Recheck<'_> {
+    /// Looks at the whole span a thousand times a second, and at every frame of the clip outside of it.
+    pub fn run(&self) -> RecheckReport {
+        let mut report = RecheckReport {
+            violations: Vec::new(),
+            penetration_max_m: 0.0,
+            clearance_min_m: f64::INFINITY,
+            outside_limits_rad: f64::NEG_INFINITY,
+            speed_share: 0.0,
+            looks: 0,
+        };
+        self.unchanged(&mut report);
+        self.speeds(&mut report);
+        let looks = ((self.span_s[1] - self.span_s[0]) * RATE_HZ).round() as usize;
+        for look in 0..=looks {
+            let time_s = self.span_s[0] + look as f64 / RATE_HZ;
+            self.look(time_s.min(self.span_s[1]), &mut report);
+        }
+        report.looks = looks + 1;
+        report
+    }
+
+    fn is_planned(&self, joint: Joint) -> bool {
+        self.planned.iter().any(|(j, _)| *j == joint)
+    }
+
+    /// Outside the span, and in other joints, everything is as it was, to the bit (but for the sign of a quaternion).
+    fn unchanged(&self, report: &mut RecheckReport) {
+        let (a, b) = (self.before, self.after);
+        let mut wrong = |frame: usize, what: String| {
+            report.violations.push(Violation { time_s: frame as f64 / a.rate_hz, what });
+        };
+        if a.num_frames() != b.num_frames() || a.root_positions != b.root_positions || a.rate_hz != b.rate_hz {
+            return wrong(0, "frames, rate or places of the hips differ".into());
+        }
+        let first = (self.span_s[0] * a.rate_hz - 1e-3).ceil() as usize;
+        let last = (self.span_s[1] * a.rate_hz + 1e-3).floor() as usize;
+        for frame in 0..a.num_frames() {
+            for joint in Joint::ALL {
+                let [p, q] = [a, b].map(|c| c.frame_rotations(frame)[joint.index()]);
+                let may = (first..=last).contains(&frame) && self.is_planned(joint);
+                if !may && p != q && p != -q {
+                    wrong(frame, format!("{} changed outside of the plan", joint.name()));
+                }
+            }
+        }
+    }
+
+    fn speeds(&self, report: &mut RecheckReport) {
+        let clip = self.after;
+        for frame in 1..clip.num_frames() {
+            let time_s = frame as f64 / clip.rate_hz;
+            if time_s <= self.span_s[0] + 1e-6 || time_s > self.span_s[1] + 1e-6 {
+                continue;
+            }
+            for (joint, limits) in self.planned {
+                let [p, q] = [frame - 1, frame].map(|f| clip.frame_rotations(f)[joint.index()].as_dquat().normalize());
+                let speed = p.angle_between(q).min(p.angle_between(-q)) * clip.rate_hz;
+                report.speed_share = report.speed_share.max(speed / limits.speed);
+                if speed > limits.speed * (1.0 + SPEED_TOLERANCE) {
+                    let what = format!("{} turns at {speed:.2} rad/s, at most {:.2}", joint.name(), limits.speed);
+                    report.violations.push(Violation { time_s, what });
+                }
+            }
+        }
+    }
+
+    fn look(&self, time_s: f64, report: &mut RecheckReport) {
+        let turns = turns_at(self.after, time_s);
+        let joints = transforms_at(self.after, self.skeleton, time_s, &turns);
+        for (joint, limits) in self.planned {
+            let by = outside(limits, turns[joint.index()]);
+            report.outside_limits_rad = report.outside_limits_rad.max(by);
+            if by > LIMIT_TOLERANCE {
+                let what = format!("{} is out of limits by {by:.4} rad", joint.name());
+                report.violations.push(Violation { time_s, what });
+            }
+        }
+        let parts = self.moved(&joints);
+        for (name, core) in &parts {
+            for solid in self.solids.iter().filter(|s| !self.may_touch(name, &s.name, time_s)) {
+                let gap = to_solid(core, solid, time_s, report.clearance_min_m.max(0.01));
+                self.note(name, &solid.name, gap, time_s, report);
+            }
+            for other in self.others.iter().filter(|o| !self.may_touch(name, o.name, time_s)) {
+                let theirs = transforms_at(other.clip, other.skeleton, time_s, &turns_at(other.clip, time_s));
+                for c in other.capsules {
+                    let gap = to_capsule(core, &placed(c, &theirs));
+                    self.note(name, other.name, gap, time_s, report);
+                }
+            }
+        }
+        self.look_at_itself(&parts, &joints, time_s, report);
+    }
+
+    fn note(&self, part: &str, with: &str, gap: f64, time_s: f64, report: &mut RecheckReport) {
+        report.clearance_min_m = report.clearance_min_m.min(gap);
+        report.penetration_max_m = report.penetration_max_m.max(-gap);
+        if gap < -self.penetration_m {
+            report.violations.push(Violation { time_s, what: format!("{part} is {:.4} m deep in {with}", -gap) });
+        }
+    }
+
+    /// Capsules that the planned joints carry.
+    fn moved(&self, joints: &[(Vec3, Quat); NUM_JOINTS]) -> Vec<(String, Core)> {
+        let of = |c: &&BodyCapsule| self.carried(c.joint);
+        let mut parts: Vec<(String, Core)> =
+            self.capsules.iter().filter(of).map(|c| (c.joint.name().to_owned(), placed(c, joints))).collect();
+        if let Some((joint, _)) = self.planned.last() {
+            for h in self.held {
+                let c = BodyCapsule { joint: *joint, core: h.core, radius: h.radius };
+                parts.push((h.name.clone(), placed(&c, joints)));
+            }
+        }
+        parts
+    }
+
+    fn carried(&self, joint: Joint) -> bool {
+        let mut at = Some(joint);
+        while let Some(j) = at {
+            if self.is_planned(j) {
+                return true;
+            }
+            at = j.parent();
+        }
+        false
+    }
+
+    /// Parts of the limb against the rest of the body, but for neighbours and what fills one place in the rest pose.
+    fn look_at_itself(
+        &self,
+        parts: &[(String, Core)],
+        joints: &[(Vec3, Quat); NUM_JOINTS],
+        time_s: f64,
+        report: &mut RecheckReport,
+    ) {
+        let rest = self.skeleton.rest_positions().map(|p| (p, Quat::IDENTITY));
+        let rest_parts = self.moved(&rest);
+        let near = |name: &str, joint: Joint| {
+            let own = Joint::from_name(name).or(self.planned.last().map(|p| p.0));
+            own.is_some_and(|j| j.parent() == Some(joint) || joint.parent() == Some(j))
+        };
+        for ((name, core), (_, at_rest)) in parts.iter().zip(&rest_parts) {
+            for c in self.capsules.iter().filter(|c| !self.carried(c.joint)) {
+                let fills = self.capsules.iter().filter(|d| d.joint == c.joint);
+                let fused = || fills.clone().any(|d| to_capsule(at_rest, &placed(d, &rest)) < 0.0);
+                let gap = to_capsule(core, &placed(c, joints));
+                let too_deep = gap < -self.self_press_m - self.penetration_m;
+                if too_deep && !near(name, c.joint) && !fused() && !self.may_touch(name, c.joint.name(), time_s) {
+                    let what = format!("{name} is {:.4} m deep in {}", -gap, c.joint.name());
+                    report.violations.push(Violation { time_s, what });
+                }
+            }
+        }
+    }
+
+    fn may_touch(&self, part: &str, with: &str, time_s: f64) -> bool {
+        self.allowed.iter().any(|a| {
+            let here = a.window_s.is_none_or(|[from, to]| from <= time_s && time_s <= to);
+            here && a.with == with && a.part.as_deref().is_none_or(|p| p == part)
+        })
+    }
+}
+
+/// Rotations of the joints relative to their parents, in between frames evenly.
+fn turns_at(clip: &Clip, time_s: f64) -> [Quat; NUM_JOINTS] {
+    let (frame, share) = frame_at(clip, time_s);
+    let next = (frame + 1).min(clip.num_frames() - 1);
+    std::array::from_fn(|j| clip.frame_rotations(frame)[j].slerp(clip.frame_rotations(next)[j], share))
+}
+
+fn frame_at(clip: &Clip, time_s: f64) -> (usize, f32) {
+    let at = (time_s * clip.rate_hz).clamp(0.0, (clip.num_frames() - 1) as f64);
+    (at as usize, at.fract() as f32)
+}
+
+fn transforms_at(
+    clip: &Clip,
+    skeleton: &Skeleton,
+    time_s: f64,
+    turns: &[Quat; NUM_JOINTS],
+) -> [(Vec3, Quat); NUM_JOINTS] {
+    let (frame, share) = frame_at(clip, time_s);
+    let next = (frame + 1).min(clip.num_frames() - 1);
+    let root = clip.root_positions[frame].lerp(clip.root_positions[next], share);
+    joint_transforms(skeleton, root, |j| turns[j])
+}
+
+fn placed(c: &BodyCapsule, joints: &[(Vec3, Quat); NUM_JOINTS]) -> Core {
+    let (at, turn) = joints[c.joint.index()];
+    let end = |p: glam::DVec3| at.as_dvec3() + turn.as_dquat().normalize() * p;
+    Core { a: end(c.core.a), b: end(c.core.b), radius: c.radius }
+}

@@ -1,0 +1,12 @@
+//! The search for a way: two trees in joints and time.
+
+mod algorithm;
+mod grid;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+pub(crate) use algorithm::Quest;
+pub use algorithm::{Found, Search, SearchConfig};
+pub(crate) use grid::TimeGrid;
+pub use tree::Weights;

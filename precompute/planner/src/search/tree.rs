@@ -1,0 +1,89 @@
+//! A tree of states, and the nearest of them.
+
+use crate::linkage::MAX_JOINTS;
+use crate::problem::State;
+use glam::DVec3;
+
+/// Weights of the metric: w_t |t1 - t2| + w_a max_i |p_i1 - p_i2| (Shapiro, Kallmann and Faloutsos 2007, section 4.1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Of time (m/s, >= 0).
+    pub time: f64,
+    /// Of places (> 0).
+    pub place: f64,
+}
+
+/// A state, where it puts the ends of the joints' segments, and what it was reached from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Node {
+    pub state: State,
+    /// World (m).
+    pub ends: [DVec3; MAX_JOINTS],
+    pub parent: u32,
+}
+
+impl Node {
+    /// The paper's metric (m).
+    pub fn distance(&self, other: &Self, weights: &Weights) -> f64 {
+        weights.time * (self.state.time_s - other.state.time_s).abs() + weights.place * self.apart(other)
+    }
+
+    /// max_i |p_i1 - p_i2| (m).
+    pub fn apart(&self, other: &Self) -> f64 {
+        let squares = self.ends.iter().zip(&other.ends).map(|(a, b)| a.distance_squared(*b));
+        squares.fold(0.0, f64::max).sqrt()
+    }
+}
+
+/// A tree that grows from one end of the problem.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tree {
+    pub nodes: Vec<Node>,
+    /// True for the one at the goal, which grows backwards in time.
+    pub from_goal: bool,
+}
+
+impl Tree {
+    /// Begins anew.
+    pub fn plant(&mut self, root: Node, from_goal: bool) {
+        self.nodes.clear();
+        self.nodes.push(Node { parent: 0, ..root });
+        self.from_goal = from_goal;
+    }
+
+    pub fn add(&mut self, node: Node) -> usize {
+        self.nodes.push(node);
+        self.nodes.len() - 1
+    }
+
+    /// True where `at` is on the side of a node that the tree grows to.
+    pub fn may_grow(&self, node: &Node, at: &Node) -> bool {
+        if self.from_goal { at.state.time_s <= node.state.time_s } else { at.state.time_s >= node.state.time_s }
+    }
+
+    /// The nearest node to `at` of those that it can be reached from in time; the root is always one.
+    pub fn nearest(&self, at: &Node, weights: &Weights) -> usize {
+        let mut best = (f64::INFINITY, 0);
+        for (i, node) in self.nodes.iter().enumerate().filter(|(_, n)| self.may_grow(n, at)) {
+            // Time alone is often enough to see that it is farther.
+            if weights.time * (node.state.time_s - at.state.time_s).abs() < best.0 {
+                let d = node.distance(at, weights);
+                if d < best.0 {
+                    best = (d, i);
+                }
+            }
+        }
+        best.1
+    }
+
+    /// Appends the states from a node to the root.
+    pub fn to_root(&self, mut node: usize, out: &mut Vec<State>) {
+        loop {
+            out.push(self.nodes[node].state);
+            if node == 0 {
+                return;
+            }
+            node = self.nodes[node].parent as usize;
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! Checks and prepares.
+
+use super::{Allowed, ProblemError, ProblemSpec};
+use crate::body::{BodyCapsule, BodyShape};
+use crate::collide::Checker;
+use crate::driven::Driven;
+use crate::limits::JointLimits;
+use crate::linkage::{Chain, MAX_JOINTS};
+use crate::problem::{BodyPart, PRESENT_STEP_S, Pair, Part, PlacedSolid, Problem, Solid, Target};
+use crate::shape::Segment;
+use crate::track::Track;
+use throng_base::text::did_you_mean;
+use throng_core::Joint;
+
+/// How finely the driven part is looked at for collisions (s).
+const DRIVEN_STEP_S: f64 = 1.0 / 60.0;
+/// Longest plan (s).
+const MAX_SECONDS: f64 = 3600.0;
+/// Ends may be outside limits by so little (rad).
+const AT_LIMIT: f64 = 1e-4;
+
+impl Problem {
+    /// Checks a problem and prepares it.
+    ///
+    /// # Errors
+    /// [`ProblemError`]: numbers that are none, driven parts that collide by themselves, ends that collide or are outside
+    /// limits, too little time.
+    pub fn new(spec: &ProblemSpec<'_>) -> Result<Self, ProblemError> {
+        let problem = Self::prepare(spec)?;
+        problem.check_driven(spec)?;
+        problem.check_ends()?;
+        Ok(problem)
+    }
+
+    /// Prepares a problem without looking at its ends, so that these can be asked for: whether they are free, or which pose
+    /// reaches a target.
+    ///
+    /// # Errors
+    /// [`ProblemError`]: numbers that are none, names that nothing has.
+    pub fn prepare(spec: &ProblemSpec<'_>) -> Result<Self, ProblemError> {
+        check_numbers(spec)?;
+        Self::check_names(spec)?;
+        let chain = Chain::new(spec.linkage, spec.skeleton);
+        let mut parts = limb_parts(spec, &chain);
+        parts.extend(spec.held.iter().map(|h| part(&chain, h.name.clone(), chain.len() - 1, h.core, h.radius)));
+        let solids = spec.solids.iter().map(placed_solid).collect();
+        let mut bodies = driven_parts(None, spec.motion, spec.shape, |j| chain_link(&chain, j).is_none());
+        for o in spec.others {
+            bodies.extend(driven_parts(Some(o.name), o.motion, o.shape, |_| true));
+        }
+        let steps = ((spec.goal.time_s - spec.init.time_s) / PRESENT_STEP_S).ceil() as usize + 1;
+        let present =
+            (0..steps).map(|i| spec.motion.limb_pose(spec.linkage, spec.init.time_s + i as f64 * PRESENT_STEP_S));
+        let mut problem = Self {
+            chain,
+            limits: limits_of(spec, &chain)?,
+            base: Track::rigid(spec.motion.clock(), spec.motion.of_joint(spec.linkage.base())),
+            parts,
+            solids,
+            bodies,
+            pairs: Vec::new(),
+            present: present.collect(),
+            init: spec.init,
+            goal: spec.goal,
+        };
+        problem.pairs = problem.all_pairs(spec);
+        Ok(problem)
+    }
+
+    /// Every allowance names something.
+    fn check_names(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
+        let joints = Joint::ALL.map(Joint::name);
+        let mut parts: Vec<&str> = joints.to_vec();
+        parts.extend(spec.held.iter().map(|h| h.name.as_str()));
+        let mut targets: Vec<&str> = joints.to_vec();
+        targets.extend(spec.solids.iter().map(|s| s.name.as_str()));
+        targets.extend(spec.others.iter().map(|o| o.name));
+        for a in spec.allowed {
+            let known = [(a.part.as_deref(), &parts), (Some(a.with.as_str()), &targets)];
+            for (name, known) in known.into_iter().filter_map(|(name, known)| Some((name?, known))) {
+                if !known.contains(&name) {
+                    let meant = did_you_mean(name, known.iter().copied());
+                    return Err(ProblemError::Unknown { name: name.into(), meant });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn all_pairs(&self, spec: &ProblemSpec<'_>) -> Vec<Pair> {
+        let others_bend = spec.others.iter().map(|o| o.motion.bend_m(|_| true)).fold(0.0, f64::max);
+        let own_bend = spec.motion.bend_m(|j| chain_link(&self.chain, j).is_none());
+        let mut pairs = Vec::new();
+        let targets = (0..self.solids.len()).map(Target::Solid).chain((0..self.bodies.len()).map(Target::Body));
+        for target in targets {
+            for (i, part) in self.parts.iter().enumerate() {
+                let (with, gap) = match target {
+                    Target::Solid(s) => (self.solids[s].solid.name.as_str(), spec.clearance_m + own_bend),
+                    Target::Body(b) => match &self.bodies[b].of {
+                        Some(who) => (who.as_str(), spec.clearance_m + own_bend + others_bend),
+                        None => (self.bodies[b].joint.name(), 2.0 * own_bend - spec.self_press_m),
+                    },
+                };
+                let allowance = spec.allowed.iter().find(|a| names(a, &part.name, with));
+                let allowed = allowance.map(|a| a.window_s.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]));
+                let always = allowed.is_some_and(|[a, b]| a <= spec.init.time_s && b >= spec.goal.time_s);
+                let own = matches!(target, Target::Body(b) if self.bodies[b].of.is_none());
+                if !(always || own && self.touch_at_rest(spec, part, target)) {
+                    pairs.push(Pair { part: i, target, gap, allowed });
+                }
+            }
+        }
+        pairs
+    }
+
+    /// True for neighbours along the body, and for parts that fill the same place in the rest pose.
+    fn touch_at_rest(&self, spec: &ProblemSpec<'_>, part: &Part, target: Target) -> bool {
+        let Target::Body(b) = target else { return false };
+        let body = &self.bodies[b];
+        let joints = self.chain.linkage.joints();
+        let joint = joints[part.link];
+        if joint.parent() == Some(body.joint) || body.joint.parent() == Some(joint) {
+            return true;
+        }
+        let rest = spec.skeleton.rest_positions();
+        let at = |j: Joint| rest[j.index()].as_dvec3();
+        let own = part.core.map(|p| p + at(joint));
+        spec.shape
+            .capsules
+            .iter()
+            .filter(|c| c.joint == body.joint)
+            .any(|c| own.distance(&c.core.map(|p| p + at(c.joint))) < part.radius + c.radius)
+    }
+
+    /// The joints that an external motion drives stay clear of solids and of others.
+    fn check_driven(&self, spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
+        let [from, to] = [spec.init.time_s, spec.goal.time_s];
+        let steps = ((to - from) / DRIVEN_STEP_S).ceil() as usize;
+        let own = || self.bodies.iter().filter(|b| b.of.is_none());
+        let mut worst: Option<(f64, ProblemError)> = None;
+        for step in 0..=steps {
+            let time_s = (from + step as f64 * DRIVEN_STEP_S).min(to);
+            for body in own() {
+                let core = body.track.at(time_s);
+                let mut note = |with: String, gap: f64| {
+                    if gap < 0.0 && worst.as_ref().is_none_or(|(w, _)| gap < *w) {
+                        let part = body.joint.name().into();
+                        worst = Some((gap, ProblemError::DrivenCollides { part, with, time_s, depth_m: -gap }));
+                    }
+                };
+                for solid in &self.solids {
+                    if !may_touch(spec, body.joint, &solid.solid.name, time_s) {
+                        let place = solid.solid.path.at(time_s);
+                        let local = core.map(|p| place.local_point(p));
+                        note(solid.solid.name.clone(), solid.solid.shape.distance(&local, body.radius) - body.radius);
+                    }
+                }
+                for other in self.bodies.iter().filter(|b| b.of.is_some()) {
+                    if !may_touch(spec, body.joint, other.of.as_deref().unwrap_or_default(), time_s) {
+                        note(other.name(), core.distance(&other.track.at(time_s)) - body.radius - other.radius);
+                    }
+                }
+            }
+        }
+        worst.map_or(Ok(()), |(_, error)| Err(error))
+    }
+
+    fn check_ends(&self) -> Result<(), ProblemError> {
+        let joints = self.chain.linkage.joints();
+        let mut checker = Checker::default();
+        for (end, state) in [("start", &self.init), ("goal", &self.goal)] {
+            for i in 0..self.chain.len() {
+                let by_rad = self.limits[i].excess(state.pose.0[i]);
+                if by_rad > AT_LIMIT {
+                    return Err(ProblemError::EndOutOfLimits { end, joint: joints[i].name().into(), by_rad });
+                }
+            }
+            if let Some(hit) = checker.deepest(self, state) {
+                let [part, with] = self.names(&hit);
+                return Err(ProblemError::EndCollides { end, part, with, depth_m: hit.depth_m });
+            }
+        }
+        let (least_s, joint) = self.least_time(&self.init.pose, &self.goal.pose);
+        let given_s = self.goal.time_s - self.init.time_s;
+        if least_s > given_s {
+            return Err(ProblemError::TooLittleTime { joint: joint.name().into(), least_s, given_s });
+        }
+        Ok(())
+    }
+}
+
+fn may_touch(spec: &ProblemSpec<'_>, joint: Joint, with: &str, time_s: f64) -> bool {
+    let open = |a: &Allowed| a.window_s.is_none_or(|[from, to]| (from..=to).contains(&time_s));
+    spec.allowed.iter().any(|a| names(a, joint.name(), with) && open(a))
+}
+
+fn names(allowed: &Allowed, part: &str, with: &str) -> bool {
+    allowed.part.as_ref().is_none_or(|p| p == part) && allowed.with == with
+}
+
+fn check_numbers(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
+    let wrong = |what: String, expected| Err(ProblemError::value(what, expected));
+    let [from, to] = [spec.init.time_s, spec.goal.time_s];
+    if !(from.is_finite() && to.is_finite() && from < to && to - from <= MAX_SECONDS) {
+        return wrong(format!("times {from} s to {to} s"), "the start before the goal, at most an hour");
+    }
+    for (end, state) in [("start", &spec.init), ("goal", &spec.goal)] {
+        let unit = |q: &glam::DQuat| q.is_finite() && (q.length() - 1.0).abs() < 1e-6;
+        if !state.pose.0.iter().all(unit) {
+            return wrong(format!("pose of the {end}"), "unit quaternions");
+        }
+    }
+    if !(0.0..1.0).contains(&spec.clearance_m) {
+        return wrong(format!("clearance {} m", spec.clearance_m), "0 to 1 m");
+    }
+    if !(0.0..0.2).contains(&spec.self_press_m) {
+        return wrong(format!("self_press {} m", spec.self_press_m), "0 to 0.2 m");
+    }
+    for s in spec.solids {
+        if !s.shape.is_valid() {
+            return wrong(format!("shape of `{}`", s.name), "finite numbers and positive sizes");
+        }
+        if !s.path.is_valid(from, to) {
+            return wrong(format!("path of `{}`", s.name), "ascending times, finite places, unit rotations");
+        }
+    }
+    let capsule =
+        |core: &Segment, radius: f64| core.a.is_finite() && core.b.is_finite() && radius > 0.0 && radius < 10.0;
+    for h in spec.held {
+        if !capsule(&h.core, h.radius) {
+            return wrong(format!("what is held: `{}`", h.name), "finite ends and a positive radius");
+        }
+    }
+    let shapes = spec.others.iter().map(|o| o.shape).chain([spec.shape]);
+    for c in shapes.flat_map(|s| &s.capsules) {
+        if !capsule(&c.core, c.radius) {
+            return wrong(format!("capsule of {}", c.joint.name()), "finite ends and a positive radius");
+        }
+    }
+    if spec.motion.places().iter().flatten().any(|p| !p.is_valid()) {
+        return wrong("the motion".into(), "finite places and unit rotations");
+    }
+    Ok(())
+}
+
+fn limits_of(spec: &ProblemSpec<'_>, chain: &Chain) -> Result<[JointLimits; MAX_JOINTS], ProblemError> {
+    let joints = chain.linkage.joints();
+    let missing = || joints.into_iter().find(|j| spec.limits.joints[j.index()].is_none());
+    let mut limits =
+        spec.limits.of_linkage(chain.linkage).ok_or_else(|| ProblemError::no_limits(missing().unwrap_or(joints[0])))?;
+    if spec.admit_ends {
+        for i in 0..chain.len() {
+            limits[i] = limits[i].admitting(spec.init.pose.0[i]).admitting(spec.goal.pose.0[i]);
+        }
+    }
+    Ok(limits)
+}
+
+/// Which joint of the chain carries a joint of the body: its own, or the last one for hands' and feet's ends.
+fn chain_link(chain: &Chain, joint: Joint) -> Option<usize> {
+    let mut at = Some(joint);
+    while let Some(j) = at {
+        if let Some(link) = chain.linkage.position_of(j) {
+            return Some(link);
+        }
+        at = j.parent();
+    }
+    None
+}
+
+/// The capsules of the body that move with the linkage.
+fn limb_parts(spec: &ProblemSpec<'_>, chain: &Chain) -> Vec<Part> {
+    let rest = spec.skeleton.rest_positions();
+    let of = |c: &BodyCapsule| {
+        let link = chain_link(chain, c.joint)?;
+        let carrier = chain.linkage.joints()[link];
+        // Toes stay as they are at rest.
+        let shift = (rest[c.joint.index()] - rest[carrier.index()]).as_dvec3();
+        Some(part(chain, c.joint.name().into(), link, c.core.map(|p| p + shift), c.radius))
+    };
+    spec.shape.capsules.iter().filter_map(of).collect()
+}
+
+fn part(chain: &Chain, name: String, link: usize, core: Segment, radius: f64) -> Part {
+    let end = core.a.length().max(core.b.length());
+    let reach = std::array::from_fn(|i| if i <= link { chain.span(i, link) + end } else { 0.0 });
+    let base_reach = chain.offsets[0].length() + reach[0];
+    Part { name, link, core, half_length: core.half_length(), radius, reach, base_reach }
+}
+
+fn driven_parts(of: Option<&str>, motion: &Driven, shape: &BodyShape, keep: impl Fn(Joint) -> bool) -> Vec<BodyPart> {
+    let one = |c: &BodyCapsule| {
+        let places = motion.places().iter().map(|p| c.core.map(|x| p[c.joint.index()].point(x)));
+        let track = Track::segment(motion.clock(), places.collect());
+        // Ends that move in straight lines are never farther apart than at samples, but for rounding.
+        let half_length = c.core.half_length() * (1.0 + 1e-9) + 1e-9;
+        BodyPart { of: of.map(Into::into), joint: c.joint, track, half_length, radius: c.radius }
+    };
+    shape.capsules.iter().filter(|c| keep(c.joint)).map(one).collect()
+}
+
+fn placed_solid(solid: &Solid) -> PlacedSolid {
+    let (middle, radius) = solid.shape.ball_around();
+    PlacedSolid { solid: solid.clone(), middle, radius, reach: middle.length() + radius }
+}

@@ -1,0 +1,10 @@
+//! From what an application says to a checked problem.
+
+mod build;
+mod error;
+mod spec;
+#[cfg(test)]
+pub(crate) mod tests;
+
+pub use error::ProblemError;
+pub use spec::{Allowed, Held, Other, ProblemSpec};

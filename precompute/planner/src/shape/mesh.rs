@@ -1,0 +1,216 @@
+//! Surfaces of triangles with a tree of boxes over them.
+
+use super::segment::Segment;
+use super::triangle::square_distance;
+use glam::{DVec3, Vec3};
+use parry3d::bounding_volume::Aabb;
+use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode, TraversalAction};
+
+/// Why triangles are no mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// Nothing to collide with.
+    #[error("the mesh has no triangles; give it some, or leave it out")]
+    Empty,
+    /// A corner that is no place.
+    #[error("triangle {triangle}: expected finite corners below {limit} m, found {corner}; export the mesh again")]
+    Corner {
+        /// Which triangle.
+        triangle: usize,
+        /// Its corner.
+        corner: Vec3,
+        /// Largest coordinate (m).
+        limit: f32,
+    },
+}
+
+/// A surface of triangles, which need not be closed: there is no inside, and nothing passes through its surface.
+#[derive(Clone)]
+pub struct Mesh {
+    corners: Vec<[Vec3; 3]>,
+    tree: Bvh,
+    ball: (DVec3, f64),
+}
+
+impl std::fmt::Debug for Mesh {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Mesh({} triangles)", self.corners.len())
+    }
+}
+
+/// Coordinates are smaller than this (m).
+const MAX_POSITION: f32 = 1e5;
+
+impl Mesh {
+    /// A mesh of triangles; those without an area are lines or points, and count.
+    ///
+    /// - `corners`: (m)
+    ///
+    /// # Errors
+    /// [`MeshError`].
+    pub fn new(corners: Vec<[Vec3; 3]>) -> Result<Self, MeshError> {
+        if corners.is_empty() {
+            return Err(MeshError::Empty);
+        }
+        for (triangle, corner) in corners.iter().enumerate().flat_map(|(i, t)| t.iter().map(move |c| (i, *c))) {
+            if !corner.is_finite() || corner.abs().max_element() > MAX_POSITION {
+                return Err(MeshError::Corner { triangle, corner, limit: MAX_POSITION });
+            }
+        }
+        let boxes: Vec<Aabb> =
+            corners.iter().map(|[a, b, c]| Aabb { mins: a.min(*b).min(*c), maxs: a.max(*b).max(*c) }).collect();
+        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
+        let whole = tree.root_aabb();
+        let middle = 0.5 * (whole.mins.as_dvec3() + whole.maxs.as_dvec3());
+        let radius = corners.iter().flatten().map(|c| c.as_dvec3().distance(middle)).fold(0.0, f64::max);
+        Ok(Self { corners, tree, ball: (middle, radius) })
+    }
+
+    /// Corners of every triangle (m).
+    pub fn corners(&self) -> &[[Vec3; 3]] {
+        &self.corners
+    }
+
+    /// Middle and radius of a ball that holds it (m).
+    pub fn ball_around(&self) -> (DVec3, f64) {
+        self.ball
+    }
+
+    /// Distance of a segment, where it is below `limit`, else infinite (m).
+    pub fn distance(&self, s: &Segment, limit: f64) -> f64 {
+        let mut best = f64::INFINITY;
+        let mut nearest = limit;
+        self.visit(s, limit, |d2| {
+            let d = d2.sqrt();
+            if d < nearest {
+                (best, nearest) = (d, d);
+            }
+            Some(nearest)
+        });
+        best
+    }
+
+    /// True where a segment is nearer than `limit`; stops at the first triangle that is (m).
+    pub fn is_nearer(&self, s: &Segment, limit: f64) -> bool {
+        let mut found = false;
+        self.visit(s, limit, |d2| {
+            found = d2 < limit * limit;
+            (!found).then_some(limit)
+        });
+        found
+    }
+
+    /// Calls `look` with the squared distances of triangles whose boxes are within a limit, which it returns anew, or
+    /// nothing to stop.
+    fn visit(&self, s: &Segment, limit: f64, mut look: impl FnMut(f64) -> Option<f64>) {
+        if limit.is_nan() || limit <= 0.0 {
+            return;
+        }
+        let core = Core32::new(s);
+        let mut square = core.square(limit);
+        self.tree.traverse(|node: &BvhNode| {
+            if core.is_farther(node, square) {
+                return TraversalAction::Prune;
+            }
+            let Some(leaf) = node.leaf_data() else { return TraversalAction::Continue };
+            let triangle = self.corners[leaf as usize].map(|c| c.as_dvec3());
+            match look(square_distance(s, &triangle)) {
+                Some(limit) => square = core.square(limit),
+                None => return TraversalAction::EarlyExit,
+            }
+            TraversalAction::Continue
+        });
+    }
+}
+
+/// A segment in floats, as boxes are, with what rounding may take away from a distance.
+struct Core32 {
+    a: Vec3,
+    d: Vec3,
+    /// One over the square of its length; 0 for a point.
+    over: f32,
+    low: Vec3,
+    high: Vec3,
+    slack: f32,
+}
+
+impl Core32 {
+    fn new(s: &Segment) -> Self {
+        let (a, b) = (s.a.as_vec3(), s.b.as_vec3());
+        let square = (b - a).length_squared();
+        let over = if square > 1e-12 { 1.0 / square } else { 0.0 };
+        // A few units in the last place of the largest number that there is.
+        let slack = 1e-5 + 4e-6 * a.abs().max_element().max(b.abs().max_element());
+        Self { a, d: b - a, over, low: a.min(b), high: a.max(b), slack }
+    }
+
+    /// The square of a limit, seen with slack (m^2).
+    fn square(&self, limit: f64) -> f32 {
+        let limit = limit as f32 + self.slack;
+        limit * limit
+    }
+
+    /// True where the box of a node is farther away than a limit: by the box around the segment, or by the ball around the
+    /// node's box.
+    fn is_farther(&self, node: &BvhNode, square: f32) -> bool {
+        let (mins, maxs) = (node.mins(), node.maxs());
+        if (mins - self.high).max(self.low - maxs).max(Vec3::ZERO).length_squared() > square {
+            return true;
+        }
+        let middle = 0.5 * (mins + maxs);
+        let share = ((middle - self.a).dot(self.d) * self.over).clamp(0.0, 1.0);
+        let apart = (self.a + self.d * share).distance_squared(middle);
+        // apart > limit + radius, squared twice: no square root where it is not needed.
+        let radius = 0.25 * (maxs - mins).length_squared();
+        let rest = apart - square - radius;
+        rest > 0.0 && rest * rest > 4.0 * square * radius
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::super::segment::tests::points;
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A hilly sheet, `n` by `n` squares of two triangles, 2 m wide.
+    pub fn hills(n: usize) -> Mesh {
+        let at = |i: usize, j: usize| {
+            let (x, z) = (2.0 * i as f32 / n as f32 - 1.0, 2.0 * j as f32 / n as f32 - 1.0);
+            Vec3::new(x, 0.2 * (3.0 * x).sin() * (4.0 * z).cos(), z)
+        };
+        let squares = (0..n * n).map(|k| (k % n, k / n));
+        let corners = squares.flat_map(|(i, j)| {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        });
+        Mesh::new(corners.collect()).expect("a mesh")
+    }
+
+    proptest! {
+        #[test]
+        fn the_tree_finds_what_all_triangles_say(a in points(), b in points(), limit in 0.01f64..1.0) {
+            let mesh = hills(12);
+            let s = Segment::new(a, a + 0.3 * b);
+            let all = mesh.corners().iter().map(|t| square_distance(&s, &t.map(|c| c.as_dvec3())).sqrt());
+            let nearest = all.fold(f64::INFINITY, f64::min);
+            let found = mesh.distance(&s, limit);
+            prop_assert_eq!(found, if nearest < limit { nearest } else { f64::INFINITY });
+            prop_assert_eq!(mesh.is_nearer(&s, limit), nearest < limit);
+        }
+    }
+
+    #[test]
+    fn what_is_no_mesh_is_refused() {
+        assert_eq!(Mesh::new(Vec::new()).unwrap_err(), MeshError::Empty);
+        let nan = Mesh::new(vec![[Vec3::ZERO; 3], [Vec3::ZERO, Vec3::X, Vec3::new(0.0, f32::NAN, 0.0)]]).unwrap_err();
+        assert!(nan.to_string().starts_with("triangle 1: expected finite corners"), "{nan}");
+        // One triangle, and one without an area.
+        let one = Mesh::new(vec![[Vec3::ZERO, Vec3::X, Vec3::Y]]).expect("a mesh");
+        let s = Segment::new(DVec3::new(0.2, 0.2, 0.5), DVec3::new(0.2, 0.2, 1.0));
+        assert_eq!((one.distance(&s, 1.0), one.is_nearer(&s, 0.4)), (0.5, false));
+        let line = Mesh::new(vec![[Vec3::ZERO, Vec3::X, Vec3::X]]).expect("a mesh");
+        assert!((line.distance(&s, 1.0) - (0.04f64 + 0.25).sqrt()).abs() < 1e-12);
+    }
+}

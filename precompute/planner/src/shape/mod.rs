@@ -1,0 +1,89 @@
+//! Shapes, and how far segments are from them.
+
+mod cuboid;
+mod mesh;
+mod segment;
+mod triangle;
+
+pub use mesh::{Mesh, MeshError};
+pub use segment::Segment;
+
+use cuboid::segment_cuboid;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// The shape of something, in its own frame.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// A ball or a capsule: all within a radius of a segment.
+    Round {
+        /// From end to end (m).
+        core: Segment,
+        /// (m, > 0)
+        radius: f64,
+    },
+    /// A box around the origin.
+    Cuboid {
+        /// Half of its size (m, > 0).
+        half: DVec3,
+    },
+    /// A surface of triangles, without an inside.
+    Mesh(Arc<Mesh>),
+}
+
+impl Shape {
+    /// A ball around the origin (m).
+    pub const fn ball(radius: f64) -> Self {
+        Self::Round { core: Segment { a: DVec3::ZERO, b: DVec3::ZERO }, radius }
+    }
+
+    /// A box around the origin.
+    ///
+    /// - `size`: (m)
+    pub fn cuboid(size: DVec3) -> Self {
+        Self::Cuboid { half: 0.5 * size }
+    }
+
+    /// Distance of a segment, where it is below `limit`, else infinite; negative within a ball, 0 within a box (m).
+    pub fn distance(&self, s: &Segment, limit: f64) -> f64 {
+        let d = match self {
+            Self::Round { core, radius } => s.distance(core) - radius,
+            Self::Cuboid { half } => segment_cuboid(s, *half),
+            Self::Mesh(mesh) => return mesh.distance(s, limit),
+        };
+        if d < limit { d } else { f64::INFINITY }
+    }
+
+    /// True where a segment is nearer than `limit` (m).
+    pub fn is_nearer(&self, s: &Segment, limit: f64) -> bool {
+        match self {
+            Self::Mesh(mesh) => mesh.is_nearer(s, limit),
+            _ => self.distance(s, limit) < limit,
+        }
+    }
+
+    /// Middle and radius of a ball that holds it (m).
+    pub fn ball_around(&self) -> (DVec3, f64) {
+        match self {
+            Self::Round { core, radius } => (core.middle(), core.half_length() + radius),
+            Self::Cuboid { half } => (DVec3::ZERO, half.length()),
+            Self::Mesh(mesh) => mesh.ball_around(),
+        }
+    }
+
+    /// True where all numbers are finite and sizes positive.
+    pub fn is_valid(&self) -> bool {
+        match self {
+            Self::Round { core, radius } => {
+                core.a.is_finite() && core.b.is_finite() && *radius > 0.0 && radius.is_finite()
+            }
+            Self::Cuboid { half } => half.is_finite() && half.min_element() > 0.0,
+            Self::Mesh(_) => true,
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    pub use super::mesh::tests::hills;
+}

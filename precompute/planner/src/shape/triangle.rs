@@ -1,0 +1,52 @@
+//! How far a segment is from a triangle.
+
+use super::segment::Segment;
+use glam::DVec3;
+
+/// The square of the distance from a segment to a triangle, which may be a line or a point (m^2).
+///
+/// Nearest are two of: an end of the segment and the inside of the triangle, or the segment and an edge; none where the
+/// segment goes through it.
+pub fn square_distance(s: &Segment, &[a, b, c]: &[DVec3; 3]) -> f64 {
+    let normal = (b - a).cross(c - a);
+    let square = normal.length_squared();
+    let mut best = f64::INFINITY;
+    if square > 1e-24 {
+        let [p, q] = [s.a, s.b].map(|p| normal.dot(p - a));
+        let inside = |p: DVec3| {
+            let side = |from: DVec3, to: DVec3| (to - from).cross(p - from).dot(normal);
+            side(a, b) >= 0.0 && side(b, c) >= 0.0 && side(c, a) >= 0.0
+        };
+        if (p < 0.0) != (q < 0.0) && inside(s.a + (s.b - s.a) * (p / (p - q))) {
+            return 0.0;
+        }
+        for (end, height) in [(s.a, p), (s.b, q)] {
+            if inside(end) {
+                best = best.min(height * height / square);
+            }
+        }
+    }
+    for (from, to) in [(a, b), (b, c), (c, a)] {
+        best = best.min(s.square_distance(&Segment::new(from, to)));
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::segment::tests::{least, points};
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn distances_are_those_of_a_search(p in points(), q in points(), a in points(), b in points(), c in points(), flat in 0..4) {
+            let (b, c) = match flat { 1 => (a, c), 2 => (b, a.lerp(b, 0.4)), _ => (b, c) };
+            let s = Segment::new(p, q);
+            // A distance to a convex set is convex along lines, over and over.
+            let searched = least(|u| least(|v| least(|w| (p.lerp(q, u) - a.lerp(b.lerp(c, w), v)).length())));
+            let found = square_distance(&s, &[a, b, c]).sqrt();
+            prop_assert!((found - searched).abs() < 1e-5, "{found} {searched}");
+        }
+    }
+}

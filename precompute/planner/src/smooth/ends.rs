@@ -1,0 +1,62 @@
+//! Blends both ends of a motion into what is before and after it, in velocity and not in place only.
+
+use super::Smoother;
+use super::ease::smoothstep;
+use crate::linkage::LimbPose;
+use crate::rotation::slerp;
+
+impl Smoother<'_> {
+    /// Blends the first and the last frames with the external motion's poses, where the plan begins or ends in its pose, or
+    /// with the end's own pose, where it does not: a reach comes to rest in the trunk's frame. Halves a blend until it is
+    /// free.
+    ///
+    /// - `eased`: ends that are not in the external motion come to rest already.
+    /// - `spare`: scratch.
+    /// - returns over how many frames each end was blended.
+    pub fn blend_ends(
+        &mut self,
+        frames: &mut Vec<LimbPose>,
+        spare: &mut Vec<LimbPose>,
+        blend: usize,
+        eased: bool,
+    ) -> [usize; 2] {
+        [false, true].map(|at_goal| {
+            let come_to_rest = eased && !self.end(at_goal).follows;
+            let mut length = if come_to_rest { 0 } else { blend.min((frames.len() - 1) / 2) };
+            while length > 1 && !self.blend_end(frames, spare, length, at_goal) {
+                length /= 2;
+            }
+            if length > 1 { length } else { 0 }
+        })
+    }
+
+    /// Blends one end over some frames; false, and nothing changed, where that is not free.
+    fn blend_end(
+        &mut self,
+        frames: &mut Vec<LimbPose>,
+        spare: &mut Vec<LimbPose>,
+        length: usize,
+        at_goal: bool,
+    ) -> bool {
+        let problem = self.problem;
+        let end = if at_goal { &problem.goal } else { &problem.init };
+        let follows = self.end(at_goal).follows;
+        let last = frames.len() - 1;
+        spare.clear();
+        spare.extend_from_slice(frames);
+        for k in 1..length {
+            let f = if at_goal { last - k } else { k };
+            let there = if follows { problem.present_at(self.grid.at(f)) } else { end.pose };
+            let share = smoothstep(k as f64 / length as f64);
+            for i in 0..problem.chain.len() {
+                spare[f].0[i] = slerp(there.0[i], frames[f].0[i], share);
+            }
+        }
+        let first = if at_goal { last - length } else { 0 };
+        let free = (first..first + length).all(|f| self.is_edge_free(spare, f));
+        if free {
+            std::mem::swap(frames, spare);
+        }
+        free
+    }
+}

@@ -1,0 +1,45 @@
+//! How rough a motion is.
+
+use crate::linkage::{LimbPose, MAX_JOINTS};
+use crate::rotation::{angle, log};
+use glam::DVec3;
+
+/// Figures of a limb's motion, over all of its joints.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Roughness {
+    /// Sum of all turns (rad).
+    pub length_rad: f64,
+    /// Fastest turn (rad/s).
+    pub speed_max: f64,
+    /// Largest angular acceleration (rad/s^2).
+    pub acceleration_max: f64,
+    /// Root mean square of the angular jerk (rad/s^3).
+    pub jerk_rms: f64,
+}
+
+/// Measures poses that are `step_s` apart; the first `num_joints` joints of each count.
+pub fn roughness(frames: &[LimbPose], num_joints: usize, step_s: f64) -> Roughness {
+    let mut out = Roughness::default();
+    let (mut jerks, mut sum) = (0u32, 0.0);
+    for i in 0..num_joints.min(MAX_JOINTS) {
+        let velocity = |f: usize| log(frames[f + 1].0[i] * frames[f].0[i].inverse()) / step_s;
+        let acceleration = |f: usize| (velocity(f + 1) - velocity(f)) / step_s;
+        for f in 0..frames.len().saturating_sub(1) {
+            let turn = angle(frames[f].0[i], frames[f + 1].0[i]);
+            out.length_rad += turn;
+            out.speed_max = out.speed_max.max(turn / step_s);
+        }
+        for f in 0..frames.len().saturating_sub(2) {
+            out.acceleration_max = out.acceleration_max.max(acceleration(f).length());
+        }
+        for f in 0..frames.len().saturating_sub(3) {
+            let jerk: DVec3 = (acceleration(f + 1) - acceleration(f)) / step_s;
+            sum += jerk.length_squared();
+            jerks += 1;
+        }
+    }
+    if jerks > 0 {
+        out.jerk_rms = (sum / f64::from(jerks)).sqrt();
+    }
+    out
+}

@@ -1,0 +1,42 @@
+//! Straightens a way between any two points of it.
+
+use super::Smoother;
+use crate::problem::State;
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+
+impl Smoother<'_> {
+    /// Draws two frames of the way, not necessarily landmarks, and replaces what is between them by even motion where that
+    /// is free; time goes straight, too.
+    ///
+    /// - `spare`: scratch.
+    ///
+    /// # Source
+    /// Shapiro, Kallmann and Faloutsos 2007, section 4.1, path smoothing.
+    pub fn straighten(
+        &mut self,
+        way: &mut Vec<State>,
+        spare: &mut Vec<State>,
+        times: u32,
+        rng: &mut Pcg64Mcg,
+        keep_on: impl Fn() -> bool,
+    ) {
+        for _ in 0..times {
+            let frames: [usize; 2] = std::array::from_fn(|_| rng.random_range(0..=self.grid.steps));
+            if way.len() <= 2 || !keep_on() {
+                return;
+            }
+            let [from, to] =
+                [frames[0].min(frames[1]), frames[0].max(frames[1])].map(|f| self.way_at(way, self.grid.at(f)));
+            let inner = |s: &State| s.time_s > from.time_s && s.time_s < to.time_s;
+            if !way.iter().any(inner) || !self.checker.is_way_free(self.problem, &from, &to, self.check) {
+                continue;
+            }
+            spare.clear();
+            spare.extend(way.iter().filter(|s| s.time_s < from.time_s));
+            spare.extend([from, to]);
+            spare.extend(way.iter().filter(|s| s.time_s > to.time_s));
+            std::mem::swap(way, spare);
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! Triangles of Wavefront OBJ files.
+
+use glam::Vec3;
+
+/// Most corners of a file.
+const MAX_CORNERS: usize = 15_000_000;
+
+/// Positions and faces of a text; polygons become fans of triangles, all else is left out.
+///
+/// # Errors
+/// Number of the line (from 1), and what is wrong in it.
+pub(super) fn triangles(text: &str) -> Result<Vec<[Vec3; 3]>, (usize, String)> {
+    let (mut points, mut out) = (Vec::new(), Vec::new());
+    for (i, line) in text.lines().enumerate() {
+        let fail = |why: String| (i + 1, why);
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => {
+                let numbers: Vec<f32> =
+                    words.take(3).map_while(|w| w.parse().ok()).filter(|x: &f32| x.is_finite()).collect();
+                let [x, y, z] = numbers[..] else {
+                    return Err(fail(format!("expected `v x y z` with finite numbers, found `{line}`")));
+                };
+                points.push(Vec3::new(x, y, z));
+            }
+            Some("f") => {
+                let corners: Vec<Vec3> = words.map(|w| corner(w, &points)).collect::<Result<_, _>>().map_err(fail)?;
+                if corners.len() < 3 {
+                    return Err(fail(format!("expected a face of three corners at least, found `{line}`")));
+                }
+                out.extend((2..corners.len()).map(|k| [corners[0], corners[k - 1], corners[k]]));
+            }
+            _ => {}
+        }
+        if points.len() > MAX_CORNERS || 3 * out.len() > MAX_CORNERS {
+            return Err(fail(format!("expected at most {MAX_CORNERS} corners, found more")));
+        }
+    }
+    Ok(out)
+}
+
+/// A corner such as `7`, `7/1/2` or `-1`: numbers count from 1, or from the last one backwards.
+fn corner(word: &str, points: &[Vec3]) -> Result<Vec3, String> {
+    let number = word.split('/').next().unwrap_or_default();
+    let index = match number.parse::<i64>() {
+        Ok(n) if n > 0 => usize::try_from(n - 1).ok(),
+        Ok(n) if n < 0 => points.len().checked_sub(n.unsigned_abs() as usize),
+        _ => None,
+    };
+    let wrong = || format!("expected a corner from 1 to {}, found `{word}`", points.len());
+    index.and_then(|i| points.get(i)).copied().ok_or_else(wrong)
+}

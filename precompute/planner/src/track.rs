@@ -1,0 +1,286 @@
+//! What moves, as a function of time, and how fast it is at most over any stretch of it.
+
+use crate::rotation::Rigid;
+use crate::shape::Segment;
+use std::sync::Arc;
+
+/// Times of samples.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Clock {
+    /// Every `step_s` from `start_s` on.
+    Even {
+        /// (s)
+        start_s: f64,
+        /// (s, > 0)
+        step_s: f64,
+    },
+    /// Ascending (s).
+    At(Vec<f64>),
+}
+
+impl Clock {
+    /// Interval of a time, and how much of it has passed: the first one before it all, the last one's end behind it.
+    fn find(&self, len: usize, t: f64) -> (usize, f64) {
+        let last = len.saturating_sub(2);
+        match self {
+            Self::Even { start_s, step_s } => {
+                let at = ((t - start_s) / step_s).clamp(0.0, (len - 1) as f64);
+                let i = (at as usize).min(last);
+                (i, at - i as f64)
+            }
+            Self::At(times) => {
+                let i = times.partition_point(|x| *x <= t).saturating_sub(1).min(last);
+                let Some(to) = times.get(i + 1) else { return (i, 0.0) };
+                (i, ((t - times[i]) / (to - times[i])).clamp(0.0, 1.0))
+            }
+        }
+    }
+
+    fn length(&self, i: usize) -> f64 {
+        match self {
+            Self::Even { step_s, .. } => *step_s,
+            Self::At(times) => times[i + 1] - times[i],
+        }
+    }
+}
+
+/// The largest of any run of numbers, in two looks.
+#[derive(Clone, Debug, PartialEq)]
+struct Peaks {
+    /// Largest of 2^k numbers from each one on.
+    levels: Vec<Vec<f64>>,
+}
+
+impl Peaks {
+    fn new(values: Vec<f64>) -> Self {
+        let mut levels = vec![values];
+        let mut span = 1;
+        while 2 * span <= levels[0].len() {
+            let below = &levels[levels.len() - 1];
+            levels.push((0..below.len() - span).map(|i| below[i].max(below[i + span])).collect());
+            span *= 2;
+        }
+        Self { levels }
+    }
+
+    /// Of numbers `first` to `last`, both included.
+    fn of(&self, first: usize, last: usize) -> f64 {
+        let level = (last + 1 - first).ilog2() as usize;
+        let row = &self.levels[level];
+        row[first].max(row[last + 1 - (1 << level)])
+    }
+}
+
+/// Samples of something, and how fast it is between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track<T> {
+    clock: Clock,
+    samples: Vec<T>,
+    /// Of its origin, and of turns, in each interval (m/s, rad/s); of both ends for segments.
+    speeds: Peaks,
+    turns: Peaks,
+}
+
+impl<T: Copy> Track<T> {
+    fn made(clock: Clock, samples: Vec<T>, speeds: impl Fn(&T, &T) -> [f64; 2]) -> Self {
+        let pairs = samples.windows(2).enumerate();
+        let each: Vec<[f64; 2]> = pairs.map(|(i, w)| speeds(&w[0], &w[1]).map(|way| way / clock.length(i))).collect();
+        let each = if each.is_empty() { vec![[0.0; 2]] } else { each };
+        let peaks = |k: usize| Peaks::new(each.iter().map(|s| s[k]).collect());
+        Self { clock, speeds: peaks(0), turns: peaks(1), samples }
+    }
+
+    fn between(&self, t: f64, lerp: impl Fn(&T, &T, f64) -> T) -> T {
+        let (i, share) = self.clock.find(self.samples.len(), t);
+        match self.samples.get(i + 1) {
+            Some(to) => lerp(&self.samples[i], to, share),
+            None => self.samples[i],
+        }
+    }
+
+    fn peaks(&self, from_s: f64, to_s: f64) -> [f64; 2] {
+        let find = |t| self.clock.find(self.samples.len(), t).0;
+        let (first, last) = (find(from_s), find(to_s));
+        [self.speeds.of(first, last), self.turns.of(first, last)]
+    }
+}
+
+impl Track<Rigid> {
+    /// Something stiff; it stands still before the first and after the last sample.
+    ///
+    /// - `samples`: at least one, valid; of [`Clock::At`] as many as times.
+    pub fn rigid(clock: Clock, samples: Vec<Rigid>) -> Self {
+        Self::made(clock, samples, |a, b| {
+            let turn = a.travel(b, 1.0) - a.travel(b, 0.0);
+            [a.travel(b, 0.0), turn]
+        })
+    }
+
+    /// Where it is (m).
+    pub fn at(&self, t: f64) -> Rigid {
+        self.between(t, Rigid::lerp)
+    }
+
+    /// Most that a point within `reach` of its origin does in a second, at any time of a stretch (m/s).
+    pub fn speed(&self, from_s: f64, to_s: f64, reach: f64) -> f64 {
+        let [speed, turn] = self.peaks(from_s, to_s);
+        speed + turn * reach
+    }
+}
+
+impl Track<Segment> {
+    /// A segment whose ends move in straight lines between samples.
+    ///
+    /// - `samples`: at least one; of [`Clock::At`] as many as times.
+    pub fn segment(clock: Clock, samples: Vec<Segment>) -> Self {
+        Self::made(clock, samples, |p, q| [(q.a - p.a).length().max((q.b - p.b).length()), 0.0])
+    }
+
+    /// Where it is (m).
+    pub fn at(&self, t: f64) -> Segment {
+        self.between(t, Segment::lerp)
+    }
+
+    /// Most that any point of it does in a second, at any time of a stretch (m/s).
+    pub fn speed(&self, from_s: f64, to_s: f64) -> f64 {
+        self.peaks(from_s, to_s)[0]
+    }
+}
+
+/// How something stiff moves in the world.
+#[derive(Clone)]
+pub enum Path {
+    /// It stands.
+    Still(Rigid),
+    /// Through keys, or with a joint of a body.
+    Track(Arc<Track<Rigid>>),
+    /// As a function says.
+    Function {
+        /// Where it is at a time (s).
+        at: Arc<dyn Fn(f64) -> Rigid + Send + Sync>,
+        /// No point of it is ever faster (m/s).
+        speed_mps: f64,
+    },
+}
+
+impl std::fmt::Debug for Path {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Still(at) => write!(f, "Still({at:?})"),
+            Self::Track(track) => write!(f, "Track({} samples)", track.samples.len()),
+            Self::Function { speed_mps, .. } => write!(f, "Function({speed_mps} m/s)"),
+        }
+    }
+}
+
+impl Path {
+    /// Through keys: in straight lines at even speed from one to the next, still before and after.
+    ///
+    /// - `keys`: times (s), ascending, and places; none are nowhere, which no problem takes.
+    pub fn keys(keys: &[(f64, Rigid)]) -> Self {
+        if keys.is_empty() {
+            return Self::Still(Rigid::at(glam::DVec3::NAN));
+        }
+        let clock = Clock::At(keys.iter().map(|k| k.0).collect());
+        Self::Track(Arc::new(Track::rigid(clock, keys.iter().map(|k| k.1).collect())))
+    }
+
+    /// Where it is (m).
+    pub fn at(&self, t: f64) -> Rigid {
+        match self {
+            Self::Still(at) => *at,
+            Self::Track(track) => track.at(t),
+            Self::Function { at, .. } => at(t),
+        }
+    }
+
+    /// Most that a point within `reach` of its origin does in a second (m/s).
+    pub fn speed(&self, from_s: f64, to_s: f64, reach: f64) -> f64 {
+        match self {
+            Self::Still(_) => 0.0,
+            Self::Track(track) => track.speed(from_s, to_s, reach),
+            Self::Function { speed_mps, .. } => *speed_mps,
+        }
+    }
+
+    /// True where times ascend, numbers are finite and rotations unit; a function is looked at on its ends.
+    pub fn is_valid(&self, from_s: f64, to_s: f64) -> bool {
+        match self {
+            Self::Still(at) => at.is_valid(),
+            Self::Track(track) => {
+                let times = match &track.clock {
+                    Clock::Even { start_s, step_s } => start_s.is_finite() && *step_s > 0.0,
+                    Clock::At(times) => {
+                        times.len() == track.samples.len()
+                            && times.iter().all(|t| t.is_finite())
+                            && times.windows(2).all(|w| w[0] < w[1])
+                    }
+                };
+                times && track.samples.iter().all(Rigid::is_valid)
+            }
+            Self::Function { at, speed_mps } => {
+                speed_mps.is_finite() && *speed_mps >= 0.0 && at(from_s).is_valid() && at(to_s).is_valid()
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rotation::exp;
+    use glam::DVec3;
+    use proptest::prelude::*;
+
+    fn keys(n: usize) -> impl Strategy<Value = Vec<Rigid>> {
+        let key = (prop::array::uniform3(-1.0f64..1.0), prop::array::uniform3(-1.4f64..1.4));
+        prop::collection::vec(
+            key.prop_map(|(p, v)| Rigid { position: DVec3::from(p), rotation: exp(DVec3::from(v)) }),
+            n,
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn nothing_is_faster_than_said(keys in keys(9), even in any::<bool>(), from in -0.2f64..2.0, length in 0.0f64..1.0) {
+            let clock = if even {
+                Clock::Even { start_s: 0.1, step_s: 0.2 }
+            } else {
+                Clock::At((0..9).map(|i| 0.1 + 0.2 * f64::from(i) + 0.01 * f64::from(i * i)).collect())
+            };
+            let track = Track::rigid(clock.clone(), keys.clone());
+            let p = DVec3::new(0.3, 0.4, -0.2);
+            let cores: Vec<Segment> = keys.iter().map(|k| Segment::new(k.position, k.point(p))).collect();
+            let segments = Track::segment(clock, cores);
+            let (mut way, mut way_of_end) = (0.0, 0.0f64);
+            let n = 400;
+            for i in 0..n {
+                let at = |i: i32| from + length * f64::from(i) / f64::from(n);
+                way += (track.at(at(i + 1)).point(p) - track.at(at(i)).point(p)).length();
+                way_of_end += (segments.at(at(i + 1)).b - segments.at(at(i)).b).length();
+            }
+            prop_assert!(way <= track.speed(from, from + length, p.length()) * length + 1e-9);
+            prop_assert!(way_of_end <= segments.speed(from, from + length) * length + 1e-9);
+        }
+
+        #[test]
+        fn peaks_are_the_largest_of_a_run(values in prop::collection::vec(0.0f64..1.0, 1..40), a in 0usize..40, b in 0usize..40) {
+            let (a, b) = (a % values.len(), b % values.len());
+            let (first, last) = (a.min(b), a.max(b));
+            let largest = values[first..=last].iter().copied().fold(0.0, f64::max);
+            prop_assert_eq!(Peaks::new(values).of(first, last), largest);
+        }
+    }
+
+    #[test]
+    fn keys_are_passed_at_their_times_and_kept_outside() {
+        let place = |x: f64| Rigid::at(DVec3::X * x);
+        let path = Path::keys(&[(1.0, place(0.0)), (2.0, place(3.0)), (4.0, place(3.0))]);
+        let x = |t: f64| path.at(t).position.x;
+        assert_eq!((x(0.0), x(1.0), x(1.5), x(2.0), x(9.0)), (0.0, 0.0, 1.5, 3.0, 3.0));
+        assert_eq!((path.speed(1.2, 1.3, 0.5), path.speed(2.5, 3.0, 0.5)), (3.0, 0.0));
+        assert!(path.is_valid(0.0, 1.0) && !Path::keys(&[]).is_valid(0.0, 1.0));
+        assert!(!Path::keys(&[(2.0, place(0.0)), (1.0, place(1.0))]).is_valid(0.0, 1.0));
+        assert_eq!(Path::keys(&[(1.0, place(2.0))]).at(7.0), place(2.0));
+    }
+}

@@ -1,0 +1,93 @@
+//! A plan allocates nothing after the first one of its size.
+#![allow(unsafe_code, reason = "an allocator that counts is an unsafe trait")]
+
+use glam::{DQuat, DVec3};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use throng_core::{NUM_JOINTS, Skeleton};
+use throng_planner::body::BodyShape;
+use throng_planner::driven::Driven;
+use throng_planner::limits::{BodyLimits, Coordinates};
+use throng_planner::linkage::{Limb, LimbPose, Linkage};
+use throng_planner::planner::{Budget, PlanConfig, Planner};
+use throng_planner::problem::{Problem, Solid, State};
+use throng_planner::rotation::Rigid;
+use throng_planner::setup::ProblemSpec;
+use throng_planner::shape::Shape;
+use throng_planner::track::Path;
+
+thread_local! {
+    /// Allocations of this thread; what the test harness does on others does not count.
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+fn count() {
+    // A thread that is ending has no counter any more, and none that is read.
+    let _ = COUNT.try_with(|c| c.set(c.get() + 1));
+}
+
+// SAFETY: every call is passed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promises are the system allocator's.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn realloc(&self, at: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
+        count();
+        // SAFETY: as above.
+        unsafe { System.realloc(at, layout, new_size) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(at, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn table() -> Problem {
+    let skeleton = Skeleton::default();
+    let limits = BodyLimits::built_in(&skeleton);
+    let linkage = Linkage::limb(Limb::LeftArm);
+    let joints = limits.of_linkage(linkage).expect("limits");
+    let pose = |up: f64, flexion: f64| {
+        let mut pose = LimbPose::REST;
+        pose.0[0] = joints[0].rotation(Coordinates { swing: [0.0, up], twist: 0.0 });
+        pose.0[1] = joints[1].rotation(Coordinates { swing: [flexion, 0.0], twist: 0.0 });
+        pose
+    };
+    let motion = Driven::still(&skeleton, skeleton.offsets[0].as_dvec3(), [DQuat::IDENTITY; NUM_JOINTS]);
+    let shape = BodyShape::fitted(&skeleton);
+    let ends = [State { pose: pose(-1.2, 0.2), time_s: 0.0 }, State { pose: pose(0.1, 0.3), time_s: 1.5 }];
+    let plate = Shape::cuboid(DVec3::new(0.9, 0.03, 0.6));
+    let path = Path::Still(Rigid::at(DVec3::new(0.65, 1.2, 0.55)));
+    let solids = [Solid { name: "table".into(), shape: plate, path }];
+    let spec = ProblemSpec::new(&skeleton, linkage, &limits, &motion, &shape, ends);
+    Problem::new(&ProblemSpec { solids: &solids, ..spec }).expect("a problem")
+}
+
+#[test]
+fn a_plan_allocates_nothing_after_the_first_of_its_size() {
+    let problem = table();
+    let mut planner = Planner::new();
+    let mut plan = |seed: u64| {
+        let before = COUNT.with(Cell::get);
+        let outcome = planner.plan(&problem, &PlanConfig::default(), &Budget { seed, ..Budget::default() });
+        assert!(outcome.is_solved());
+        COUNT.with(Cell::get) - before
+    };
+    assert!(plan(3) > 0);
+    for _ in 0..3 {
+        assert_eq!(plan(3), 0);
+    }
+    // Others, as far as they are no larger than the largest before.
+    let first: u64 = (0..40).map(&mut plan).sum();
+    let later: u64 = (0..40).map(&mut plan).sum();
+    assert!(first < 40 && later == 0, "{first} {later}");
+}
