@@ -180,11 +180,26 @@ impl Planner {
         outcome.roughness[0] = roughness(frames, len, grid.step_s());
         smoother.straighten(way, &mut self.spare_way, smooth.straighten, rng, &keep_on);
         smoother.frames(way, frames);
-        if keep_on() {
-            outcome.eased = smoother.ease(way, frames);
+        // Easing hurries what lies between; where corners cannot be rounded there, even time is smoother.
+        for is_eased in [true, false] {
+            if !keep_on() {
+                break;
+            }
+            outcome.eased = 0.0;
+            if is_eased {
+                outcome.eased = smoother.ease(way, frames);
+            } else {
+                smoother.frames(way, frames);
+            }
             smoother.round_corners(frames, frames_in(smooth.round_s), spare, &mut self.windows);
             std::mem::swap(frames, spare);
             outcome.blended = smoother.blend_ends(frames, spare, frames_in(smooth.blend_s), outcome.eased > 0.0);
+            // What is straight has no corners that easing could make worse.
+            let is_straight = way.len() <= 2;
+            let jerk_rms = roughness(frames, len, grid.step_s()).jerk_rms;
+            if outcome.eased == 0.0 || is_straight || jerk_rms <= outcome.roughness[0].jerk_rms {
+                break;
+            }
         }
         outcome.roughness[1] = roughness(frames, len, grid.step_s());
     }

@@ -234,7 +234,7 @@ impl Recheck<'_> {
         let rest_parts = self.moved(&rest);
         let near = |name: &str, joint: Joint| {
             let own = Joint::from_name(name).or(self.planned.last().map(|p| p.0));
-            own.is_some_and(|j| j.parent() == Some(joint) || joint.parent() == Some(j))
+            own.is_some_and(|j| self.next_inwards(j) == Some(joint) || self.next_inwards(joint) == Some(j))
         };
         for ((name, core), (_, at_rest)) in parts.iter().zip(&rest_parts) {
             for c in self.capsules.iter().filter(|c| !self.carried(c.joint)) {
@@ -248,6 +248,15 @@ impl Recheck<'_> {
                 }
             }
         }
+    }
+
+    /// The next joint towards the hips that has a capsule.
+    fn next_inwards(&self, joint: Joint) -> Option<Joint> {
+        let mut at = joint.parent()?;
+        while !self.capsules.iter().any(|c| c.joint == at) {
+            at = at.parent()?;
+        }
+        Some(at)
     }
 
     fn may_touch(&self, part: &str, with: &str, time_s: f64) -> bool {

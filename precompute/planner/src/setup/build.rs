@@ -119,7 +119,10 @@ impl Problem {
         let body = &self.bodies[b];
         let joints = self.chain.linkage.joints();
         let joint = joints[part.link];
-        if joint.parent() == Some(body.joint) || body.joint.parent() == Some(joint) {
+        // Clavicles have no capsules: upper arms are neighbours of the upper chest.
+        let is_flesh = |j: &Joint| spec.shape.capsules.iter().any(|c| c.joint == *j);
+        let carrier = |j: Joint| std::iter::successors(j.parent(), |p| p.parent()).find(is_flesh);
+        if carrier(joint) == Some(body.joint) || carrier(body.joint) == Some(joint) {
             return true;
         }
         let rest = spec.skeleton.rest_positions();
