@@ -22,7 +22,7 @@ pub struct Activity {
     pub name: String,
     /// What it is asked for by; several activities may have one tag.
     pub tag: String,
-    /// First row in [`Bundle::frames`].
+    /// First row in [`crate::Bundle::frames`].
     pub first_frame: usize,
     /// Number of frames (>= 2).
     pub num_frames: usize,

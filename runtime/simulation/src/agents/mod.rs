@@ -48,7 +48,7 @@ impl<V: Space> Agents<V> {
     /// Puts everybody where they start.
     ///
     /// # Errors
-    /// As [`Layout::new`], and for impossible starts, with the names of their groups; as [`Scenario::new`].
+    /// As [`Layout::new`], and for impossible starts, with the names of their groups; as [`crate::scenario::Scenario::new`].
     pub fn new(compiled: &CompiledScene) -> Result<Self> {
         let scene = compiled.shared();
         let mut layout = Layout::new(scene)?;

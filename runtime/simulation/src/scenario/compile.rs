@@ -38,7 +38,7 @@ impl Scenario {
     /// - `num`: of each group of the scene, its agents.
     ///
     /// # Errors
-    /// [`Error::Text`] with file, line, column, and the nearest name that is known.
+    /// [`throng_base::Error::Text`] with file, line, column, and the nearest name that is known.
     pub fn new(scene: &Scene, primitives: &Primitives) -> Result<Option<Self>> {
         if !scene.has_story() {
             return Ok(None);
