@@ -2,13 +2,14 @@
 #![allow(unsafe_code, reason = "an allocator that counts is an unsafe trait")]
 
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 #[allow(dead_code, reason = "a part of it is enough here")]
 #[path = "blend/runtime/made_up.rs"]
 mod made_up_blend;
 
+use counting::allocations;
 use glam::{Vec2, Vec3};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::hint::black_box;
 use throng_runtime::blend::{HeightField, MAX_AXES, Posture};
 use throng_runtime::characters::{
@@ -24,56 +25,8 @@ use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, Wish, s
 use throng_runtime::world::made_up_floor as made_up;
 use throng_runtime::{Cast, Id, Inline, Mat3x4, NUM_JOINTS, Planar};
 
-thread_local! {
-    /// Allocations of this thread; what the test harness does on others does not count.
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
 /// Where a target hangs before its boxer (m).
 const HOME: Vec3 = Vec3::new(0.0, 1.5, 0.6);
-
-struct Counting;
-
-fn count() {
-    // A thread that is ending has no counter any more, and none that is read.
-    let _ = COUNT.try_with(|c| c.set(c.get() + 1));
-}
-
-// SAFETY: every call is passed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: the caller's promises are the system allocator's.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: as above.
-        unsafe { System.alloc_zeroed(layout) }
-    }
-
-    unsafe fn realloc(&self, at: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
-        count();
-        // SAFETY: as above.
-        unsafe { System.realloc(at, layout, new_size) }
-    }
-
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        // SAFETY: as above.
-        unsafe { System.dealloc(at, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// Allocations of this thread during `work`.
-fn allocations(work: impl FnOnce()) -> u64 {
-    let before = COUNT.get();
-    work();
-    COUNT.get() - before
-}
 
 #[test]
 fn the_counter_sees_allocations() {

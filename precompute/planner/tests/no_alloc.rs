@@ -1,9 +1,11 @@
 //! A plan allocates nothing after the first one of its size.
 #![allow(unsafe_code, reason = "an allocator that counts is an unsafe trait")]
 
+#[path = "../../../tests/common/counting.rs"]
+mod counting;
+
+use counting::allocations;
 use glam::{DQuat, DVec3};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use throng_core::{NUM_JOINTS, Skeleton};
 use throng_planner::body::BodyShape;
 use throng_planner::driven::Driven;
@@ -15,41 +17,6 @@ use throng_planner::rotation::Rigid;
 use throng_planner::setup::ProblemSpec;
 use throng_planner::shape::Shape;
 use throng_planner::track::Path;
-
-thread_local! {
-    /// Allocations of this thread; what the test harness does on others does not count.
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-fn count() {
-    // A thread that is ending has no counter any more, and none that is read.
-    let _ = COUNT.try_with(|c| c.set(c.get() + 1));
-}
-
-// SAFETY: every call is passed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: the caller's promises are the system allocator's.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn realloc(&self, at: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
-        count();
-        // SAFETY: as above.
-        unsafe { System.realloc(at, layout, new_size) }
-    }
-
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        // SAFETY: as above.
-        unsafe { System.dealloc(at, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 fn table() -> Problem {
     let skeleton = Skeleton::default();
@@ -77,10 +44,10 @@ fn a_plan_allocates_nothing_after_the_first_of_its_size() {
     let problem = table();
     let mut planner = Planner::new();
     let mut plan = |seed: u64| {
-        let before = COUNT.with(Cell::get);
-        let outcome = planner.plan(&problem, &PlanConfig::default(), &Budget { seed, ..Budget::default() });
-        assert!(outcome.is_solved());
-        COUNT.with(Cell::get) - before
+        allocations(|| {
+            let outcome = planner.plan(&problem, &PlanConfig::default(), &Budget { seed, ..Budget::default() });
+            assert!(outcome.is_solved());
+        })
     };
     assert!(plan(3) > 0);
     for _ in 0..3 {

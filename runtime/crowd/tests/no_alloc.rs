@@ -1,50 +1,12 @@
 //! Nothing allocates while time passes, nor what answers a signal.
 #![allow(unsafe_code, reason = "an allocator that counts is an unsafe trait")]
 
+#[path = "../../../tests/common/counting.rs"]
+mod counting;
+
+use counting::allocations;
 use glam::Vec3;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use throng_crowd::{Agent, Crowd, EventKind, Go, Id, Obstacle, Route, Sense, Senses, Setup, Streets, Zone};
-
-thread_local! {
-    /// Allocations of this thread.
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-fn count() {
-    let _ = COUNT.try_with(|c| c.set(c.get() + 1));
-}
-
-// SAFETY: every call is passed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: the caller's promises are the system allocator's.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn realloc(&self, at: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
-        count();
-        // SAFETY: as above.
-        unsafe { System.realloc(at, layout, new_size) }
-    }
-
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        // SAFETY: as above.
-        unsafe { System.dealloc(at, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-fn allocations(work: impl FnOnce()) -> u64 {
-    let before = COUNT.get();
-    work();
-    COUNT.get() - before
-}
 
 const NUM: usize = 60;
 
