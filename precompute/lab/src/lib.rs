@@ -7,6 +7,7 @@ pub mod matching;
 pub mod measure;
 pub mod overlap;
 pub mod picture;
+pub mod quality;
 pub mod run;
 pub mod selftest;
 pub mod slip;

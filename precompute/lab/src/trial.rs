@@ -1,6 +1,7 @@
 //! A trial of a bundle: characters chase targets of their own, and what they do is measured.
 
 use crate::overlap::{OverlapMeter, Present};
+use crate::quality::{self, MotionQuality, QualityMeter, Track};
 use crate::slip::SlipMeter;
 use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
@@ -13,7 +14,7 @@ use throng_motion::error::BuildError;
 use throng_runtime::base::limits::{CHARACTERS, SECONDS, STEP_HZ};
 use throng_runtime::characters::{AvoidConfig, Characters, CharactersConfig, Order, PolicyCharacters, Spawn};
 use throng_runtime::stops::REST;
-use throng_runtime::{Body, Bundle, Cast, Contacts, Error, Inline, NUM_JOINTS, Planar, Skeleton};
+use throng_runtime::{Body, Bundle, Cast, Contacts, Error, Inline, NUM_JOINTS, Planar};
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,6 +92,9 @@ pub struct TrialReport {
     pub foot_slip_mean_mps: f64,
     /// 95th percentile of the speed of planted heels and toes (m/s).
     pub foot_slip_p95_mps: f64,
+    /// The motion beside that of the clips.
+    #[serde(flatten)]
+    pub quality: MotionQuality,
     /// Steps of all characters a second of wall time, control and poses included, on one thread.
     pub steps_per_second: f64,
     /// Poses made a second of wall time.
@@ -165,7 +169,7 @@ pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialR
         )));
     }
     let (mut cast, targets) = scatter(tables, config).map_err(fail)?;
-    let mut watch = Watch::new(config, tables.skeleton(), cast.bodies().roots.to_vec(), targets);
+    let mut watch = Watch::new(config, tables, cast.bodies().roots.to_vec(), targets);
     let dt = 1.0 / config.step_hz;
     let mut busy_s = 0.0;
     let steps = (config.seconds * config.step_hz).round().max(1.0) as usize;
@@ -257,6 +261,8 @@ const STILL_M: f32 = 0.15;
 const STILL_S: f32 = 1.0;
 /// Who is slower does not walk (m/s).
 const STANDING_MPS: f32 = 0.1;
+/// Characters whose motion is compared with the clips.
+const TRACKED: usize = 50;
 /// Groups of targets by their distance.
 const RINGS: usize = 4;
 
@@ -295,7 +301,8 @@ fn share(targets: String, reached: impl Iterator<Item = bool>) -> Share {
 }
 
 /// Looks at characters after every step.
-struct Watch {
+struct Watch<'a> {
+    tables: &'a Bundle,
     record: TrialRecord,
     slip: SlipMeter,
     /// Roots at the start.
@@ -308,14 +315,16 @@ struct Watch {
     before: Vec<Planar>,
     /// Steps of all characters on the way, and those in which they stood.
     on_the_way: [u64; 2],
-    skeleton: Skeleton,
     longest_wait_s: f32,
+    /// Of the first [`TRACKED`] characters.
+    tracks: Vec<Track>,
+    segments: Vec<u32>,
     /// Where each character was [`STILL_S`] before the end (m).
     late: Vec<Vec2>,
 }
 
-impl Watch {
-    fn new(config: &TrialConfig, skeleton: &Skeleton, starts: Vec<Planar>, targets: Vec<Vec3>) -> Self {
+impl<'a> Watch<'a> {
+    fn new(config: &TrialConfig, tables: &'a Bundle, starts: Vec<Planar>, targets: Vec<Vec3>) -> Self {
         let n = config.characters;
         let record = TrialRecord {
             trails: vec![Vec::new(); n],
@@ -325,6 +334,7 @@ impl Watch {
         };
         let choices = vec![(0, 0.0); n];
         Self {
+            tables,
             record,
             slip: SlipMeter::new(n),
             before: starts.clone(),
@@ -333,8 +343,9 @@ impl Watch {
             overlaps: OverlapMeter::default(),
             present: Vec::with_capacity(n),
             on_the_way: [0; 2],
-            skeleton: skeleton.clone(),
             longest_wait_s: 0.0,
+            tracks: vec![Track::default(); n.min(TRACKED)],
+            segments: vec![u32::MAX; n.min(TRACKED)],
             late: Vec::new(),
         }
     }
@@ -342,8 +353,9 @@ impl Watch {
     fn observe(&mut self, cast: &PolicyCharacters, config: &TrialConfig, step: usize, dt: f32) {
         let (characters, bodies) = (cast.characters(), cast.bodies());
         self.present.clear();
-        let one =
-            |c: usize| Present::with_body(c, &Body { root: bodies.roots[c], model: &bodies.model[c] }, &self.skeleton);
+        let one = |c: usize| {
+            Present::with_body(c, &Body { root: bodies.roots[c], model: &bodies.model[c] }, self.tables.skeleton())
+        };
         self.present.extend((0..config.characters).map(one));
         self.overlaps.observe(&self.present);
         let time_s = step as f32 * dt;
@@ -375,6 +387,7 @@ impl Watch {
             }
         }
         self.slip.observe_characters(characters, dt);
+        self.track(characters);
         let Some(c) = config.recorded else { return };
         self.record.frames.push(TrialFrame {
             time_s,
@@ -383,6 +396,21 @@ impl Watch {
             contacts: characters.contacts(c),
             segment: characters.segment(c).0,
         });
+    }
+
+    /// Adds a sample to each track.
+    fn track(&mut self, characters: &Characters) {
+        let segments = &self.tables.graph().segments;
+        for (c, (track, last)) in self.tracks.iter_mut().zip(&mut self.segments).enumerate() {
+            let now = characters.segment(c).0;
+            let of = |s: u32| segments.get(s as usize);
+            let goes_on = of(*last).zip(of(now)).is_none_or(|(a, b)| a.start + a.num_frames == b.start);
+            if now != *last && !goes_on {
+                track.changes.push(track.positions.len());
+            }
+            *last = now;
+            track.positions.push(characters.joint_positions(c));
+        }
     }
 
     /// Grows the trails up to the snapshot, and takes it.
@@ -425,6 +453,9 @@ impl Watch {
             Vec2::new(seen.x, seen.z)
         };
         let choices: u64 = (0..n).map(|c| u64::from(characters.num_choices(c))).sum();
+        let tables_hz = self.tables.meta().rate_hz as f32;
+        let mut meter = QualityMeter::new(config.step_hz.max(tables_hz), tables_hz);
+        self.tracks.iter().for_each(|t| meter.add(t));
         let per_second = |count: f64| count / busy_s.max(1e-9);
         let report = TrialReport {
             characters: n,
@@ -442,6 +473,7 @@ impl Watch {
             stopped_share: self.on_the_way[1] as f64 / self.on_the_way[0].max(1) as f64,
             foot_slip_mean_mps: self.slip.mean_mps(),
             foot_slip_p95_mps: self.slip.p95_mps(),
+            quality: MotionQuality::new(&meter.figures(), &quality::of_clips(self.tables)),
             steps_per_second: per_second((steps + 1) as f64),
             poses_per_second: per_second(((steps + 1) * n) as f64),
             choices_per_second: per_second(choices as f64),

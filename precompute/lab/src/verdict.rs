@@ -2,15 +2,15 @@
 
 use crate::abilities::{Abilities, unused_clips};
 use crate::matching::runs;
+use crate::quality::clip_joints;
 use crate::slip::{Feet, SlipMeter};
 use crate::trial::{self, Share, TrialConfig, TrialReport};
 use serde::Serialize;
 use throng_bake::config::BuildConfig;
 use throng_bake::policy::BehaviourKind;
-use throng_motion::clip::joint_transforms;
 use throng_motion::error::BuildError;
+use throng_runtime::Bundle;
 use throng_runtime::characters::CharactersConfig;
-use throng_runtime::{Bundle, Planar};
 
 /// Reached by as many, targets are well within reach.
 const GOOD: f64 = 0.95;
@@ -157,7 +157,7 @@ fn worst(shares: &[Share]) -> Option<&Share> {
 
 /// Mean speed of planted heels and toes in the clips (m/s).
 fn source_slip(tables: &Bundle) -> f64 {
-    let (skeleton, clips) = (tables.skeleton(), tables.clips());
+    let clips = tables.clips();
     let mut slip = SlipMeter::new(1);
     for run in runs(tables) {
         if clips[clips.partition_point(|c| c.first_frame <= run.start).saturating_sub(1)].mirrored != 0 {
@@ -165,12 +165,7 @@ fn source_slip(tables: &Bundle) -> f64 {
         }
         slip.forget_step();
         for f in run {
-            let (row, code) = (&tables.frames()[f as usize], tables.rotation_code());
-            let [x, z, heading] = row.planar;
-            let root = Planar::new(x, z, heading);
-            let at = root.translation().with_y(row.height);
-            let local = |j: usize| if j == 0 { root.rotation() * code.rotation(row, 0) } else { code.rotation(row, j) };
-            let joints = joint_transforms(skeleton, at, local);
+            let joints = clip_joints(tables, f);
             let feet = Feet::joints(|j| joints[j.index()].0);
             slip.observe(0, 1.0 / tables.meta().rate_hz as f32, tables.contacts()[f as usize], feet);
         }

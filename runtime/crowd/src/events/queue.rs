@@ -20,8 +20,8 @@ pub(crate) struct Calendar {
     /// First agent of each page; pages of all turns that fall together share one.
     first: Vec<u32>,
     entries: Vec<Entry>,
-    /// The page that is open, the earliest last, if it is sorted.
-    open: Vec<Due>,
+    /// Agents of the page that is open, the earliest last, if it is sorted.
+    open: Vec<u32>,
     /// Nothing was put in since it was sorted.
     is_sorted: bool,
     /// Number of the page that is open; entries of all pages before it are in it too.
@@ -42,20 +42,6 @@ struct Entry {
 const NOWHERE: u32 = NONE - 1;
 const OPEN: u32 = NONE - 2;
 
-/// An event of the open page.
-#[derive(Clone, Copy, Debug)]
-struct Due {
-    time: f64,
-    agent: u32,
-}
-
-impl Due {
-    /// In the order of time, and then of number.
-    fn order(&self, other: &Self) -> Ordering {
-        self.time.total_cmp(&other.time).then(self.agent.cmp(&other.agent))
-    }
-}
-
 /// How far [`Calendar::scout`] has looked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scout {
@@ -72,7 +58,7 @@ impl Default for Scout {
 
 impl Calendar {
     /// Bytes of an agent: its event, what it senses, its timer.
-    pub const BYTES_EACH: usize = 3 * (size_of::<Entry>() + size_of::<Due>());
+    pub const BYTES_EACH: usize = 3 * (size_of::<Entry>() + size_of::<u32>());
 
     /// Empty, for agents with numbers below `capacity`.
     pub fn new(capacity: usize) -> Self {
@@ -107,7 +93,7 @@ impl Calendar {
         let page = self.page_of(time);
         if page <= self.page {
             // Many may come at the same time: they are sorted together.
-            self.open.push(Due { time, agent });
+            self.open.push(agent);
             self.is_sorted = false;
             self.entries[m].previous = OPEN;
             return;
@@ -127,8 +113,8 @@ impl Calendar {
             NOWHERE => return,
             OPEN => {
                 self.sort_open();
-                let due = Due { time: self.entries[m].time, agent };
-                let at = self.open.partition_point(|o| due.order(o).is_lt());
+                let entries = &self.entries;
+                let at = self.open.partition_point(|&o| order(entries, agent, o).is_lt());
                 self.open.remove(at);
             }
             _ => self.unlink(agent),
@@ -152,7 +138,8 @@ impl Calendar {
             self.open_page();
         }
         self.sort_open();
-        let Due { time, agent } = *self.open.last()?;
+        let agent = *self.open.last()?;
+        let time = self.entries[agent as usize].time;
         (time <= until).then_some((time, agent))
     }
 
@@ -188,7 +175,8 @@ impl Calendar {
 
     fn sort_open(&mut self) {
         if !self.is_sorted {
-            self.open.sort_unstable_by(|a, b| b.order(a));
+            let entries = &self.entries;
+            self.open.sort_unstable_by(|&a, &b| order(entries, b, a));
             self.is_sorted = true;
         }
     }
@@ -213,12 +201,18 @@ impl Calendar {
             if self.page_of(time) == self.page {
                 self.unlink(agent);
                 self.entries[agent as usize].previous = OPEN;
-                self.open.push(Due { time, agent });
+                self.open.push(agent);
             }
             agent = next;
         }
         self.is_sorted = false;
     }
+}
+
+/// Order of two agents by the time of their events, and then by number.
+fn order(entries: &[Entry], one: u32, other: u32) -> Ordering {
+    let time = |agent: u32| entries[agent as usize].time;
+    time(one).total_cmp(&time(other)).then(one.cmp(&other))
 }
 
 #[cfg(test)]

@@ -94,7 +94,8 @@ impl<V: Space> Engine<V> {
         if sense.cells && sensors.senses.cell_m > 0.0 {
             let cell = |at: V| sensors.cell(at);
             if let Some(at) = leaves_cell(&plan, cell, sensors.senses.cell_m, now, plan.end) {
-                take(at, 2, Sensed::Crossed { from: cell(plan.at(now).0), to: cell(plan.at(at).0) });
+                let (from, to) = (cell(plan.at(now).0), cell(plan.at(at).0));
+                take(at, 2, Sensed::Crossed { by: [0, 1].map(|i| (to[i] - from[i]) as i16) });
             }
         }
         let meet_m = sensors.senses.meet_m;
@@ -180,7 +181,11 @@ impl<V: Space> Engine<V> {
             }
             Sensed::CameTo(zone) => self.tell(agent, EventKind::CameTo { zone: zone as usize }),
             Sensed::WentFrom(zone) => self.tell(agent, EventKind::WentFrom { zone: zone as usize }),
-            Sensed::Crossed { from, to } => self.tell(agent, EventKind::Crossed { from, to }),
+            Sensed::Crossed { by } => {
+                let to = self.sensors.cell(self.cells.plan(agent).at(time).0);
+                let from = [0, 1].map(|i: usize| to[i].wrapping_sub(i32::from(by[i])));
+                self.tell(agent, EventKind::Crossed { from, to });
+            }
         }
         self.look_about(agent);
     }

@@ -20,7 +20,7 @@ use std::collections::HashMap;
 use throng_base::{Error, Hash128, SnapshotKind, StateHash};
 
 /// Grows by one with every change of what is kept.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// All that time changes.
 #[derive(Serialize, Deserialize)]

@@ -96,7 +96,10 @@ pub(crate) enum Sensed {
     Met(u32),
     CameTo(u32),
     WentFrom(u32),
-    Crossed { from: [i32; 2], to: [i32; 2] },
+    /// So many cells along each axis.
+    Crossed {
+        by: [i16; 2],
+    },
 }
 
 /// What is known of one agent that senses.

@@ -106,7 +106,10 @@ pub struct Reason {
     pub(super) rule: u32,
     /// Number of the edge that was taken; [`NONE`] for none.
     pub(super) edge: u32,
-    pub(super) context: Context,
+    /// Who it was about; [`NONE`] for nobody.
+    pub(super) other: u32,
+    /// Where; [`NO`] for nowhere.
+    pub(super) place: u16,
 }
 
 /// How somebody learnt of an event.
@@ -152,7 +155,7 @@ impl Mind {
             begun: 0,
             handled: 0,
             handled_at: -1.0,
-            reason: Reason { time_s: 0.0, trigger: 0, rule: NONE, edge: NONE, context },
+            reason: Reason { time_s: 0.0, trigger: 0, rule: NONE, edge: NONE, other: NONE, place: NO },
         }
     }
 

@@ -573,9 +573,7 @@ impl Minds {
                 let graph = usize::from(self.scenario.states[usize::from(state)].of);
                 let kind = TurnKind::Takes { level, graph, edge: usize::from(number), changes: to != state };
                 self.note(agent, stimulus, kind);
-                let reason =
-                    Reason { time_s: self.now, trigger: stimulus.trigger, rule: NONE, edge, context: stimulus.context };
-                self.minds[m].reason = reason;
+                self.minds[m].reason = Reason { edge, ..self.reason(stimulus) };
                 if to != state {
                     self.enter_state(stage, agent, u32::from(to), stimulus.context)?;
                 }
@@ -611,8 +609,7 @@ impl Minds {
             if rule.pause_s > 0.0 {
                 self.followed[pause] = self.now;
             }
-            self.minds[m].reason =
-                Reason { time_s: self.now, trigger: stimulus.trigger, rule: number, edge: NONE, context };
+            self.minds[m].reason = Reason { rule: number, ..self.reason(stimulus) };
             self.note(agent, stimulus, TurnKind::Follows(number as usize));
             if rule.is_instant {
                 self.do_at_once(stage, agent, rule.actions, context)?;
@@ -850,6 +847,12 @@ impl Minds {
         let value = run(&self.scenario.code, program, &mut view);
         self.minds[agent as usize].draws = draws;
         value != 0.0
+    }
+
+    /// A reason that names neither rule nor edge yet.
+    fn reason(&self, Stimulus { trigger, context, .. }: Stimulus) -> Reason {
+        let Context { other, place, .. } = context;
+        Reason { time_s: self.now, trigger, rule: NONE, edge: NONE, other, place }
     }
 
     fn circle(&self, agent: u32, trigger: u16) -> Error {

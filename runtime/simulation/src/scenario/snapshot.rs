@@ -8,7 +8,7 @@ use crate::kind::refused;
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, SnapshotKind};
 
-const KIND: SnapshotKind = SnapshotKind { what: "minds", tag: *b"MIND", version: 2, setup: 0 };
+const KIND: SnapshotKind = SnapshotKind { what: "minds", tag: *b"MIND", version: 3, setup: 0 };
 
 /// All that time changes. Names are those of [`Minds`].
 #[derive(Serialize, Deserialize)]
@@ -115,7 +115,8 @@ impl Minds {
             (r.rule == NONE || (r.rule as usize) < scenario.rules.len())
                 && (r.edge == NONE || (r.edge as usize) < scenario.edges.len())
                 && usize::from(r.trigger) < scenario.rules_of.len()
-                && is_context(&r.context)
+                && is_agent(r.other)
+                && (r.place == NO || usize::from(r.place) < scenario.places.len())
         };
         let is_state = |(level, s): (usize, &u16)| {
             *s == NO || scenario.states.get(usize::from(*s)).is_some_and(|state| usize::from(state.level) == level)
