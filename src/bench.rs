@@ -3,6 +3,7 @@
 mod blend;
 mod bundle;
 pub mod crowd;
+mod motion;
 mod people;
 mod scenario;
 mod steering;
@@ -24,6 +25,7 @@ enum What {
     Bundle(bundle::Args),
     World(world::Args),
     Blend(blend::Args),
+    Motion(motion::Args),
     Crowd(crowd::Args),
     Steering(steering::Args),
     People(people::Args),
@@ -38,6 +40,7 @@ pub fn run(args: &Args) -> Outcome {
         What::Bundle(a) => bundle::run(a),
         What::World(a) => world::run(a),
         What::Blend(a) => blend::run(a),
+        What::Motion(a) => motion::run(a),
         What::Crowd(a) => crowd::run(a),
         What::Steering(a) => steering::run(a),
         What::People(a) => people::run(a),

@@ -4,7 +4,7 @@ use crate::args::{CrowdArgs, Outcome};
 use crate::{build, keys, output, progress, run};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::report::BuildReport;
@@ -37,15 +37,21 @@ struct Report {
     build: BuildReport,
 }
 
-pub fn run(args: &Args) -> Outcome {
+/// Bakes the synthetic walk.
+pub fn bake(bundle: &Path) -> Result<BuildReport, Box<dyn std::error::Error>> {
     let clips = tempfile::tempdir()?;
     eprintln!("synthesising motion ...");
     synth::write(SynthSet::Walk, &SynthConfig::default(), clips.path())?;
     eprintln!("baking it ...");
     let mut config = BuildConfig::new("demo", vec![clips.path().to_path_buf()]);
     config.resample.mirror = true;
-    let built = pipeline::build(&config, &args.bundle, &Cache::none(), &progress::Bar::default())?;
+    let built = pipeline::build(&config, bundle, &Cache::none(), &progress::Bar::default())?;
     output::warnings(&built.skipped, &built.warnings);
+    Ok(built)
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let built = bake(&args.bundle)?;
     eprintln!("running the crowd ...");
     let tables = crate::args::open(&args.bundle)?;
     // Farther than most targets of a run, so that many pass each other.

@@ -103,7 +103,7 @@ pub fn run(args: &Args) -> Outcome {
 }
 
 /// The bundle of some motion, which is built into the cache where it is not there yet.
-fn motion_bundle(motion: &[PathBuf], cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
+pub fn motion_bundle(motion: &[PathBuf], cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let otherwise = folder.path().join("motion.throng");
     let bundle = with(cache, |with| run::ensure_motion(motion, &otherwise, with))?;

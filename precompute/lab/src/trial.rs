@@ -398,7 +398,7 @@ impl<'a> Watch<'a> {
         });
     }
 
-    /// Adds a sample to each track.
+    /// Adds a sample to each track of who is still on the way.
     fn track(&mut self, characters: &Characters) {
         let segments = &self.tables.graph().segments;
         for (c, (track, last)) in self.tracks.iter_mut().zip(&mut self.segments).enumerate() {
@@ -409,7 +409,9 @@ impl<'a> Watch<'a> {
                 track.changes.push(track.positions.len());
             }
             *last = now;
-            track.positions.push(characters.joint_positions(c));
+            if self.record.arrivals_s[c].is_infinite() {
+                track.positions.push(characters.joint_positions(c));
+            }
         }
     }
 

@@ -153,3 +153,19 @@ fn pose(frame: u32, clip: u32) -> [Quat; NUM_JOINTS] {
     }
     pose
 }
+
+/// A number of the rows between one and the next, by Hermite's cubic: tangents are half the way between the neighbours,
+/// and at an end of a clip the way to the only one.
+pub(crate) fn curve(r: &super::MotionSet, from: usize, ratio: f32, number: impl Fn(&FrameRow) -> f32) -> f32 {
+    let clip =
+        r.clips.iter().find(|c| (c.first_frame as usize..(c.first_frame + c.num_frames) as usize).contains(&from));
+    let clip = clip.expect("the clip of a frame");
+    let (first, end) = (clip.first_frame as usize, (clip.first_frame + clip.num_frames) as usize);
+    let at = |frame: usize| number(&r.frames[frame]);
+    let (a, b) = (at(from), at((from + 1).min(end - 1)));
+    let leaves = if from > first { 0.5 * (b - at(from - 1)) } else { b - a };
+    let arrives = if from + 2 < end { 0.5 * (at(from + 2) - a) } else { b - a };
+    let t = ratio;
+    let (t2, t3) = (t * t, t * t * t);
+    (2.0 * t3 - 3.0 * t2 + 1.0) * a + (t3 - 2.0 * t2 + t) * leaves + (3.0 * t2 - 2.0 * t3) * b + (t3 - t2) * arrives
+}

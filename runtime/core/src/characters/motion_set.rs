@@ -7,12 +7,14 @@ use crate::graph::MotionGraph;
 use crate::hits::HitRecord;
 use crate::planar::Planar;
 use crate::policy::PolicyTable;
+use crate::pose::{Spot, weights};
 use crate::skeleton::{Joint, Skeleton};
 use crate::stops::StopTables;
 
 use super::anatomy::Anatomy;
 use glam::Vec3;
 use std::sync::Arc;
+use throng_base::simd::{Array, Lanes};
 
 /// Everything of a bundle that characters need to move. Owned: it keeps the bundle's file open; clones are cheap.
 #[derive(Clone, Debug)]
@@ -107,16 +109,44 @@ impl MotionSet {
         root.rotation() * point + root.translation()
     }
 
+    /// Rows around a place between a frame and the next one.
+    ///
+    /// - `is_within`: both have neighbours in their clip; otherwise it is looked up.
+    #[inline]
+    pub(crate) fn spot(&self, frame: u32, ratio: f32, is_within: bool) -> Spot {
+        let [before, after] = if is_within { [true; 2] } else { self.neighbours(frame) };
+        let at = frame as usize;
+        let rows = [at - usize::from(before), at, at + 1, at + 1 + usize::from(after)];
+        Spot { rows, ratio, has: [before, after].map(|has| f32::from(u8::from(has))) }
+    }
+
+    /// Whether the clip has a frame before one, and one after the next.
+    fn neighbours(&self, frame: u32) -> [bool; 2] {
+        let clip = &self.clips[self.clip_of(frame)];
+        [frame > clip.first_frame, frame + 2 < clip.first_frame + clip.num_frames]
+    }
+
+    /// The frames before and after one in its clip; the frame itself where there is none.
+    pub(crate) fn around(&self, frame: u32) -> [u32; 2] {
+        let clip = &self.clips[self.clip_of(frame)];
+        [frame.max(clip.first_frame + 1) - 1, (frame + 1).min(clip.first_frame + clip.num_frames - 1)]
+    }
+
     /// Planar root within its clip, some frames after one; the last frame is not passed.
     pub(crate) fn planar_at(&self, first: u32, frames: f32) -> Planar {
         let whole = frames.max(0.0) as u32;
-        let (a, share) = (self.planar(first + whole), frames - whole as f32);
+        let share = frames - whole as f32;
         if share <= 0.0 {
-            return a;
+            return self.planar(first + whole);
         }
-        let b = self.planar(first + whole + 1);
-        let between = |a: f32, b: f32| a + (b - a) * share;
-        Planar::new(between(a.x, b.x), between(a.z, b.z), between(a.heading, b.heading))
+        let Spot { rows, ratio, has } = self.spot(first + whole, share, false);
+        let weights = weights(Array::splat(ratio), has.map(Array::splat)).map(|w| w.to_array()[0]);
+        let all = rows.map(|row| self.frames[row].planar);
+        let number = |k: usize| {
+            let of = |i: usize| all[i][k] * weights[i];
+            (of(1) + of(2)) + (of(0) + of(3))
+        };
+        Planar::new(number(0), number(1), number(2))
     }
 
     /// Planar root of a frame within its clip.

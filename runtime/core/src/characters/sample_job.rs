@@ -50,18 +50,15 @@ impl Work for SampleJob<'_> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let rows = &*self.motion_set.frames;
-        let last = rows.len() - 1;
+        let set = self.motion_set;
         let batches = self.frames.chunks(LANES).zip(self.ratios.chunks(LANES));
         for ((frames, ratios), out) in batches.zip(self.matrices.chunks_mut(LANES * NUM_JOINTS)) {
-            let lane = |l: usize| l.min(frames.len() - 1);
-            let at: [usize; LANES] = std::array::from_fn(|l| frames[lane(l)] as usize);
-            let cursor = Cursor {
-                rows: [at.map(|f| &rows[f]), at.map(|f| &rows[(f + 1).min(last)])],
-                code: &self.motion_set.rotation_code,
-                ratio: F::from_array(std::array::from_fn(|l| ratios[lane(l)])),
-            };
-            write_matrices(&to_model(shared(&self.motion_set.skeleton), &sample::<F>(&cursor)), frames.len(), out);
+            let spots = std::array::from_fn(|l| {
+                let l = l.min(frames.len() - 1);
+                set.spot(frames[l], ratios[l], false).until(set.frames.len() - 1)
+            });
+            let cursor = Cursor::at(&spots, &set.frames, &set.rotation_code);
+            write_matrices(&to_model(shared(&set.skeleton), &sample::<F>(&cursor)), frames.len(), out);
         }
     }
 }

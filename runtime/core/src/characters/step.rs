@@ -14,10 +14,8 @@ use super::reaction;
 use super::times::{Clock, Laps, Phase};
 use super::{Asked, CharactersConfig};
 use crate::contacts::Contacts;
-use crate::format::FrameRow;
 use crate::pose::{
-    Cursor, LocalTransform, Mat3x4, Placement, between, lock_foot, sample, shared, to_model, write_locals,
-    write_matrices,
+    Cursor, LocalTransform, Mat3x4, Placement, Spot, lock_foot, sample, shared, to_model, write_locals, write_matrices,
 };
 use crate::skeleton::NUM_JOINTS;
 use throng_base::simd::{Functions, LANES, Lanes, Work, dispatch};
@@ -138,18 +136,18 @@ fn pose<F: Lanes>(
 ) {
     let r = tick.motion_set;
     let mut laps = Laps::start(tick.clock);
-    let mut at = [0usize; LANES];
-    let mut ratio = [0.0; LANES];
-    for lane in 0..LANES {
+    let mut spots = [Spot::default(); LANES];
+    for (lane, spot) in spots.iter_mut().enumerate() {
         // The last frame of a clip has none after it, so it is reached from the one before.
         let time = block.time[lane].max(0.0);
         let whole = (time as u32).min(block.length[lane].saturating_sub(1));
-        at[lane] = (block.first[lane] + whole) as usize;
-        ratio[lane] = time - whole as f32;
-        block.contacts[lane] = r.contacts[at[lane] + usize::from(ratio[lane] > 0.5)];
+        let frame = block.first[lane] + whole;
+        // Within a segment, all neighbours are of its clip.
+        let is_within = whole > 0 && whole + 2 <= block.length[lane];
+        *spot = r.spot(frame, time - whole as f32, is_within);
+        block.contacts[lane] = r.contacts[spot.rows[1 + usize::from(spot.ratio > 0.5)]];
     }
-    let rows = [at.map(|f| &r.frames[f]), at.map(|f| &r.frames[f + 1])];
-    let cursor = Cursor { rows, code: &r.rotation_code, ratio: F::from_array(ratio) };
+    let cursor: Cursor<'_, F> = Cursor::at(&spots, &r.frames, &r.rotation_code);
     let place = place(block, &cursor);
     let mut local = sample(&cursor);
     local.root.y = local.root.y + place.y;
@@ -182,11 +180,7 @@ fn pose<F: Lanes>(
 /// Updates the planar roots.
 #[inline(always)]
 fn place<F: Lanes>(block: &mut Block, cursor: &Cursor<'_, F>) -> Placement<F> {
-    let [from, to] = &cursor.rows;
-    let planar = |rows: &[&FrameRow; LANES], k: usize| rows.map(|r| r.planar[k]);
-    let px = between(&planar(from, 0), &planar(to, 0), cursor.ratio);
-    let pz = between(&planar(from, 1), &planar(to, 1), cursor.ratio);
-    let ph = between(&planar(from, 2), &planar(to, 2), cursor.ratio);
+    let [px, pz, ph] = std::array::from_fn(|k| cursor.number(|r| r.planar[k]));
     let [tx, tz, th] = &block.clip_to_world;
     let (tx, tz, th) = (F::load(tx), F::load(tz), F::load(th));
     let (clip_sin, clip_cos) = th.sin_cos8();

@@ -1,7 +1,7 @@
 //! Steps against a plain reference, one joint after the other, on made-up tables.
 
 use super::made_up::FRAMES;
-pub(crate) use super::made_up::{tables, tables_with};
+pub(crate) use super::made_up::{curve, tables, tables_with};
 use super::*;
 use crate::hits::HitRecord;
 use glam::Quat;
@@ -23,20 +23,19 @@ fn reference(r: &MotionSet, characters: &Characters, c: usize) -> [Vec3; NUM_JOI
     let (segment, time) = characters.segment(c);
     let frame = r.graph.segments[segment as usize].start as usize + time as usize;
     let root = characters.root(c);
-    model(r, frame, frame + 1, time.fract()).map(|p| root.translation() + root.rotation() * p)
+    model(r, frame, time.fract()).map(|p| root.translation() + root.rotation() * p)
 }
 
-/// Model-space positions of all joints between two rows, joint after joint.
-fn model(r: &MotionSet, from: usize, to: usize, ratio: f32) -> [Vec3; NUM_JOINTS] {
-    let (a, b) = (&r.frames[from], &r.frames[to]);
+/// Model-space positions of all joints between a row and the next, joint after joint.
+fn model(r: &MotionSet, from: usize, ratio: f32) -> [Vec3; NUM_JOINTS] {
     let mut out = [(Vec3::ZERO, Quat::IDENTITY); NUM_JOINTS];
     for j in Joint::ALL {
-        // No joint of these clips turns far, so x, y and z go straight and w follows.
-        let [from, onto] = [a, b].map(|row| r.rotation_code.rotation(row, j.index()).xyz());
-        let v = from.lerp(onto, ratio);
+        // No joint of these clips turns far, so w follows from x, y and z.
+        let of = |k: usize| curve(r, from, ratio, |row| r.rotation_code.rotation(row, j.index()).to_array()[k]);
+        let v = Vec3::new(of(0), of(1), of(2));
         let q = Quat::from_xyzw(v.x, v.y, v.z, (1.0 - v.length_squared()).sqrt());
         out[j.index()] = match j.parent() {
-            None => (Vec3::Y * (a.height + (b.height - a.height) * ratio), q),
+            None => (Vec3::Y * curve(r, from, ratio, |row| row.height), q),
             Some(p) => {
                 let (position, rotation) = out[p.index()];
                 (position + rotation * r.skeleton.offsets[j.index()], rotation * q)
@@ -77,7 +76,7 @@ fn sampled_frames_are_those_of_the_rows() {
     let mut matrices = vec![Mat3x4::default(); 5 * NUM_JOINTS];
     SampleJob { motion_set: &r, frames: &frames, ratios: &ratios, matrices: &mut matrices }.run().unwrap();
     for (i, (&f, &ratio)) in frames.iter().zip(&ratios).enumerate() {
-        let want = model(&r, f as usize, (f as usize + 1).min(119), ratio);
+        let want = model(&r, f as usize, ratio);
         for (got, want) in matrices[i * NUM_JOINTS..].iter().zip(want) {
             assert!((got.translation() - want).length() < 1e-5);
         }

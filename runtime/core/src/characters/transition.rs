@@ -10,7 +10,7 @@ use super::decay::Decay;
 use crate::format::FrameRow;
 use crate::planar::Planar;
 use crate::pose::{get, load, set, store};
-use crate::skeleton::NUM_JOINTS;
+use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::Vec3;
 use throng_base::simd::{LANES, Lanes, Q, V, Work, dispatch};
 
@@ -19,9 +19,9 @@ use throng_base::simd::{LANES, Lanes, Q, V, Work, dispatch};
 pub(crate) struct Change {
     /// The character.
     pub character: u32,
-    /// Last frame of the old segment; the one before it is in the same clip.
+    /// Last frame of the old segment.
     pub from: u32,
-    /// First frame of the new segment; the one after it is in the same clip.
+    /// First frame of the new segment.
     pub to: u32,
     /// Age of the old offsets at the change (s).
     pub age_s: f32,
@@ -55,30 +55,19 @@ impl Work for Start<'_> {
 #[inline(always)]
 fn start_lanes<F: Lanes>(Start { group, motion_set, half_life_s, blocks }: Start<'_>) {
     let lane_of = |l: usize| group[l.min(group.len() - 1)];
-    let rows = |offset: i64, from: bool| -> [&FrameRow; LANES] {
-        std::array::from_fn(|l| {
-            let c = lane_of(l);
-            &motion_set.frames[(i64::from(if from { c.from } else { c.to }) + offset) as usize]
-        })
-    };
-    let (before, last) = (rows(-1, true), rows(0, true));
-    let (first, after) = (rows(0, false), rows(1, false));
+    let old_end = Knot::new(&std::array::from_fn(|l| lane_of(l).from), motion_set);
+    let new_begin = Knot::new(&std::array::from_fn(|l| lane_of(l).to), motion_set);
     let age = F::from_array(std::array::from_fn(|l| lane_of(l).age_s));
     let (old, old_rate) = (Decay::new(age, half_life_s), Decay::rate(age, half_life_s));
-    let rate = F::splat(motion_set.rate_hz);
-
     for j in 0..NUM_JOINTS {
         let (x, v) = gather(group, blocks, |b, lane| {
             let o = &b.offsets;
             (decode(&o.rotation[j], lane, ROTATION_CODES), decode(&o.rotation_velocity[j], lane, VELOCITY_CODES))
         });
-        let [q_before, q_last, q_first, q_after] =
-            [before, last, first, after].map(|rows| motion_set.rotation_code.of_rows::<F>(&rows, j));
-        let shown = Q::from_mrp(old.apply(x, v)) * q_last;
-        let offset = (shown * q_first.conjugate()).to_mrp();
-        let old_velocity = (q_last * q_before.conjugate()).to_mrp();
-        let new_velocity = (q_after * q_first.conjugate()).to_mrp();
-        let velocity = (old_velocity - new_velocity) * rate + old_rate.apply(x, v);
+        let [last, first] = [&old_end, &new_begin].map(|k| motion_set.rotation_code.of_rows::<F>(&k.at, j));
+        let shown = Q::from_mrp(old.apply(x, v)) * last;
+        let offset = (shown * first.conjugate()).to_mrp();
+        let velocity = old_end.turning(motion_set, j) - new_begin.turning(motion_set, j) + old_rate.apply(x, v);
         scatter(group, blocks, offset, velocity, |b, lane, x, v| {
             encode(&mut b.offsets.rotation[j], lane, ROTATION_CODES, x);
             encode(&mut b.offsets.rotation_velocity[j], lane, VELOCITY_CODES, v);
@@ -86,27 +75,65 @@ fn start_lanes<F: Lanes>(Start { group, motion_set, half_life_s, blocks }: Start
     }
     let (x, v) = gather(group, blocks, |b, lane| (get(&b.offsets.root, lane), get(&b.offsets.root_velocity, lane)));
     let zero = F::splat(0.0);
-    let height = |r: &[&FrameRow; LANES]| r.map(|r| r.height);
+    let height = |k: &Knot<'_, F>| F::load(&k.at.map(|r| r.height));
     let lift = F::from_array(std::array::from_fn(|l| lane_of(l).lift));
     let drift = |axis: usize| F::from_array(std::array::from_fn(|l| lane_of(l).drift[axis]));
-    let offset = old.apply(x, v) + V::new(zero, F::load(&height(&last)) - F::load(&height(&first)) + lift, zero);
-    let step = root_step(&before, &last) - root_step(&first, &after) + V::new(drift(0), drift(1), drift(2));
-    let velocity = step * rate + old_rate.apply(x, v);
+    let offset = old.apply(x, v) + V::new(zero, height(&old_end) - height(&new_begin) + lift, zero);
+    let drifts = V::new(drift(0), drift(1), drift(2)) * F::splat(motion_set.rate_hz);
+    let velocity = old_end.moving() - new_begin.moving() + drifts + old_rate.apply(x, v);
     scatter(group, blocks, offset, velocity, |b, lane, x, v| {
         set(&mut b.offsets.root, lane, x);
         set(&mut b.offsets.root_velocity, lane, v);
     });
 }
 
-/// How far the hips move from one row to the next, in the frame of the planar root (m).
-#[inline(always)]
-fn root_step<F: Lanes>(from: &[&FrameRow; LANES], to: &[&FrameRow; LANES]) -> V<F> {
-    let step: [Vec3; LANES] = std::array::from_fn(|l| {
-        let planar = |r: &FrameRow| Planar::new(r.planar[0], r.planar[1], r.planar[2]);
-        let d = planar(from[l]).to_local(planar(to[l]));
-        Vec3::new(d.x, to[l].height - from[l].height, d.z)
-    });
-    V::new(F::from_array(step.map(|s| s.x)), F::from_array(step.map(|s| s.y)), F::from_array(step.map(|s| s.z)))
+/// A row of each lane, and its neighbours in its clip.
+struct Knot<'a, F> {
+    at: [&'a FrameRow; LANES],
+    /// The neighbours; the row itself where it is the first or the last one of its clip.
+    before: [&'a FrameRow; LANES],
+    after: [&'a FrameRow; LANES],
+    /// From one neighbour to the other (1/s).
+    rate: F,
+}
+
+impl<'a, F: Lanes> Knot<'a, F> {
+    fn new(frames: &[u32; LANES], motion_set: &'a MotionSet) -> Self {
+        let around = frames.map(|frame| motion_set.around(frame));
+        let rows = |of: &dyn Fn(usize) -> u32| std::array::from_fn(|l| &motion_set.frames[of(l) as usize]);
+        let span = |l: usize| (around[l][1] - around[l][0]).max(1) as f32;
+        Self {
+            at: rows(&|l| frames[l]),
+            before: rows(&|l| around[l][0]),
+            after: rows(&|l| around[l][1]),
+            rate: F::from_array(std::array::from_fn(|l| motion_set.rate_hz / span(l))),
+        }
+    }
+
+    /// How fast a joint turns there, the tangent of the curve through the rows. The hips turn with the planar root, too.
+    #[inline(always)]
+    fn turning(&self, motion_set: &MotionSet, joint: usize) -> V<F> {
+        let [before, after] = [&self.before, &self.after].map(|r| motion_set.rotation_code.of_rows::<F>(r, joint));
+        let mut turn = (after * before.conjugate()).to_mrp();
+        if joint == Joint::Hips.index() {
+            let heading = std::array::from_fn(|l| self.after[l].planar[2] - self.before[l].planar[2]);
+            // Modified Rodrigues parameters of a small turn are a quarter of it.
+            turn.y = turn.y + F::splat(0.25) * F::from_array(heading);
+        }
+        turn * self.rate
+    }
+
+    /// How fast the hips move, in the frame of the planar root (m/s).
+    #[inline(always)]
+    fn moving(&self) -> V<F> {
+        let step: [Vec3; LANES] = std::array::from_fn(|l| {
+            let planar = |r: &FrameRow| Planar::new(r.planar[0], r.planar[1], r.planar[2]);
+            let [before, after] = [self.before[l], self.after[l]].map(|r| planar(self.at[l]).to_local(planar(r)));
+            Vec3::new(after.x - before.x, self.after[l].height - self.before[l].height, after.z - before.z)
+        });
+        let axis = |of: &dyn Fn(&Vec3) -> f32| F::from_array(std::array::from_fn(|l| of(&step[l])));
+        V::new(axis(&|s| s.x), axis(&|s| s.y), axis(&|s| s.z)) * self.rate
+    }
 }
 
 #[inline(always)]

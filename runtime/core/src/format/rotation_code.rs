@@ -76,12 +76,15 @@ impl JointCode {
         [first, first + x, first + x + y, first + x + y + z]
     }
 
-    /// Component k between the values of two words.
+    /// Component k: the weighted sum of the values of some words. Weights add up to 1.
     #[inline(always)]
-    fn value<F: Lanes>(&self, from: [u64; LANES], to: [u64; LANES], shift: u32, ratio: F, k: usize) -> F {
+    fn value<F: Lanes, const N: usize>(&self, words: &[[u64; LANES]; N], shift: u32, weights: &[F; N], k: usize) -> F {
         let bits = u32::from(self.bits[k]);
-        let (a, b) = (F::field(from, shift, bits), F::field(to, shift, bits));
-        F::splat(self.low[k]) + F::splat(self.step[k]) * (a + (b - a) * ratio)
+        let mut sum = F::field(words[0], shift, bits) * weights[0];
+        for i in 1..N {
+            sum = sum + F::field(words[i], shift, bits) * weights[i];
+        }
+        F::splat(self.low[k]) + F::splat(self.step[k]) * sum
     }
 
     /// The coded rotation, before it is turned by the centre.
@@ -203,19 +206,30 @@ impl RotationCode {
         (Quat::from_array(code.centre) * code.coded(row)).normalize()
     }
 
-    /// The rotation of a joint between two rows of each of eight characters. Unit length.
+    /// The rotation of a joint between some rows of each of eight characters. Unit length.
+    ///
+    /// - `weights`: of the rows; they add up to 1.
     #[inline(always)]
-    pub(crate) fn between<F: Lanes>(&self, [from, to]: [&[&FrameRow; LANES]; 2], ratio: F, joint: usize) -> Q<F> {
+    pub(crate) fn between<F: Lanes, const N: usize>(
+        &self,
+        rows: &[[&FrameRow; LANES]; N],
+        weights: &[F; N],
+        joint: usize,
+    ) -> Q<F> {
         let code = &self.joints[joint];
         let (byte, first) = code.word();
-        let (a, b) = (words(from, byte), words(to, byte));
-        let [x, y, z, w] = code.shifts(first);
-        let v = V::new(code.value(a, b, x, ratio, 0), code.value(a, b, y, ratio, 1), code.value(a, b, z, ratio, 2));
+        let words: [_; N] = std::array::from_fn(|i| words(&rows[i], byte));
+        let shifts = code.shifts(first);
+        let value = |k: usize| code.value(&words, shifts[k], weights, k);
+        let v = V::new(value(0), value(1), value(2));
         let coded = if code.stores_w() {
-            Q::new(v, code.value(a, b, w, ratio, 3)).normalize()
+            Q::new(v, value(3)).normalize()
         } else {
-            // A point between two of the unit ball lies in it.
-            Q::new(v, (F::splat(1.0) - v.dot(v)).max(F::splat(0.0)).sqrt())
+            let (one, square) = (F::splat(1.0), v.dot(v));
+            let w = (one - square).max(F::splat(0.0)).sqrt();
+            // A point between two of the unit ball lies in it; a curve may swing out of it a little. Other lanes keep their bits.
+            let inside = |v: V<F>| V::select_lt(one, square, v * (one / square.sqrt()), v);
+            Q::new(if square.any_gt(one) { inside(v) } else { v }, w)
         };
         let [x, y, z, w] = code.centre;
         if w == 1.0 { coded } else { Q::new(V::splat(Vec3::new(x, y, z)), F::splat(w)) * coded }
@@ -224,7 +238,7 @@ impl RotationCode {
     /// The rotation of a joint in a row of each of eight characters. Unit length.
     #[inline(always)]
     pub(crate) fn of_rows<F: Lanes>(&self, rows: &[&FrameRow; LANES], joint: usize) -> Q<F> {
-        self.between([rows, rows], F::splat(0.0), joint)
+        self.between(&[*rows], &[F::splat(1.0)], joint)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Courses against the formula of their roots, and transitions between them.
 
 use super::*;
-use crate::characters::tests::{starts, tables, targets};
+use crate::characters::tests::{curve, starts, tables, targets};
 use crate::characters::{CharactersConfig, FootLockConfig, Goal};
 use crate::skeleton::{Joint, NUM_JOINTS};
 use throng_base::Error;
@@ -42,9 +42,8 @@ fn roots_are_those_of_the_clip_with_a_linear_share_of_what_is_missing() {
             let (frame, time) = characters.scheduled_clip(i);
             assert_eq!(frame, c.frame);
             let (whole, part) = (time as u32, time.fract());
-            let [a, b] = [whole, whole + 1].map(|k| r.planar(c.frame + c.from_offset).to_local(r.planar(c.frame + k)));
-            let between = |a: f32, b: f32| a + (b - a) * part;
-            let moved = Planar::new(between(a.x, b.x), between(a.z, b.z), between(a.heading, b.heading));
+            let number = |k: usize| curve(&r, (c.frame + whole) as usize, part, |row| row.planar[k]);
+            let moved = r.planar(c.frame + c.from_offset).to_local(Planar::new(number(0), number(1), number(2)));
             let share = (time - c.from_offset as f32) / (c.num_frames - c.from_offset) as f32;
             let at = c.root.compose(moved);
             let m = c.missing;

@@ -122,8 +122,8 @@ impl Work for Between<'_> {
     type Output = [[f32; 4]; LANES];
 
     fn run<F: Lanes>(self) -> Self::Output {
-        let [from, to] = &self.rows;
-        let q = self.code.between([from, to], F::splat(self.ratio), self.joint);
+        let weights = [F::splat(1.0 - self.ratio), F::splat(self.ratio)];
+        let q = self.code.between(&self.rows, &weights, self.joint);
         F::rows([q.v.x, q.v.y, q.v.z, q.w])
     }
 }

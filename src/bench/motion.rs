@@ -1,0 +1,86 @@
+//! `throng bench motion`: does motion at run time look like the clips that it comes from?
+
+use crate::args::{CacheArgs, Outcome, is_bundle};
+use crate::{keys, output, run};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::PathBuf;
+use throng_precompute::quality::MotionQuality;
+use throng_precompute::trial::{self, TrialConfig};
+
+/// Compare motion at run time with its clips: low toes, knees, changes of segment, smoothness, life of the hands.
+///
+/// 200 characters chase targets for 20 s; the first 50 are looked at in every frame.
+#[derive(clap::Args)]
+#[command(after_long_help = keys::section::<Figures>("JSON keys (of each of `results[]`)"))]
+pub struct Args {
+    /// Bundles, and folders or files of motion, each by itself; the synthetic walk by default.
+    #[arg(value_name = "BUNDLE_OR_MOTION")]
+    what: Vec<PathBuf>,
+    #[command(flatten)]
+    cache: CacheArgs,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was found of one bundle.
+#[derive(Serialize, JsonSchema)]
+struct Figures {
+    /// What was looked at.
+    name: String,
+    #[serde(flatten)]
+    quality: MotionQuality,
+    /// 95th percentile of the speed of planted heels and toes (m/s).
+    foot_slip_p95_mps: f64,
+    /// Share of the characters that came within reach of their target.
+    reached_fraction: f64,
+}
+
+#[derive(Serialize)]
+struct Results {
+    results: Vec<Figures>,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let mut results = Vec::new();
+    if args.what.is_empty() {
+        let folder = tempfile::tempdir()?;
+        let bundle = folder.path().join("demo.throng");
+        crate::demo::bake(&bundle)?;
+        results.push(figures("synthetic walk".into(), &crate::args::open(&bundle)?)?);
+    }
+    for what in &args.what {
+        let motion = std::slice::from_ref(what);
+        let tables = if is_bundle(what) { crate::args::open(what)? } else { run::motion_bundle(motion, &args.cache)? };
+        results.push(figures(what.display().to_string(), &tables)?);
+    }
+    if args.json {
+        return output::json(&Results { results });
+    }
+    let mut text = String::from(
+        "low toes m/s (clips)  knee max  p99.9  at changes  between frames  hand > 6 Hz (clips)  slip m/s\n",
+    );
+    for Figures { name, quality: q, foot_slip_p95_mps, .. } in &results {
+        text.push_str(&format!(
+            "{:11.2} ({:.2}) {:11.2} {:6.2} {:11.2} {:15.2} {:12.3} ({:.3}) {:9.3}  {name}\n",
+            q.toe_speed_low_p95_mps,
+            q.source_toe_speed_low_p95_mps,
+            q.knee_rate_max_ratio,
+            q.knee_rate_p999_ratio,
+            q.change_acceleration_ratio.unwrap_or(0.0),
+            q.hips_acceleration_between_frames,
+            q.hand_power_above_6hz,
+            q.source_hand_power_above_6hz,
+            foot_slip_p95_mps,
+        ));
+    }
+    output::text(text)
+}
+
+fn figures(name: String, tables: &throng_runtime::Bundle) -> Result<Figures, Box<dyn std::error::Error>> {
+    let config = TrialConfig { characters: 200, ..TrialConfig::default() };
+    let (report, _) = trial::run(tables, &config)?;
+    let (quality, foot_slip_p95_mps) = (report.quality, report.foot_slip_p95_mps);
+    Ok(Figures { name, quality, foot_slip_p95_mps, reached_fraction: report.reached_fraction })
+}
