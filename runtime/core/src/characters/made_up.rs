@@ -154,6 +154,7 @@ fn pose(frame: u32, clip: u32) -> [Quat; NUM_JOINTS] {
     pose
 }
 
+#[cfg(test)]
 /// A number of the rows between one and the next, by Hermite's cubic: tangents are half the way between the neighbours,
 /// and at an end of a clip the way to the only one.
 pub(crate) fn curve(r: &super::MotionSet, from: usize, ratio: f32, number: impl Fn(&FrameRow) -> f32) -> f32 {

@@ -7,14 +7,14 @@ use crate::graph::MotionGraph;
 use crate::hits::HitRecord;
 use crate::planar::Planar;
 use crate::policy::PolicyTable;
-use crate::pose::{Spot, weights};
+use crate::pose::{Spot, WINDOW, number};
 use crate::skeleton::{Joint, Skeleton};
 use crate::stops::StopTables;
 
 use super::anatomy::Anatomy;
+use bytemuck::Zeroable;
 use glam::Vec3;
 use std::sync::Arc;
-use throng_base::simd::{Array, Lanes};
 
 /// Everything of a bundle that characters need to move. Owned: it keeps the bundle's file open; clones are cheap.
 #[derive(Clone, Debug)]
@@ -23,6 +23,8 @@ pub struct MotionSet {
     pub(crate) rotation_code: Arc<RotationCode>,
     pub(crate) contacts: Table<Contacts>,
     pub(crate) clips: Table<ClipRecord>,
+    /// Whether the clip goes on after a frame (frames).
+    has_next: Arc<[bool]>,
     pub(crate) hits: Table<HitRecord>,
     /// First hit of each segment, and the one after its last (number of segments).
     segment_hits: Table<[u32; 2]>,
@@ -41,10 +43,11 @@ impl MotionSet {
     /// Takes what is needed of an open bundle.
     pub fn new(tables: &Bundle) -> Self {
         Self {
-            frames: tables.frames().clone(),
+            frames: at_least(tables.frames(), WINDOW),
             rotation_code: Arc::new(*tables.rotation_code()),
             contacts: tables.contacts().clone(),
             clips: tables.clips().clone(),
+            has_next: has_next(tables.clips(), tables.frames().len()),
             hits: tables.hits().clone(),
             segment_hits: segment_hits(tables.graph(), tables.hits()).into(),
             graph: tables.graph().clone(),
@@ -109,27 +112,26 @@ impl MotionSet {
         root.rotation() * point + root.translation()
     }
 
-    /// Rows around a place between a frame and the next one.
+    /// A place between a frame and the next one.
     ///
     /// - `is_within`: both have neighbours in their clip; otherwise it is looked up.
     #[inline]
     pub(crate) fn spot(&self, frame: u32, ratio: f32, is_within: bool) -> Spot {
-        let [before, after] = if is_within { [true; 2] } else { self.neighbours(frame) };
-        let at = frame as usize;
-        let rows = [at - usize::from(before), at, at + 1, at + 1 + usize::from(after)];
-        Spot { rows, ratio, has: [before, after].map(|has| f32::from(u8::from(has))) }
+        let has = if is_within { [true; 2] } else { self.neighbours(frame) };
+        Spot { frame: frame as usize, ratio, has }
     }
 
     /// Whether the clip has a frame before one, and one after the next.
+    #[inline]
     fn neighbours(&self, frame: u32) -> [bool; 2] {
-        let clip = &self.clips[self.clip_of(frame)];
-        [frame > clip.first_frame, frame + 2 < clip.first_frame + clip.num_frames]
+        let goes_on = |at: usize| self.has_next.get(at).copied().unwrap_or(false);
+        [frame > 0 && goes_on(frame as usize - 1), goes_on(frame as usize + 1)]
     }
 
     /// The frames before and after one in its clip; the frame itself where there is none.
     pub(crate) fn around(&self, frame: u32) -> [u32; 2] {
-        let clip = &self.clips[self.clip_of(frame)];
-        [frame.max(clip.first_frame + 1) - 1, (frame + 1).min(clip.first_frame + clip.num_frames - 1)]
+        let has_before = frame > 0 && self.has_next[frame as usize - 1];
+        [frame - u32::from(has_before), frame + u32::from(self.has_next[frame as usize])]
     }
 
     /// Planar root within its clip, some frames after one; the last frame is not passed.
@@ -139,14 +141,9 @@ impl MotionSet {
         if share <= 0.0 {
             return self.planar(first + whole);
         }
-        let Spot { rows, ratio, has } = self.spot(first + whole, share, false);
-        let weights = weights(Array::splat(ratio), has.map(Array::splat)).map(|w| w.to_array()[0]);
-        let all = rows.map(|row| self.frames[row].planar);
-        let number = |k: usize| {
-            let of = |i: usize| all[i][k] * weights[i];
-            (of(1) + of(2)) + (of(0) + of(3))
-        };
-        Planar::new(number(0), number(1), number(2))
+        let spot = self.spot(first + whole, share, false);
+        let of = |k: usize| number(spot, self.frames.len(), |row| self.frames[row].planar[k]);
+        Planar::new(of(0), of(1), of(2))
     }
 
     /// Planar root of a frame within its clip.
@@ -154,6 +151,25 @@ impl MotionSet {
         let [x, z, heading] = self.frames[frame as usize].planar;
         Planar::new(x, z, heading)
     }
+}
+
+/// Whether the clip goes on after each frame.
+fn has_next(clips: &[ClipRecord], num_frames: usize) -> Arc<[bool]> {
+    let mut out = vec![true; num_frames];
+    for clip in clips.iter().filter(|c| c.num_frames > 0) {
+        out[(clip.first_frame + clip.num_frames - 1) as usize] = false;
+    }
+    out.into()
+}
+
+/// The rows of a database, or so many where it has fewer: poses are made of a window of rows.
+fn at_least(frames: &Table<FrameRow>, num: usize) -> Table<FrameRow> {
+    if frames.len() >= num {
+        return frames.clone();
+    }
+    let mut rows = frames.to_vec();
+    rows.resize(num, FrameRow::zeroed());
+    rows.into()
 }
 
 /// The hits in `(start, start + num_frames]` of every segment.

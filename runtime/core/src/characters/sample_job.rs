@@ -55,10 +55,11 @@ impl Work for SampleJob<'_> {
         for ((frames, ratios), out) in batches.zip(self.matrices.chunks_mut(LANES * NUM_JOINTS)) {
             let spots = std::array::from_fn(|l| {
                 let l = l.min(frames.len() - 1);
-                set.spot(frames[l], ratios[l], false).until(set.frames.len() - 1)
+                set.spot(frames[l], ratios[l], false)
             });
-            let cursor = Cursor::at(&spots, &set.frames, &set.rotation_code);
-            write_matrices(&to_model(shared(&set.skeleton), &sample::<F>(&cursor)), frames.len(), out);
+            let cursor: Cursor<'_, F> = Cursor::at(&spots, &set.frames, &set.rotation_code);
+            let [.., height] = cursor.root();
+            write_matrices(&to_model(shared(&set.skeleton), sample(&cursor, height)), out);
         }
     }
 }

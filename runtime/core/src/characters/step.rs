@@ -145,14 +145,15 @@ fn pose<F: Lanes>(
         // Within a segment, all neighbours are of its clip.
         let is_within = whole > 0 && whole + 2 <= block.length[lane];
         *spot = r.spot(frame, time - whole as f32, is_within);
-        block.contacts[lane] = r.contacts[spot.rows[1 + usize::from(spot.ratio > 0.5)]];
+        block.contacts[lane] = r.contacts[spot.frame + usize::from(spot.ratio > 0.5)];
     }
     let cursor: Cursor<'_, F> = Cursor::at(&spots, &r.frames, &r.rotation_code);
-    let place = place(block, &cursor);
-    let mut local = sample(&cursor);
+    let [x, z, heading, height] = cursor.root();
+    let place = place(block, [x, z, heading]);
+    let mut local = sample(&cursor, height);
     local.root.y = local.root.y + place.y;
     add_offsets(&mut local, block, tick.config.half_life_s);
-    let mut model = to_model(shared(&r.skeleton), &local);
+    let mut model = to_model(shared(&r.skeleton), local);
     laps.end(Phase::Sample);
     if tick.config.reaction.enabled && reaction::any::<F>(&block.reaction) {
         reaction::react(&r.anatomy, &tick.config.reaction, decay, &place, &mut block.reaction, &mut model);
@@ -170,7 +171,7 @@ fn pose<F: Lanes>(
         }
     }
     laps.end(Phase::FootLock);
-    write_matrices(&model, matrices.len() / NUM_JOINTS, matrices);
+    write_matrices(&model, matrices);
     if !locals.is_empty() {
         write_locals(shared(&r.skeleton), &model, locals.len() / NUM_JOINTS, locals);
     }
@@ -178,9 +179,11 @@ fn pose<F: Lanes>(
 }
 
 /// Updates the planar roots.
+///
+/// - `in_clip`: x, z and heading within the clip.
 #[inline(always)]
-fn place<F: Lanes>(block: &mut Block, cursor: &Cursor<'_, F>) -> Placement<F> {
-    let [px, pz, ph] = std::array::from_fn(|k| cursor.number(|r| r.planar[k]));
+fn place<F: Lanes>(block: &mut Block, in_clip: [F; 3]) -> Placement<F> {
+    let [px, pz, ph] = in_clip;
     let [tx, tz, th] = &block.clip_to_world;
     let (tx, tz, th) = (F::load(tx), F::load(tz), F::load(th));
     let (clip_sin, clip_cos) = th.sin_cos8();

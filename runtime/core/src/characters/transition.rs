@@ -64,7 +64,8 @@ fn start_lanes<F: Lanes>(Start { group, motion_set, half_life_s, blocks }: Start
             let o = &b.offsets;
             (decode(&o.rotation[j], lane, ROTATION_CODES), decode(&o.rotation_velocity[j], lane, VELOCITY_CODES))
         });
-        let [last, first] = [&old_end, &new_begin].map(|k| motion_set.rotation_code.of_rows::<F>(&k.at, j));
+        let last = motion_set.rotation_code.of_rows::<F>(&old_end.at, j);
+        let first = motion_set.rotation_code.of_rows::<F>(&new_begin.at, j);
         let shown = Q::from_mrp(old.apply(x, v)) * last;
         let offset = (shown * first.conjugate()).to_mrp();
         let velocity = old_end.turning(motion_set, j) - new_begin.turning(motion_set, j) + old_rate.apply(x, v);
@@ -75,10 +76,9 @@ fn start_lanes<F: Lanes>(Start { group, motion_set, half_life_s, blocks }: Start
     }
     let (x, v) = gather(group, blocks, |b, lane| (get(&b.offsets.root, lane), get(&b.offsets.root_velocity, lane)));
     let zero = F::splat(0.0);
-    let height = |k: &Knot<'_, F>| F::load(&k.at.map(|r| r.height));
     let lift = F::from_array(std::array::from_fn(|l| lane_of(l).lift));
     let drift = |axis: usize| F::from_array(std::array::from_fn(|l| lane_of(l).drift[axis]));
-    let offset = old.apply(x, v) + V::new(zero, height(&old_end) - height(&new_begin) + lift, zero);
+    let offset = old.apply(x, v) + V::new(zero, old_end.height() - new_begin.height() + lift, zero);
     let drifts = V::new(drift(0), drift(1), drift(2)) * F::splat(motion_set.rate_hz);
     let velocity = old_end.moving() - new_begin.moving() + drifts + old_rate.apply(x, v);
     scatter(group, blocks, offset, velocity, |b, lane, x, v| {
@@ -98,6 +98,7 @@ struct Knot<'a, F> {
 }
 
 impl<'a, F: Lanes> Knot<'a, F> {
+    #[inline(always)]
     fn new(frames: &[u32; LANES], motion_set: &'a MotionSet) -> Self {
         let around = frames.map(|frame| motion_set.around(frame));
         let rows = |of: &dyn Fn(usize) -> u32| std::array::from_fn(|l| &motion_set.frames[of(l) as usize]);
@@ -113,7 +114,8 @@ impl<'a, F: Lanes> Knot<'a, F> {
     /// How fast a joint turns there, the tangent of the curve through the rows. The hips turn with the planar root, too.
     #[inline(always)]
     fn turning(&self, motion_set: &MotionSet, joint: usize) -> V<F> {
-        let [before, after] = [&self.before, &self.after].map(|r| motion_set.rotation_code.of_rows::<F>(r, joint));
+        let before = motion_set.rotation_code.of_rows::<F>(&self.before, joint);
+        let after = motion_set.rotation_code.of_rows::<F>(&self.after, joint);
         let mut turn = (after * before.conjugate()).to_mrp();
         if joint == Joint::Hips.index() {
             let heading = std::array::from_fn(|l| self.after[l].planar[2] - self.before[l].planar[2]);
@@ -121,6 +123,12 @@ impl<'a, F: Lanes> Knot<'a, F> {
             turn.y = turn.y + F::splat(0.25) * F::from_array(heading);
         }
         turn * self.rate
+    }
+
+    /// Of the hips (m).
+    #[inline(always)]
+    fn height(&self) -> F {
+        F::load(&self.at.map(|r| r.height))
     }
 
     /// How fast the hips move, in the frame of the planar root (m/s).
@@ -131,8 +139,8 @@ impl<'a, F: Lanes> Knot<'a, F> {
             let [before, after] = [self.before[l], self.after[l]].map(|r| planar(self.at[l]).to_local(planar(r)));
             Vec3::new(after.x - before.x, self.after[l].height - self.before[l].height, after.z - before.z)
         });
-        let axis = |of: &dyn Fn(&Vec3) -> f32| F::from_array(std::array::from_fn(|l| of(&step[l])));
-        V::new(axis(&|s| s.x), axis(&|s| s.y), axis(&|s| s.z)) * self.rate
+        let [x, y, z] = [step.map(|s| s.x), step.map(|s| s.y), step.map(|s| s.z)];
+        V::new(F::load(&x), F::load(&y), F::load(&z)) * self.rate
     }
 }
 

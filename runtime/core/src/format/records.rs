@@ -17,6 +17,15 @@ pub struct FrameRow {
     pub rotations: [u8; ROTATION_BYTES],
 }
 
+impl FrameRow {
+    /// The planar root, and the height of the hips.
+    #[inline(always)]
+    pub(crate) fn root(&self) -> &[f32; 4] {
+        // The first four numbers of the row.
+        bytemuck::from_bytes(&bytemuck::bytes_of(self)[..16])
+    }
+}
+
 /// Bytes of a frame's rotations.
 pub const ROTATION_BYTES: usize = 80;
 

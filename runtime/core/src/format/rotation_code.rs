@@ -212,24 +212,33 @@ impl RotationCode {
     #[inline(always)]
     pub(crate) fn between<F: Lanes, const N: usize>(
         &self,
-        rows: &[[&FrameRow; LANES]; N],
+        rows: &[&[FrameRow; N]; LANES],
         weights: &[F; N],
         joint: usize,
     ) -> Q<F> {
         let code = &self.joints[joint];
         let (byte, first) = code.word();
-        let words: [_; N] = std::array::from_fn(|i| words(&rows[i], byte));
-        let shifts = code.shifts(first);
-        let value = |k: usize| code.value(&words, shifts[k], weights, k);
-        let v = V::new(value(0), value(1), value(2));
+        let mut there = [[0; LANES]; N];
+        for (l, rows) in rows.iter().enumerate() {
+            for (there, row) in there.iter_mut().zip(*rows) {
+                there[l] = word(row, byte);
+            }
+        }
+        let [x, y, z, w] = code.shifts(first);
+        let mut v = V::new(
+            code.value(&there, x, weights, 0),
+            code.value(&there, y, weights, 1),
+            code.value(&there, z, weights, 2),
+        );
         let coded = if code.stores_w() {
-            Q::new(v, value(3)).normalize()
+            Q::new(v, code.value(&there, w, weights, 3)).normalize()
         } else {
             let (one, square) = (F::splat(1.0), v.dot(v));
-            let w = (one - square).max(F::splat(0.0)).sqrt();
             // A point between two of the unit ball lies in it; a curve may swing out of it a little. Other lanes keep their bits.
-            let inside = |v: V<F>| V::select_lt(one, square, v * (one / square.sqrt()), v);
-            Q::new(if square.any_gt(one) { inside(v) } else { v }, w)
+            if square.any_gt(one) {
+                v = V::select_lt(one, square, v * (one / square.sqrt()), v);
+            }
+            Q::new(v, (one - square).max(F::splat(0.0)).sqrt())
         };
         let [x, y, z, w] = code.centre;
         if w == 1.0 { coded } else { Q::new(V::splat(Vec3::new(x, y, z)), F::splat(w)) * coded }
@@ -238,7 +247,11 @@ impl RotationCode {
     /// The rotation of a joint in a row of each of eight characters. Unit length.
     #[inline(always)]
     pub(crate) fn of_rows<F: Lanes>(&self, rows: &[&FrameRow; LANES], joint: usize) -> Q<F> {
-        self.between(&[*rows], &[F::splat(1.0)], joint)
+        let mut one = [std::array::from_ref(rows[0]); LANES];
+        for (one, row) in one.iter_mut().zip(rows) {
+            *one = std::array::from_ref(*row);
+        }
+        self.between(&one, &[F::splat(1.0)], joint)
     }
 }
 
@@ -247,22 +260,6 @@ impl RotationCode {
 fn word(row: &FrameRow, byte: usize) -> u64 {
     let bytes = row.rotations[byte..].first_chunk().unwrap_or(&[0; 8]);
     u64::from_le_bytes(*bytes)
-}
-
-/// The same of each of eight rows.
-#[inline(always)]
-fn words(rows: &[&FrameRow; LANES], byte: usize) -> [u64; LANES] {
-    let [a, b, c, d, e, f, g, h] = *rows;
-    [
-        word(a, byte),
-        word(b, byte),
-        word(c, byte),
-        word(d, byte),
-        word(e, byte),
-        word(f, byte),
-        word(g, byte),
-        word(h, byte),
-    ]
 }
 
 /// The middle and the lowest and widest of each component, as a code without bits whose steps are whole ranges; and the

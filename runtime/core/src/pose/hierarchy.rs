@@ -33,25 +33,38 @@ pub(crate) struct ModelPose<F> {
 
 /// Applies the hierarchy; `offset` tells how far each joint lies from its parent in rest pose.
 #[inline(always)]
-pub(crate) fn to_model<F: Lanes>(offset: impl Fn(usize) -> V<F>, pose: &LanePose<F>) -> ModelPose<F> {
-    let mut out = ModelPose { rotations: pose.rotations, positions: [pose.root; NUM_JOINTS] };
+pub(crate) fn to_model<F: Lanes>(offset: impl Fn(usize) -> V<F>, pose: LanePose<F>) -> ModelPose<F> {
+    let LanePose { root, mut rotations } = pose;
+    let mut positions = [root; NUM_JOINTS];
     for j in 1..NUM_JOINTS {
-        let (r, p) = (out.rotations[PARENTS[j]], out.positions[PARENTS[j]]);
-        out.rotations[j] = r * pose.rotations[j];
-        out.positions[j] = p + r.rotate(offset(j));
+        let (r, p) = (rotations[PARENTS[j]], positions[PARENTS[j]]);
+        rotations[j] = r * rotations[j];
+        positions[j] = p + r.rotate(offset(j));
     }
-    out
+    ModelPose { rotations, positions }
 }
 
-/// Writes the matrices of the first `count` lanes (count * NUM_JOINTS).
+/// Writes the matrices of the first lanes (at most LANES * NUM_JOINTS).
 #[inline(always)]
-pub(crate) fn write_matrices<F: Lanes>(pose: &ModelPose<F>, count: usize, out: &mut [Mat3x4]) {
+pub(crate) fn write_matrices<F: Lanes>(pose: &ModelPose<F>, out: &mut [Mat3x4]) {
+    // A full block, as nearly all are: where all goes is known beforehand.
+    if let Some(all) = out.first_chunk_mut::<{ LANES * NUM_JOINTS }>() {
+        return write_rows(pose, all);
+    }
+    let mut all = [Mat3x4::default(); LANES * NUM_JOINTS];
+    write_rows(pose, &mut all);
+    out.copy_from_slice(&all[..out.len()]);
+}
+
+/// Writes the matrices of all lanes.
+#[inline(always)]
+fn write_rows<F: Lanes>(pose: &ModelPose<F>, out: &mut [Mat3x4; LANES * NUM_JOINTS]) {
     for j in 0..NUM_JOINTS {
         let m = pose.rotations[j].matrix();
         let t = [pose.positions[j].x, pose.positions[j].y, pose.positions[j].z];
         for row in 0..3 {
             let rows = F::rows([m[row][0], m[row][1], m[row][2], t[row]]);
-            for lane in 0..count.min(LANES) {
+            for lane in 0..LANES {
                 out[lane * NUM_JOINTS + j].rows[row] = rows[lane];
             }
         }

@@ -76,15 +76,23 @@ pub(crate) fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPo
 
     // Lanes that need no correction keep their leg to the last bit, whatever their neighbours do.
     let amount = correction.dot(correction);
-    let chosen_v = |old: V<F>, new: V<F>| V::select_lt(F::splat(NO_CORRECTION), amount, new, old);
-    let chosen_q = |old: Q<F>, new: Q<F>| {
-        Q::new(chosen_v(old.v, new.v), F::select_lt(F::splat(NO_CORRECTION), amount, new.w, old.w))
-    };
     let (thigh, shin) = (pose.rotations[leg.thigh], pose.rotations[leg.shin]);
-    pose.rotations[leg.thigh] = chosen_q(thigh, Q::between(knee - hip, new_knee - hip) * thigh);
-    pose.rotations[leg.shin] = chosen_q(shin, Q::between(ankle - knee, new_ankle - new_knee) * shin);
+    pose.rotations[leg.thigh] = chosen_q(amount, thigh, Q::between(knee - hip, new_knee - hip) * thigh);
+    pose.rotations[leg.shin] = chosen_q(amount, shin, Q::between(ankle - knee, new_ankle - new_knee) * shin);
     let toe = pose.positions[leg.toe];
-    pose.positions[leg.toe] = chosen_v(toe, toe + (new_ankle - ankle));
-    pose.positions[leg.shin] = chosen_v(knee, new_knee);
-    pose.positions[leg.foot] = chosen_v(ankle, new_ankle);
+    pose.positions[leg.toe] = chosen_v(amount, toe, toe + (new_ankle - ankle));
+    pose.positions[leg.shin] = chosen_v(amount, knee, new_knee);
+    pose.positions[leg.foot] = chosen_v(amount, ankle, new_ankle);
+}
+
+/// `new` where a correction is one (m^2).
+#[inline(always)]
+fn chosen_v<F: Lanes>(amount: F, old: V<F>, new: V<F>) -> V<F> {
+    V::select_lt(F::splat(NO_CORRECTION), amount, new, old)
+}
+
+/// Likewise.
+#[inline(always)]
+fn chosen_q<F: Lanes>(amount: F, old: Q<F>, new: Q<F>) -> Q<F> {
+    Q::new(chosen_v(amount, old.v, new.v), F::select_lt(F::splat(NO_CORRECTION), amount, new.w, old.w))
 }

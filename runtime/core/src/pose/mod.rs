@@ -16,4 +16,4 @@ pub(crate) use lanes::{Lane, Lane3, get, load, planar, set, store};
 pub(crate) use leg::{Leg, bend, move_leg};
 pub use matrix::{LocalTransform, Mat3x4};
 pub(crate) use placement::Placement;
-pub(crate) use sample::{Cursor, LanePose, Spot, sample, weights};
+pub(crate) use sample::{Cursor, LanePose, Spot, WINDOW, number, sample};

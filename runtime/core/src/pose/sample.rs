@@ -5,68 +5,129 @@
 
 use crate::format::{FrameRow, RotationCode};
 use crate::skeleton::NUM_JOINTS;
-use throng_base::simd::{LANES, Lanes, Q, V};
+use throng_base::simd::{Array, LANES, Lanes, Q, V};
+
+/// Rows that a pose is made of.
+pub(crate) const WINDOW: usize = 4;
 
 /// Where eight characters are in the database.
 pub(crate) struct Cursor<'a, F> {
-    /// The frame before the last one, the one at or before, the one after, and the next. Where a clip has no such frame, any,
-    /// as its weight is zero.
-    pub rows: [[&'a FrameRow; LANES]; 4],
+    /// Rows that follow each other, of each.
+    pub rows: [&'a [FrameRow; WINDOW]; LANES],
     /// How their rotations are packed.
     pub code: &'a RotationCode,
-    /// Weights of the rows.
-    pub weights: [F; 4],
+    /// Weights of the rows; they add up to 1.
+    pub weights: [F; WINDOW],
 }
 
 /// Where one character is.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Spot {
-    /// Rows of [`Cursor::rows`].
-    pub rows: [usize; 4],
-    /// How far from the second row to the third, 0 to 1.
+    /// The row at or before.
+    pub frame: usize,
+    /// How far to the next row, 0 to 1.
     pub ratio: f32,
-    /// 1 where the first and the last row are of the clip, 0 where they are not.
-    pub has: [f32; 2],
+    /// True where the clip has a row before, and one after the next.
+    pub has: [bool; 2],
 }
 
 impl Spot {
-    /// The same, where no row may be after one.
-    pub fn until(self, last: usize) -> Self {
-        Self { rows: self.rows.map(|row| row.min(last)), ..self }
+    /// First row of a window of those that count, and their weights in it.
+    ///
+    /// - `num_rows`: of the database (>= 4).
+    /// - `weights`: of the row before, the rows here and next, and the one after.
+    fn window(&self, num_rows: usize, [a, mut b, mut c, d]: [f32; WINDOW]) -> (usize, [f32; WINDOW]) {
+        let Self { frame, has: [before, after], .. } = *self;
+        // A row that is not there lies on the straight line through its two neighbours.
+        if !before {
+            (b, c) = (b + 2.0 * a, c - a);
+        }
+        if !after {
+            (b, c) = (b - d, c + 2.0 * d);
+        }
+        let of = [if before { a } else { 0.0 }, b, c, if after { d } else { 0.0 }];
+        let start = frame.saturating_sub(usize::from(before) + usize::from(!after)).min(num_rows - WINDOW);
+        // The first of them is that of the frame before.
+        let weight = |k: usize| of.get((start + k + 1).wrapping_sub(frame)).copied().unwrap_or(0.0);
+        (start, std::array::from_fn(weight))
     }
 }
 
-/// Weights of four rows, the second at ratio 0 and the third at ratio 1. A row that is not there lies on the straight line
-/// through its two neighbours.
+/// Weights of four rows, the second at ratio 0 and the third at ratio 1.
 #[inline(always)]
-pub(crate) fn weights<F: Lanes>(ratio: F, [before, after]: [F; 2]) -> [F; 4] {
-    let [half, one, two] = [0.5, 1.0, 2.0].map(F::splat);
-    let t = ratio;
-    let (t2, s) = (t * t, one - t);
-    let first = half * t * s * s;
-    let last = half * t2 * s;
-    // Negative weights, as much of them as is there, and what is left.
-    let (here, gone) = ([first * before, last * after], [first * (one - before), last * (one - after)]);
-    let from = one - t2 * (F::splat(2.5) - F::splat(1.5) * t) - two * gone[0] + gone[1];
-    let to = one - s * s * (F::splat(2.5) - F::splat(1.5) * s) - two * gone[1] + gone[0];
-    [-here[0], from, to, -here[1]]
+fn weights<F: Lanes>(ratio: F) -> [F; WINDOW] {
+    let (half, one) = (F::splat(0.5), F::splat(1.0));
+    let (a, b) = (F::splat(2.5), F::splat(1.5));
+    let (t, s) = (ratio, one - ratio);
+    let (t2, s2) = (t * t, s * s);
+    [-(half * t * s2), one - t2 * (a - b * t), one - s2 * (a - b * s), -(half * t2 * s)]
 }
 
 impl<'a, F: Lanes> Cursor<'a, F> {
-    /// At eight places in the rows of a database.
+    /// At eight places in the rows of a database (frames.len() >= 4).
     #[inline(always)]
     pub fn at(spots: &[Spot; LANES], frames: &'a [FrameRow], code: &'a RotationCode) -> Self {
-        let lanes = |of: &dyn Fn(&Spot) -> f32| F::from_array(std::array::from_fn(|l| of(&spots[l])));
-        let weights = weights(lanes(&|s| s.ratio), [lanes(&|s| s.has[0]), lanes(&|s| s.has[1])]);
-        Self { rows: std::array::from_fn(|k| std::array::from_fn(|l| &frames[spots[l].rows[k]])), code, weights }
+        let mut ratio = [0.0; LANES];
+        for (ratio, spot) in ratio.iter_mut().zip(spots) {
+            *ratio = spot.ratio;
+        }
+        let weights = weights(F::load(&ratio));
+        let mut by_row = [[0.0; LANES]; WINDOW];
+        for (row, weight) in by_row.iter_mut().zip(weights) {
+            weight.store(row);
+        }
+        let mut first = [0; LANES];
+        for (l, spot) in spots.iter().enumerate() {
+            first[l] = spot.frame.wrapping_sub(1);
+            if spot.has != [true; 2] {
+                let (start, own) = spot.window(frames.len(), by_row.map(|row| row[l]));
+                first[l] = start;
+                for (row, own) in by_row.iter_mut().zip(own) {
+                    row[l] = own;
+                }
+            }
+        }
+        let mut rows = [window_at(frames, 0); LANES];
+        for (rows, at) in rows.iter_mut().zip(first) {
+            *rows = window_at(frames, at);
+        }
+        let [a, b, c, d] = &by_row;
+        Self { rows, code, weights: [F::load(a), F::load(b), F::load(c), F::load(d)] }
     }
 
-    /// A number of the rows.
+    /// Planar root within the clip, x, z and heading, and the height of the hips.
     #[inline(always)]
-    pub fn number(&self, of: impl Fn(&FrameRow) -> f32) -> F {
-        let of = |k: usize| F::from_array(self.rows[k].map(&of)) * self.weights[k];
-        (of(1) + of(2)) + (of(0) + of(3))
+    pub fn root(&self) -> [F; 4] {
+        let mut sum = [F::splat(0.0); 4];
+        for (k, &weight) in self.weights.iter().enumerate() {
+            let mut roots = [self.rows[0][k].root(); LANES];
+            for (root, rows) in roots.iter_mut().zip(&self.rows) {
+                *root = rows[k].root();
+            }
+            let columns = F::columns(roots);
+            for (sum, column) in sum.iter_mut().zip(columns) {
+                *sum = *sum + column * weight;
+            }
+        }
+        sum
     }
+}
+
+/// Rows from one on.
+#[inline(always)]
+fn window_at(frames: &[FrameRow], first: usize) -> &[FrameRow; WINDOW] {
+    let rows = &frames[first..first + WINDOW];
+    rows.try_into().unwrap_or_else(|_| unreachable!("it is as long as a window"))
+}
+
+/// Where a place is one number: the same weights.
+pub(crate) fn number(spot: Spot, num_rows: usize, of: impl Fn(usize) -> f32) -> f32 {
+    let inside = weights(Array::splat(spot.ratio)).map(|w| w.to_array()[0]);
+    let (first, weights) = match spot.has {
+        [true, true] => (spot.frame - 1, inside),
+        _ => spot.window(num_rows, inside),
+    };
+    weights.iter().enumerate().map(|(k, weight)| weight * of(first + k)).sum()
 }
 
 /// The pose of eight characters before and after the hierarchy is applied.
@@ -78,9 +139,10 @@ pub(crate) struct LanePose<F> {
 }
 
 /// Samples eight characters.
+///
+/// - `height`: of the hips (m).
 #[inline(always)]
-pub(crate) fn sample<F: Lanes>(cursor: &Cursor<'_, F>) -> LanePose<F> {
-    let height = cursor.number(|r| r.height);
+pub(crate) fn sample<F: Lanes>(cursor: &Cursor<'_, F>, height: F) -> LanePose<F> {
     let zero = F::splat(0.0);
     let mut rotations = [Q::new(V::new(zero, zero, zero), zero); NUM_JOINTS];
     for (j, rotation) in rotations.iter_mut().enumerate() {
@@ -93,7 +155,6 @@ pub(crate) fn sample<F: Lanes>(cursor: &Cursor<'_, F>) -> LanePose<F> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use throng_base::simd::Array;
 
     /// Weights by the four cubics as they are printed, with missing points put in.
     fn plain(t: f32, has: [bool; 2]) -> [f32; 4] {
@@ -106,19 +167,24 @@ mod tests {
 
     proptest! {
         #[test]
-        fn weights_are_those_of_catmull_and_rom(t in 0.0f32..=1.0, has in prop::array::uniform2(any::<bool>())) {
-            let there = has.map(|h| Array::splat(f32::from(u8::from(h))));
-            let got = weights(Array::splat(t), there).map(|w| w.to_array()[0]);
-            for (got, want) in got.iter().zip(plain(t, has)) {
-                prop_assert!((got - want).abs() < 1e-6);
-            }
-            prop_assert!((got.iter().sum::<f32>() - 1.0).abs() < 1e-6);
+        fn weights_are_those_of_catmull_and_rom_on_the_rows_of_the_clip(
+            t in 0.0f32..=1.0,
+            has in prop::array::uniform2(any::<bool>()),
+            numbers in prop::array::uniform9(-3.0f32..3.0),
+            at in 0usize..8,
+        ) {
+            let has = [has[0] && at > 0, has[1] && at < 7];
+            let row = |k: i64| numbers.get((at as i64 + k) as usize).copied().unwrap_or(f32::NAN);
+            let terms = plain(t, has).into_iter().zip(-1..).filter(|(w, _)| *w != 0.0);
+            let want: f32 = terms.map(|(w, k)| w * row(k)).sum();
+            let got = number(Spot { frame: at, ratio: t, has }, 9, |k| numbers[k]);
+            prop_assert!((got - want).abs() < 1e-5, "{got} {want}");
         }
     }
 
     #[test]
     fn rows_are_met_exactly_and_a_parabola_is_kept() {
-        let at = |t: f32| weights(Array::splat(t), [Array::splat(1.0); 2]).map(|w| w.to_array()[0]);
+        let at = |t: f32| weights(Array::splat(t)).map(|w| w.to_array()[0]);
         assert_eq!((at(0.0), at(1.0)), ([0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]));
         let y = |x: f32| 2.0 + x - 0.7 * x * x;
         let [a, b, c, d] = at(0.3);

@@ -157,7 +157,7 @@ impl Work for Blend<'_, '_> {
             }
             let model = retarget::<F>(block, body, &postures, &importance, self.tick);
             let joints = from * NUM_JOINTS..(from + count) * NUM_JOINTS;
-            write_matrices(&model, count, &mut matrices[joints.clone()]);
+            write_matrices(&model, &mut matrices[joints.clone()]);
             if let Some(locals) = locals.get_mut(joints) {
                 write_locals(|j| load(&body.offsets[j]), &model, count, locals);
             }
@@ -259,7 +259,7 @@ fn retarget<F: Lanes>(
     let place = placement::<F>(block, tick.ground);
     let mut root = t.hips * F::load(&body.scale);
     root.y = root.y + F::load(&body.lift) + place.y;
-    let mut model = to_model(|j| load(&body.offsets[j]), &LanePose { root, rotations: t.rotations });
+    let mut model = to_model(|j| load(&body.offsets[j]), LanePose { root, rotations: t.rotations });
     if !tick.config.retarget {
         block.contacts = contacts(t.contacts.map(|c| [standing(c).to_array(); 2]));
         return model;

@@ -95,13 +95,12 @@ proptest! {
     #[test]
     fn between_rows_lies_between_their_rotations(poses in motion(), at in 0usize..110, ratio in 0.0f32..1.0) {
         let (code, rows) = pack(&Skeleton::default(), &poses);
-        let lanes: [&FrameRow; LANES] = std::array::from_fn(|l| &rows[at + l]);
-        let after: [&FrameRow; LANES] = std::array::from_fn(|l| &rows[at + l + 1]);
+        let lanes: [&[FrameRow; 2]; LANES] = std::array::from_fn(|l| rows[at + l..].first_chunk().unwrap());
         for j in 0..NUM_JOINTS {
-            let shown = dispatch(Between { code: &code, rows: [lanes, after], ratio, joint: j });
-            prop_assert_eq!(shown, Between { code: &code, rows: [lanes, after], ratio, joint: j }.run::<Array>());
+            let shown = dispatch(Between { code: &code, rows: lanes, ratio, joint: j });
+            prop_assert_eq!(shown, Between { code: &code, rows: lanes, ratio, joint: j }.run::<Array>());
             for l in 0..LANES {
-                let [a, b] = [lanes[l], after[l]].map(|r| code.rotation(r, j));
+                let [a, b] = lanes[l].each_ref().map(|r| code.rotation(r, j));
                 let shown = Quat::from_array(shown[l]);
                 prop_assert!((shown.length() - 1.0).abs() < 1e-4);
                 let (off, moved) = (angle(shown, a.slerp(b, ratio)), angle(a, b));
@@ -113,7 +112,7 @@ proptest! {
 
 struct Between<'a> {
     code: &'a RotationCode,
-    rows: [[&'a FrameRow; LANES]; 2],
+    rows: [&'a [FrameRow; 2]; LANES],
     ratio: f32,
     joint: usize,
 }
