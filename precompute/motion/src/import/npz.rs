@@ -14,7 +14,7 @@ use std::path::Path;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// The joints of a body without hands, in the order of the files, and the role of each.
-const JOINTS: [(&str, Joint); NUM_JOINTS] = {
+pub(crate) const JOINTS: [(&str, Joint); NUM_JOINTS] = {
     use Joint::*;
     [
         ("Pelvis", Hips),
@@ -41,6 +41,9 @@ const JOINTS: [(&str, Joint); NUM_JOINTS] = {
         ("R_Wrist", RightHand),
     ]
 };
+/// From a world with Z up to one with Y up.
+pub(crate) const UPRIGHT: DQuat =
+    DQuat::from_xyzw(-std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2);
 /// Names that frame rates go by.
 const RATES: [&str; 4] = ["mocap_framerate", "mocap_frame_rate", "fps", "frame_rate"];
 const HELP: &str = "Save the motion anew with `numpy.savez`: `poses`, `trans` and `mocap_framerate`";
@@ -68,7 +71,6 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
     }
     let (rate_hz, name) = rate(&mut arrays).map_err(fail)?;
     let mut sink = FrameSink::new(joints(), FrameSink::budget(bytes.len()));
-    let upright = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
     for frame in 0..frames {
         let numbers: Vec<f64> = poses.iter().flat_map(|p| p.array.row(frame, p.width)).take(3 * NUM_JOINTS).collect();
         let way: Vec<f64> = trans.row(frame, 3).collect();
@@ -79,8 +81,8 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
         for j in 0..NUM_JOINTS {
             sink.rotations[j] = DQuat::from_scaled_axis(DVec3::from_slice(&numbers[3 * j..3 * j + 3]));
         }
-        sink.rotations[0] = upright * sink.rotations[0];
-        sink.translations[0] = upright * DVec3::from_slice(&way);
+        sink.rotations[0] = UPRIGHT * sink.rotations[0];
+        sink.translations[0] = UPRIGHT * DVec3::from_slice(&way);
         if !sink.end_frame() {
             return Err(fail("the file is too short for its frames".into()));
         }

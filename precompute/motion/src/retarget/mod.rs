@@ -13,6 +13,7 @@ mod names;
 mod plan;
 mod proportions;
 mod transfer;
+mod wear;
 
 use crate::clip::ClipSet;
 use crate::error::{BuildError, Warnings};
@@ -22,6 +23,7 @@ use body::Body;
 pub use body::{Roles, Source};
 use glam::Vec3;
 pub use plan::{Performer, Plan};
+pub(crate) use wear::{Fit, Worn};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
