@@ -117,8 +117,14 @@ def glb(path, take):
     bpy, scene = blender_scene(path)
     scene.render.fps, scene.render.fps_base = round(take.fps), 1.0
     bpy.ops.import_scene.gltf(filepath=path)
-    # `walkers 12`; Blender appends .001 to names that are taken.
-    compare_all(path, take, bpy, scene, f"Blender {bpy.app.version_string}", lambda a: last_number(re.sub(r"\.\d{3}$", "", a.name)))
+
+    def number(armature):
+        # `walkers 12` is outermost; Blender appends .001 to names that are taken.
+        while armature.parent is not None:
+            armature = armature.parent
+        return last_number(re.sub(r"\.\d{3}$", "", armature.name))
+
+    compare_all(path, take, bpy, scene, f"Blender {bpy.app.version_string}", number)
 
 
 def usda_in_blender(path, take):

@@ -7,7 +7,7 @@ use std::error::Error;
 use std::io::{self, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use throng_precompute::export::{Glb, Take, amass, bvh, npz, take_csv, usda};
+use throng_precompute::export::{Glb, Take, Wearer, amass, bvh, npz, take_csv, usda};
 use throng_precompute::import::read_clip;
 use throng_precompute::perform::{PerformConfig, Show, perform};
 use throng_precompute::run::Recording;
@@ -38,6 +38,11 @@ pub struct TakeArgs {
     /// motion.
     #[arg(long)]
     usd_instances: bool,
+    /// Of `glb`, a character of yours that wears the motion (.glb with a skin): the roles of its joints are found as those
+    /// of motion files, twist joints take their share, all others stay at rest. It is made as tall as the motion's legs
+    /// are long.
+    #[arg(long, value_name = "CHARACTER.glb")]
+    onto: Option<PathBuf>,
     #[command(flatten)]
     cache: CacheArgs,
 }
@@ -49,7 +54,9 @@ fn parse_range(text: &str) -> Result<RangeInclusive<usize>, String> {
         Some((a, b)) => number(a).zip(number(b.trim_start_matches('='))).map(|(a, b)| a..=b),
         None => number(text).map(|n| n..=n),
     };
-    range.filter(|r| !r.is_empty()).ok_or_else(|| "expected a number, or two such as 0..99, the smaller one first".into())
+    range
+        .filter(|r| !r.is_empty())
+        .ok_or_else(|| "expected a number, or two such as 0..99, the smaller one first".into())
 }
 
 impl TakeArgs {
@@ -62,6 +69,7 @@ impl TakeArgs {
             ("--fps", self.fps.is_some()),
             ("--clips", self.clips),
             ("--usd-instances", self.usd_instances),
+            ("--onto", self.onto.is_some()),
         ];
         flags.into_iter().find(|f| f.1).map(|f| f.0)
     }
@@ -78,6 +86,9 @@ pub fn run(args: &Args) -> Outcome {
     if takes.usd_instances && !matches!(args.format, Format::Usda) {
         return fail("--usd-instances is for --format usda");
     }
+    if takes.onto.is_some() && !matches!(args.format, Format::Glb) {
+        return fail("--onto is for --format glb");
+    }
     if takes.clips && !is_bundle(&args.file) {
         return fail(format!("{}: --clips is for bundles (.throng)", args.file.display()));
     }
@@ -92,8 +103,10 @@ pub fn run(args: &Args) -> Outcome {
     // Beside what is written: there is room, and it is no memory.
     let temporary = std::env::temp_dir();
     let folder = out.map_or(temporary.as_path(), folder_of);
+    // Before long work: it may not be a character.
+    let wearer = takes.onto.as_deref().map(Wearer::open).transpose()?;
     let take = record(args, folder)?;
-    save(args, &take, out)
+    save(args, &take, out, wearer.as_ref(), folder)
 }
 
 fn folder_of(file: &Path) -> &Path {
@@ -129,13 +142,14 @@ fn record(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
 }
 
 /// Writes a take in a format, and says what was written.
-fn save(args: &Args, take: &Take, out: Option<&Path>) -> Outcome {
+fn save(args: &Args, take: &Take, out: Option<&Path>, wearer: Option<&Wearer>, folder: &Path) -> Outcome {
     let mut written = Vec::new();
     match (args.format, out) {
         (Format::Csv, _) => write(out, |w| take_csv(take, w))?,
         (_, None) => {}
         (Format::Glb, Some(out)) => {
-            let glb = Glb::new(take)?;
+            let outfit = wearer.map(|w| w.dress(take, folder, &progress::Bar::default())).transpose()?;
+            let glb = Glb::new(take, outfit.as_ref())?;
             files::write_atomically(out, |w| glb.write(w))?;
         }
         (Format::Usda, Some(out)) => {
@@ -146,6 +160,7 @@ fn save(args: &Args, take: &Take, out: Option<&Path>) -> Outcome {
         (_, Some(out)) => written = each(take, out, |a, w| amass(take, a, w))?,
     }
     let Some(out) = out else { return Ok(()) };
+    wearer.map_or(Ok(()), worn)?;
     if written.is_empty() {
         written.push(out.to_path_buf());
     }
@@ -157,6 +172,15 @@ fn save(args: &Args, take: &Take, out: Option<&Path>) -> Outcome {
         _ => out.display().to_string(),
     };
     output::text(format!("{files}: {who} {what}, {frames} frames at {hz} Hz, {}\n", output::bytes(bytes)))
+}
+
+/// Says which joints of a character wear what.
+fn worn(wearer: &Wearer) -> Outcome {
+    let pairs: Vec<String> = wearer.pairs().map(|(role, joint)| format!("{}={joint}", role.name())).collect();
+    let twists: Vec<&str> = wearer.twists().collect();
+    let twists = if twists.is_empty() { "none".into() } else { twists.join(" ") };
+    let (all, moved) = (wearer.num_joints(), pairs.len());
+    output::text(format!("{moved} of {all} joints wear the motion: {}\ntwist joints: {twists}\n", pairs.join(" ")))
 }
 
 /// Writes a file for each actor who is ever there: `NAME-7.bvh` of number 7, or `NAME.bvh` where there is one.

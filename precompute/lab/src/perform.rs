@@ -192,7 +192,8 @@ impl<'a> Camera<'a> {
         if let Some(c) = bare.filter(|_| is_asked || who.is_empty()) {
             let name = group(c).map_or("", |g| &g.name);
             let what = format!("character {c} has no body: its group \"{name}\" has motion = \"none\"");
-            let help = "Give the group a bundle and motion = \"blend\"; `throng run --trajectories` writes where agents go";
+            let help =
+                "Give the group a bundle and motion = \"blend\"; `throng run --trajectories` writes where agents go";
             return Err(refused(what, help));
         }
         let skeleton = |c: usize| {
@@ -209,12 +210,7 @@ impl<'a> Camera<'a> {
     }
 
     /// - `ahead_s`: time to the next step (s).
-    fn observe(
-        &mut self,
-        time_s: f64,
-        ahead_s: f64,
-        pose: impl Fn(usize) -> Option<Pose>,
-    ) -> Result<(), BuildError> {
+    fn observe(&mut self, time_s: f64, ahead_s: f64, pose: impl Fn(usize) -> Option<Pose>) -> Result<(), BuildError> {
         let all = |who: &[usize]| who.iter().map(|&c| pose(c)).collect::<Vec<_>>();
         let mut now = None;
         loop {
@@ -282,12 +278,7 @@ fn of_trial(
 }
 
 /// The clips of a bundle, as they are stored.
-fn clips(
-    bundle: &Bundle,
-    config: &PerformConfig,
-    folder: &Path,
-    progress: &dyn Progress,
-) -> Result<Take, BuildError> {
+fn clips(bundle: &Bundle, config: &PerformConfig, folder: &Path, progress: &dyn Progress) -> Result<Take, BuildError> {
     if config.rate_hz.is_some() || config.from_s.is_some() || config.to_s.is_some() {
         let help = "Leave out --fps, --from and --to: clips are written whole, at the rate of the bundle";
         return Err(refused("clips have times and a rate of their own", help));
@@ -296,8 +287,7 @@ fn clips(
     let names = &bundle.meta().clips;
     let actor = |&c: &usize| (c, names[c].name.clone(), bundle.skeleton().clone());
     let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
-    let mut writer =
-        TakeWriter::new(folder, who.iter().map(actor).collect(), bundle.meta().rate_hz, 1).map_err(io)?;
+    let mut writer = TakeWriter::new(folder, who.iter().map(actor).collect(), bundle.meta().rate_hz, 1).map_err(io)?;
     progress.begin("record", who.len() as u64, "clips");
     for (a, &clip) in who.iter().enumerate() {
         progress.check()?;

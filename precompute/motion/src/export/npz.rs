@@ -99,14 +99,12 @@ pub fn npz(take: &Take, out: &mut dyn Write) -> io::Result<()> {
     arrays.words("joints", &[NUM_JOINTS], &Joint::ALL.map(Joint::name))?;
     let parents = Joint::ALL.map(|j| j.parent().map_or(-1, |p| p.index() as i64));
     arrays.whole("parents", &[NUM_JOINTS], &parents)?;
-    let offsets: Vec<f32> =
-        take.actors().iter().flat_map(|a| a.skeleton.offsets).flat_map(|o| o.to_array()).collect();
+    let offsets: Vec<f32> = take.actors().iter().flat_map(|a| a.skeleton.offsets).flat_map(|o| o.to_array()).collect();
     arrays.floats("offsets", &[n, NUM_JOINTS, 3], &offsets)?;
     arrays.begin("present", "|u1", &[n, frames])?;
     for a in 0..n {
-        take.scratch().track(a, THERE, |there| {
-            there.iter().try_for_each(|t| arrays.zip.write_all(&[u8::from(*t > 0.5)]))
-        })?;
+        take.scratch()
+            .track(a, THERE, |there| there.iter().try_for_each(|t| arrays.zip.write_all(&[u8::from(*t > 0.5)])))?;
         arrays.zip.write_all(&vec![0; frames - take.num_frames(a)])?;
     }
     arrays.begin("positions", "<f4", &[n, frames, NUM_JOINTS, 3])?;

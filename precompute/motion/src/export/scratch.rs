@@ -119,12 +119,7 @@ impl Scratch {
     ///
     /// # Errors
     /// What the disk says, and what `take` fails with.
-    pub fn track(
-        &self,
-        actor: usize,
-        track: usize,
-        mut take: impl FnMut(&[f32]) -> io::Result<()>,
-    ) -> io::Result<()> {
+    pub fn track(&self, actor: usize, track: usize, mut take: impl FnMut(&[f32]) -> io::Result<()>) -> io::Result<()> {
         let mut numbers = Vec::new();
         for (at, frames) in self.blocks(actor) {
             numbers.resize(frames * self.width(track), 0.0);

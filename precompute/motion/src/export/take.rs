@@ -222,12 +222,21 @@ impl Actor {
     /// Takes over the offsets of the first pose: bodies may be fitted to skeletons of their own.
     fn settle(&mut self, pose: &Pose, frame: usize) {
         self.there = frame..frame + 1;
+        let before = self.skeleton.clone();
         for j in 1..NUM_JOINTS {
             let offset = &mut self.skeleton.offsets[j];
             if pose.translations[j].distance(*offset) > SAME_PLACE_M {
                 *offset = pose.translations[j];
             }
         }
+        if self.skeleton == before {
+            return;
+        }
+        // Its feet stand as far above the ground as such a tall body's do.
+        let taller = self.skeleton.leg_length() / before.leg_length().max(SAME_PLACE_M);
+        self.skeleton.tips.iter_mut().for_each(|tip| *tip *= taller);
+        let toes = |s: &Skeleton| s.rest_positions()[Joint::LeftToe.index()].y;
+        self.skeleton.offsets[0].y += taller * toes(&before) - toes(&self.skeleton);
     }
 }
 

@@ -26,7 +26,10 @@ pub fn usda(take: &Take, instances: bool, out: &mut dyn Write) -> io::Result<()>
     writeln!(out, "def Xform \"{ROOT}\"\n{{")?;
     for (i, skeleton) in bodies.skeletons.iter().enumerate() {
         if instances {
-            writeln!(out, "    class SkelRoot \"Model_{i}\" (\n        prepend apiSchemas = [\"SkelBindingAPI\"]\n    )\n    {{")?;
+            writeln!(
+                out,
+                "    class SkelRoot \"Model_{i}\" (\n        prepend apiSchemas = [\"SkelBindingAPI\"]\n    )\n    {{"
+            )?;
             write_skeleton(skeleton, None, 8, out)?;
             write_body(skeleton, "Body", Some(&format!("/{ROOT}/Model_{i}/Skeleton")), 8, out)?;
             writeln!(out, "    }}\n")?;
@@ -138,7 +141,10 @@ fn write_visibility(take: &Take, a: usize, out: &mut dyn Write) -> io::Result<()
 /// The skeleton in its rest pose.
 fn write_skeleton(skeleton: &Skeleton, animation: Option<&str>, depth: usize, out: &mut dyn Write) -> io::Result<()> {
     let tab = " ".repeat(depth);
-    writeln!(out, "{tab}def Skeleton \"Skeleton\" (\n{tab}    prepend apiSchemas = [\"SkelBindingAPI\"]\n{tab})\n{tab}{{")?;
+    writeln!(
+        out,
+        "{tab}def Skeleton \"Skeleton\" (\n{tab}    prepend apiSchemas = [\"SkelBindingAPI\"]\n{tab})\n{tab}{{"
+    )?;
     let matrix = |p: Vec3| format!("( (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), ({}, {}, {}, 1) )", p.x, p.y, p.z);
     let bind = list(skeleton.rest_positions().iter().map(|p| matrix(*p)));
     let rest = list(skeleton.offsets.iter().map(|p| matrix(*p)));
@@ -195,8 +201,11 @@ fn write_body(
     writeln!(out, "{tab}    float3[] extent = [{}, {}]", vector(&low), vector(&high))?;
     writeln!(out, "{tab}    int[] faceVertexCounts = {}", list(body.triangles.iter().map(|_| 3)))?;
     writeln!(out, "{tab}    int[] faceVertexIndices = {}", list(body.triangles.iter().flatten()))?;
-    writeln!(out, "{tab}    normal3f[] normals = {} (\n{tab}        interpolation = \"vertex\"\n{tab}    )",
-        list(body.normals.iter().map(vector)))?;
+    writeln!(
+        out,
+        "{tab}    normal3f[] normals = {} (\n{tab}        interpolation = \"vertex\"\n{tab}    )",
+        list(body.normals.iter().map(vector))
+    )?;
     writeln!(out, "{tab}    point3f[] points = {}", list(body.positions.iter().map(vector)))?;
     writeln!(out, "{tab}    color3f[] primvars:displayColor = [(0.55, 0.6, 0.68)]")?;
     let unit = "( (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1) )";
@@ -213,8 +222,7 @@ fn write_body(
 /// Paths of all joints, such as `hips/spine`.
 fn joint_paths() -> String {
     let path = |joint: Joint| {
-        let mut names: Vec<&str> =
-            std::iter::successors(Some(joint), |j| j.parent()).map(Joint::name).collect();
+        let mut names: Vec<&str> = std::iter::successors(Some(joint), |j| j.parent()).map(Joint::name).collect();
         names.reverse();
         format!("\"{}\"", names.join("/"))
     };

@@ -23,12 +23,12 @@ use body::Body;
 pub use body::{Roles, Source};
 use glam::Vec3;
 pub use plan::{Performer, Plan};
-pub(crate) use wear::{Fit, Worn};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::{Joint, Skeleton};
+pub(crate) use wear::{Fit, Worn};
 
 /// How clips are laid onto the database skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

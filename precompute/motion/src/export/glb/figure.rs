@@ -63,8 +63,7 @@ fn add_figure(parts: &mut Parts, shared: &mut Vec<Shared>, actor: &Actor, is_lib
     for joint in Joint::ALL {
         let below: Vec<usize> =
             Joint::ALL.into_iter().filter(|j| j.parent() == Some(joint)).map(|j| hips + j.index()).collect();
-        let mut node =
-            json!({ "name": joint.name(), "translation": actor.skeleton.offsets[joint.index()].to_array() });
+        let mut node = json!({ "name": joint.name(), "translation": actor.skeleton.offsets[joint.index()].to_array() });
         if !below.is_empty() {
             node["children"] = json!(below);
         }
@@ -73,10 +72,8 @@ fn add_figure(parts: &mut Parts, shared: &mut Vec<Shared>, actor: &Actor, is_lib
     parts.set("nodes", holder, "children", json!([hips]));
     let joints: Vec<usize> = (hips..hips + NUM_JOINTS).collect();
     let Shared { mesh, bind, .. } = shared[known];
-    let skin = parts.push(
-        "skins",
-        json!({ "name": name, "joints": joints, "skeleton": hips, "inverseBindMatrices": bind }),
-    );
+    let skin =
+        parts.push("skins", json!({ "name": name, "joints": joints, "skeleton": hips, "inverseBindMatrices": bind }));
     let body = parts.push("nodes", json!({ "name": format!("{name} body"), "mesh": mesh, "skin": skin }));
     parts.show(holder);
     parts.show(body);
@@ -90,10 +87,8 @@ fn share(parts: &mut Parts, skeleton: &Skeleton) -> Shared {
     let n = body.positions.len();
     let vertices = Some(VERTICES);
     let position = parts.still(bytes.positions, FLOAT, "VEC3", n, vertices);
-    let (low, high) = body
-        .positions
-        .iter()
-        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+    let (low, high) =
+        body.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
     parts.bound(position, &low.to_array(), &high.to_array());
     let normal = parts.still(bytes.normals, FLOAT, "VEC3", n, vertices);
     let joints = parts.still(bytes.joints, UNSIGNED_BYTE, "VEC4", n, vertices);

@@ -12,8 +12,8 @@ use super::Outfit;
 use super::body::Body;
 use super::scratch::Scratch;
 use super::take::Take;
-pub(super) use figure::empty;
 use crate::error::BuildError;
+pub(super) use figure::empty;
 use parts::Parts;
 use std::io::{self, Write};
 

@@ -1,13 +1,12 @@
 //! Copies of a character's nodes and skins, one for each actor, that share its meshes.
 
-use super::super::glb::parts::Parts;
 use super::super::glb::empty;
+use super::super::glb::parts::Parts;
 use super::super::take::{THERE, Take};
 use super::Wearer;
 use crate::import::gltf;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use throng_core::Joint;
 
 /// Parts of a document that name nodes in ways of their own, or are made anew.
 const LEFT_OUT: [&str; 5] = ["animations", "nodes", "skins", "scenes", "scene"];
@@ -106,8 +105,7 @@ fn node(wearer: &Wearer, n: usize, nodes: &BTreeMap<usize, usize>) -> Value {
         fields.remove("mesh");
         fields.remove("weights");
     }
-    let children: Vec<usize> =
-        wearer.document.nodes[n].children.iter().filter_map(|c| nodes.get(c).copied()).collect();
+    let children: Vec<usize> = wearer.document.nodes[n].children.iter().filter_map(|c| nodes.get(c).copied()).collect();
     match children.is_empty() {
         true => drop(fields.remove("children")),
         false => drop(fields.insert("children".into(), json!(children))),
@@ -137,12 +135,11 @@ fn skin(skin: &Value, nodes: &BTreeMap<usize, usize>) -> Value {
 fn move_copy(parts: &mut Parts, animation: &mut Value, wearer: &Wearer, take: &Take, a: usize, copied: &Copied) {
     let frames = take.num_frames(a);
     let times = parts.times(frames, take.rate_hz());
-    let hips = wearer.roles.get(Joint::Hips);
     for (track, moved) in wearer.moved.iter().enumerate() {
         let node = copied.nodes[&wearer.rig.joints[moved.joint]];
         let values = parts.track(a, track, 4, frames);
         parts.channel(animation, [times, values], node, "rotation");
-        if Some(moved.joint) == hips {
+        if moved.joint == wearer.centre {
             let values = parts.track(a, wearer.moved.len(), 3, frames);
             parts.channel(animation, [times, values], node, "translation");
         }

@@ -39,6 +39,8 @@ pub struct Wearer {
     /// Length of a unit of the file (m).
     metres_per_unit: f64,
     moved: Vec<Moved>,
+    /// The joint that carries all that moves.
+    centre: usize,
 }
 
 /// A character that wears a take.
@@ -72,8 +74,9 @@ impl Wearer {
         let body = interpret(rig.clip.clone(), &config, &crate::import::profile::load_profiles(&[])?)?;
         let fit = Fit::new(&body)?;
         let moved = moved::find(&rig.clip.clip, &body.roles, &fit);
+        let centre = moved::centre(&rig.clip.clip, &body.roles);
         let (roles, metres_per_unit) = (body.roles, body.metres_per_unit);
-        Ok(Self { document, json, buffer, rig, fit, roles, metres_per_unit, moved })
+        Ok(Self { document, json, buffer, rig, fit, roles, metres_per_unit, moved, centre })
     }
 
     /// Which joint of the character plays which role.
@@ -123,13 +126,13 @@ impl Wearer {
         f64::from(take.actors()[actor].skeleton.leg_length() / self.fit.leg_length())
     }
 
-    /// The frame that the hips are in, and how it is turned, in the file's units.
-    fn above_hips(&self) -> (DAffine3, DQuat) {
-        let hips = self.roles.get(Joint::Hips).unwrap_or(0);
+    /// The frame that what carries the body is in, and how it is turned, in the file's units.
+    fn above_centre(&self) -> (DAffine3, DQuat) {
         let mut nodes = self.rig.above.clone();
         let joints = &self.rig.clip.clip.joints;
-        let mut chain: Vec<usize> =
-            std::iter::successors(joints[hips].parent, |&j| joints[j].parent).map(|j| self.rig.joints[j]).collect();
+        let mut chain: Vec<usize> = std::iter::successors(joints[self.centre].parent, |&j| joints[j].parent)
+            .map(|j| self.rig.joints[j])
+            .collect();
         chain.reverse();
         nodes.extend(chain);
         let mut frame = (DAffine3::IDENTITY, DQuat::IDENTITY);

@@ -6,7 +6,7 @@ use super::Wearer;
 use crate::import::RoleMap;
 use crate::raw::RawClip;
 use crate::retarget::{Fit, Worn};
-use glam::{DQuat, Quat, Vec3};
+use glam::{DQuat, DVec3, Quat, Vec3};
 use std::io;
 use throng_core::Joint;
 
@@ -36,7 +36,7 @@ pub struct Moved {
 }
 
 enum How {
-    /// As a role does.
+    /// As a role does. What carries all of the body, where that is not the hips' joint, turns as the hips do.
     Role(Joint),
     /// With a share of the twist of a limb.
     Twist(Twist),
@@ -63,10 +63,21 @@ impl Moved {
     }
 }
 
+/// The joint that carries all joints with roles: that of the hips, or one above it where the spine does not hang on those.
+pub fn centre(clip: &RawClip, roles: &RoleMap) -> usize {
+    let up = |joint: usize| std::iter::successors(Some(joint), |&j| clip.joints[j].parent);
+    let hips = roles.get(Joint::Hips).unwrap_or(0);
+    let carries = |joint: usize| roles.joints.iter().flatten().all(|&j| up(j).any(|above| above == joint));
+    up(hips).find(|&j| carries(j)).unwrap_or(hips)
+}
+
 /// The joints that move, parents first.
 pub fn find(clip: &RawClip, roles: &RoleMap, fit: &Fit) -> Vec<Moved> {
-    let world = clip.world(0);
-    let role_of = |joint: usize| Joint::ALL.into_iter().find(|r| roles.get(*r) == Some(joint));
+    let (world, centre) = (clip.world(0), centre(clip, roles));
+    let role_of = |joint: usize| {
+        let role = Joint::ALL.into_iter().find(|r| roles.get(*r) == Some(joint));
+        role.or((joint == centre).then_some(Joint::Hips))
+    };
     let mut out = Vec::new();
     for joint in 0..clip.joints.len() {
         if let Some(role) = role_of(joint) {
@@ -111,8 +122,11 @@ pub fn wear(wearer: &Wearer, take: &Take, actor: usize, scratch: &mut Scratch) -
     let (clip, own) = (&wearer.rig.clip.clip, &take.actors()[actor].skeleton);
     let (scale, growth) = (wearer.scale(take, actor), wearer.growth(take, actor));
     let fit = wearer.fit.scaled(growth as f32);
-    let (frame, turn) = wearer.above_hips();
+    let (frame, turn) = wearer.above_centre();
     let back = frame.inverse();
+    let hips = wearer.roles.get(Joint::Hips).unwrap_or(wearer.centre);
+    let below: Vec<usize> =
+        std::iter::successors(Some(hips), |&j| clip.joints[j].parent).take_while(|&j| j != wearer.centre).collect();
     let mut before: Option<Vec<f32>> = None;
     take.poses(actor, |_, pose, _| {
         let worn = fit.wear(own, &pose.world());
@@ -128,8 +142,9 @@ pub fn wear(wearer: &Wearer, take: &Take, actor: usize, scratch: &mut Scratch) -
             });
             numbers.extend((local * sign).to_array());
         }
-        let hips = back.transform_point3(worn.hips.as_dvec3() / scale).as_vec3();
-        numbers.extend(hips.to_array());
+        let way = |j: &usize| world[clip.joints[*j].parent.unwrap_or(0)] * clip.translations[*j].as_dvec3();
+        let centre = worn.hips.as_dvec3() / scale - below.iter().map(way).sum::<DVec3>();
+        numbers.extend(back.transform_point3(centre).as_vec3().to_array());
         scratch.push(actor, &numbers)?;
         before = Some(numbers);
         Ok(())

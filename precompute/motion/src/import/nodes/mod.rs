@@ -166,8 +166,12 @@ impl Scene<'_> {
             return Err("it has too many joints".into());
         }
         let clip = sink.into_clip(self.path, self.format, FALLBACK_HZ);
-        let clip =
-            SourceClip { clip, declared_metres_per_unit: Some(1.0), findings: Vec::new(), warnings: Default::default() };
+        let clip = SourceClip {
+            clip,
+            declared_metres_per_unit: Some(1.0),
+            findings: Vec::new(),
+            warnings: Default::default(),
+        };
         let Person { above, joints, .. } = person;
         Ok(Rig { clip, above, joints, axes: rest.rotations })
     }
