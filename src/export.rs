@@ -22,6 +22,7 @@ pub struct Args {
     /// What to write. Of anything: `glb` (skins and animation), `usda` (UsdSkel), `bvh` and `amass` (a file for each
     /// character; SMPL order, axis-angle), `npz` (all in NumPy arrays) or `csv` (joints of all characters over time). Of
     /// a motion file: `bvh` and `positions-csv` (frame,joint,x,y,z in metres, Y up), as it was read. Of a bundle:
+    /// `instances` (which clips play on characters, as NumPy arrays, to be drawn with `glb` of its `--clips`),
     /// `graph-json` (states and actions) or `policy-csv` (values with cell coordinates). Of either: `hits-csv`
     /// (effective hits as seen from the planar root: +X left, Y up, +Z ahead, in metres).
     #[arg(long)]
@@ -49,6 +50,7 @@ enum Format {
     Npz,
     Amass,
     Csv,
+    Instances,
     PositionsCsv,
     GraphJson,
     PolicyCsv,
@@ -62,7 +64,7 @@ fn holds_motion(file: &Path) -> bool {
 
 pub fn run(args: &Args) -> Outcome {
     match args.format {
-        Format::Glb | Format::Usda | Format::Npz | Format::Amass | Format::Csv => take::run(args),
+        Format::Glb | Format::Usda | Format::Npz | Format::Amass | Format::Csv | Format::Instances => take::run(args),
         Format::Bvh if !holds_motion(&args.file) => take::run(args),
         _ if args.take.given().is_some() => {
             fail(format!("{} is for glb, usda, bvh, npz, amass and csv", args.take.given().unwrap_or_default()))

@@ -7,9 +7,10 @@ use std::error::Error;
 use std::io::{self, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use throng_precompute::export::{Glb, Take, Wearer, amass, bvh, npz, take_csv, usda};
+use throng_precompute::export::{Glb, Take, amass, bvh, npz, take_csv, usda};
 use throng_precompute::import::read_clip;
-use throng_precompute::perform::{PerformConfig, Show, perform};
+use throng_precompute::onto::Wearer;
+use throng_precompute::perform::{self, PerformConfig, Show, perform};
 use throng_precompute::run::Recording;
 use throng_precompute::trial::TrialConfig;
 use throng_precompute::{Warnings, files, pipeline};
@@ -105,6 +106,9 @@ pub fn run(args: &Args) -> Outcome {
     let folder = out.map_or(temporary.as_path(), folder_of);
     // Before long work: it may not be a character.
     let wearer = takes.onto.as_deref().map(Wearer::open).transpose()?;
+    if let (Format::Instances, Some(out)) = (args.format, out) {
+        return instances(args, folder, out);
+    }
     let take = record(args, folder)?;
     save(args, &take, out, wearer.as_ref(), folder)
 }
@@ -116,29 +120,52 @@ fn folder_of(file: &Path) -> &Path {
 /// Lets happen what is exported.
 fn record(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
     let (file, config, bar) = (&args.file, args.take.config(), progress::Bar::default());
+    let show = |show: Show<'_>| perform(show, &config, folder, &bar).map_err(|e| format!("{}: {e}", file.display()));
     if is_toml(file) {
         let scene = Scene::load(file)?;
         crate::run::ensure(&scene, &args.take.cache)?;
-        return Ok(perform(Show::Scene(&scene.open()?), &config, folder, &bar)?);
+        return Ok(show(Show::Scene(&scene.open()?))?);
     }
     if is_bundle(file) {
         let bundle = crate::args::open(file)?;
-        let trial = TrialConfig::default();
-        let show = if args.take.clips { Show::Clips(&bundle) } else { Show::Trial(&bundle, &trial) };
-        return perform(show, &config, folder, &bar).map_err(|e| format!("{}: {e}", file.display()).into());
+        return Ok(match args.take.clips {
+            true => show(Show::Clips(&bundle))?,
+            false => show(Show::Trial(&bundle, &TrialConfig::default()))?,
+        });
     }
     if holds_motion(file) {
-        if let Some(flag) = args.take.given() {
-            return fail(format!("{}: {flag} is for scenes, recordings and bundles", file.display()));
-        }
-        let config = args.read.config()?;
-        let clips = pipeline::clips_of(&[read_clip(file, &config.import)?], &config, &mut Warnings::default())?;
-        return Ok(Take::of_clips(folder, &clips.clips[..1], &clips.skeleton)?);
+        return clip(args, folder);
     }
     let recording = Recording::load(file)?;
     let scene = recording.scene()?;
     crate::run::ensure(&scene, &args.take.cache)?;
-    Ok(perform(Show::Recording(&recording, &scene.open()?), &config, folder, &bar)?)
+    Ok(show(Show::Recording(&recording, &scene.open()?))?)
+}
+
+/// Writes which clips play on characters of a bundle.
+fn instances(args: &Args, folder: &Path, out: &Path) -> Outcome {
+    let file = &args.file;
+    if !is_bundle(file) || args.take.clips {
+        let what = "instances are of bundles (.throng): which of their clips play on characters who run on them";
+        return fail(format!("{}: {what}", file.display()));
+    }
+    let (bundle, trial, bar) = (crate::args::open(file)?, TrialConfig::default(), progress::Bar::default());
+    let played = perform::instances(&bundle, &trial, &args.take.config(), folder, &bar);
+    let played = played.map_err(|e| format!("{}: {e}", file.display()))?;
+    files::write_atomically(out, |w| played.npz(w))?;
+    let (who, frames, hz) = (played.num_characters(), played.num_frames(), played.rate_hz());
+    let bytes = output::bytes(std::fs::metadata(out).map_or(0, |m| m.len()));
+    output::text(format!("{}: {who} character(s), {frames} frames at {hz} Hz, {bytes}\n", out.display()))
+}
+
+/// The clip of a motion file on the database skeleton, as a build would use it.
+fn clip(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
+    if let Some(flag) = args.take.given().filter(|flag| *flag != "--onto") {
+        return fail(format!("{}: {flag} is for scenes, recordings and bundles", args.file.display()));
+    }
+    let config = args.read.config()?;
+    let clips = pipeline::clips_of(&[read_clip(&args.file, &config.import)?], &config, &mut Warnings::default())?;
+    Ok(Take::of_clips(folder, &clips.clips[..1], &clips.skeleton)?)
 }
 
 /// Writes a take in a format, and says what was written.
@@ -149,7 +176,7 @@ fn save(args: &Args, take: &Take, out: Option<&Path>, wearer: Option<&Wearer>, f
         (_, None) => {}
         (Format::Glb, Some(out)) => {
             let outfit = wearer.map(|w| w.dress(take, folder, &progress::Bar::default())).transpose()?;
-            let glb = Glb::new(take, outfit.as_ref())?;
+            let glb = outfit.as_ref().map_or_else(|| Glb::new(take), |o| o.glb(take))?;
             files::write_atomically(out, |w| glb.write(w))?;
         }
         (Format::Usda, Some(out)) => {

@@ -3,11 +3,11 @@
 mod body;
 pub mod bvh;
 mod csv;
-mod glb;
+pub(crate) mod glb;
+mod instances;
 mod npz;
-mod onto;
-mod scratch;
-mod take;
+pub(crate) mod scratch;
+pub(crate) mod take;
 mod usd;
 
 use crate::clip::Clip;
@@ -15,8 +15,8 @@ use crate::raw::{RawClip, RawJoint, SourceFormat};
 pub use csv::{positions_csv, take_csv};
 use glam::{Quat, Vec3};
 pub use glb::Glb;
+pub use instances::{Instance, Instances};
 pub use npz::{amass, npz};
-pub use onto::{Outfit, Wearer};
 pub use take::{Actor, Pose, Take, TakeWriter};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 pub use usd::usda;

@@ -1,7 +1,7 @@
 //! Writes NumPy arrays in zip files, stored and not compressed: they can be mapped, since numbers begin at multiples of 64.
 
 use super::take::{Pose, THERE, Take};
-use crate::import::npz::{JOINTS, UPRIGHT};
+use crate::smpl::{JOINTS, UPRIGHT};
 use glam::{Quat, Vec3};
 use std::io::{self, Write};
 use throng_core::{Joint, NUM_JOINTS};
@@ -16,17 +16,17 @@ const AMASS_WIDTH: usize = 156;
 const SHAPE_WIDTH: usize = 16;
 
 /// Arrays that are written one after the other.
-struct Arrays<W: Write> {
+pub(super) struct Arrays<W: Write> {
     zip: ZipWriter<StreamWriter<W>>,
 }
 
 impl<W: Write> Arrays<W> {
-    fn new(out: W) -> Self {
+    pub fn new(out: W) -> Self {
         Self { zip: ZipWriter::new_stream(out) }
     }
 
     /// Begins an array: `kind` is the type of its numbers as NumPy writes it.
-    fn begin(&mut self, name: &str, kind: &str, shape: &[usize]) -> io::Result<()> {
+    pub fn begin(&mut self, name: &str, kind: &str, shape: &[usize]) -> io::Result<()> {
         let list: String = shape.iter().map(|n| format!("{n}, ")).collect();
         let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({list}), }}");
         if shape.is_empty() {
@@ -52,18 +52,18 @@ impl<W: Write> Arrays<W> {
         self.zip.write_all(bytemuck::cast_slice(numbers))
     }
 
-    fn whole(&mut self, name: &str, shape: &[usize], numbers: &[i64]) -> io::Result<()> {
+    pub fn whole(&mut self, name: &str, shape: &[usize], numbers: &[i64]) -> io::Result<()> {
         self.begin(name, "<i8", shape)?;
         self.zip.write_all(bytemuck::cast_slice(numbers))
     }
 
-    fn number(&mut self, name: &str, number: f64) -> io::Result<()> {
+    pub fn number(&mut self, name: &str, number: f64) -> io::Result<()> {
         self.begin(name, "<f8", &[])?;
         self.zip.write_all(&number.to_le_bytes())
     }
 
     /// Words, as UTF-32 of equal length.
-    fn words(&mut self, name: &str, shape: &[usize], words: &[&str]) -> io::Result<()> {
+    pub fn words(&mut self, name: &str, shape: &[usize], words: &[&str]) -> io::Result<()> {
         let longest = words.iter().map(|w| w.chars().count()).max().unwrap_or(0).max(1);
         self.begin(name, &format!("<U{longest}"), shape)?;
         for word in words {
@@ -73,7 +73,12 @@ impl<W: Write> Arrays<W> {
         Ok(())
     }
 
-    fn finish(self) -> io::Result<()> {
+    /// Adds numbers to the array that was begun last.
+    pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.zip.write_all(bytes)
+    }
+
+    pub fn finish(self) -> io::Result<()> {
         self.zip.finish().map_err(io::Error::other)?;
         Ok(())
     }
@@ -103,14 +108,13 @@ pub fn npz(take: &Take, out: &mut dyn Write) -> io::Result<()> {
     arrays.floats("offsets", &[n, NUM_JOINTS, 3], &offsets)?;
     arrays.begin("present", "|u1", &[n, frames])?;
     for a in 0..n {
-        take.scratch()
-            .track(a, THERE, |there| there.iter().try_for_each(|t| arrays.zip.write_all(&[u8::from(*t > 0.5)])))?;
-        arrays.zip.write_all(&vec![0; frames - take.num_frames(a)])?;
+        take.scratch().track(a, THERE, |there| there.iter().try_for_each(|t| arrays.write(&[u8::from(*t > 0.5)])))?;
+        arrays.write(&vec![0; frames - take.num_frames(a)])?;
     }
     arrays.begin("positions", "<f4", &[n, frames, NUM_JOINTS, 3])?;
-    rows(take, frames, |pose| arrays.zip.write_all(bytemuck::cast_slice(&pose.world().map(|(p, _)| p.to_array()))))?;
+    rows(take, frames, |pose| arrays.write(bytemuck::cast_slice(&pose.world().map(|(p, _)| p.to_array()))))?;
     arrays.begin("rotations", "<f4", &[n, frames, NUM_JOINTS, 4])?;
-    rows(take, frames, |pose| arrays.zip.write_all(bytemuck::cast_slice(&pose.rotations.map(|r| r.to_array()))))?;
+    rows(take, frames, |pose| arrays.write(bytemuck::cast_slice(&pose.rotations.map(|r| r.to_array()))))?;
     arrays.finish()
 }
 
@@ -142,7 +146,7 @@ pub fn amass(take: &Take, actor: usize, out: &mut dyn Write) -> io::Result<()> {
     arrays.begin("trans", "<f4", &[there.len(), 3])?;
     take.poses(actor, |frame, pose, _| {
         let way: Vec3 = back * pose.translations[0];
-        if there.contains(&frame) { arrays.zip.write_all(bytemuck::cast_slice(&way.to_array())) } else { Ok(()) }
+        if there.contains(&frame) { arrays.write(bytemuck::cast_slice(&way.to_array())) } else { Ok(()) }
     })?;
     arrays.begin("poses", "<f4", &[there.len(), AMASS_WIDTH])?;
     take.poses(actor, |frame, pose, _| {
@@ -157,7 +161,7 @@ pub fn amass(take: &Take, actor: usize, out: &mut dyn Write) -> io::Result<()> {
             let turn = if turn.w < 0.0 { -turn } else { turn };
             row[3 * i..3 * i + 3].copy_from_slice(&turn.to_scaled_axis().to_array());
         }
-        arrays.zip.write_all(bytemuck::cast_slice(&row))
+        arrays.write(bytemuck::cast_slice(&row))
     })?;
     arrays.finish()
 }

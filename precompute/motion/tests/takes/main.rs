@@ -75,7 +75,7 @@ pub fn farthest(read: &Imported, first: usize, expected: impl Fn(usize) -> Pose)
 
 /// The bytes of a file with plain bodies.
 pub fn glb(take: &Take) -> Vec<u8> {
-    let document = Glb::new(take, None).unwrap();
+    let document = Glb::new(take).unwrap();
     let mut bytes = Vec::new();
     document.write(&mut bytes).unwrap();
     assert_eq!(bytes.len() as u64, document.num_bytes());

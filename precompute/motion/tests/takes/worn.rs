@@ -13,8 +13,9 @@ use glam::{Quat, Vec3};
 use rig::{Part, Rest};
 use std::path::{Path, PathBuf};
 use throng_core::{Joint, Skeleton};
-use throng_motion::export::{Glb, Take, TakeWriter, Wearer};
+use throng_motion::export::{Take, TakeWriter};
 use throng_motion::import::{bvh, read_source};
+use throng_motion::onto::Wearer;
 use throng_motion::progress::Silent;
 use throng_motion::raw::RawClip;
 
@@ -34,7 +35,7 @@ fn character(folder: &Path, name: &'static str, table: &str, rest: Rest) -> Path
 fn worn(folder: &Path, wearer: &Wearer, take: &Take) -> Vec<RawClip> {
     let outfit = wearer.dress(take, folder, &Silent).unwrap();
     let mut bytes = Vec::new();
-    Glb::new(take, Some(&outfit)).unwrap().write(&mut bytes).unwrap();
+    outfit.glb(take).unwrap().write(&mut bytes).unwrap();
     let path = folder.join("worn.glb");
     std::fs::write(&path, bytes).unwrap();
     read_source(&path, None).unwrap().into_iter().map(|source| source.clip).collect()

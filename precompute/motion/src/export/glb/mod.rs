@@ -6,14 +6,13 @@
 //! known before a number is written, and numbers are then copied from the take's file track by track.
 
 mod figure;
-pub(super) mod parts;
+pub(crate) mod parts;
 
-use super::Outfit;
 use super::body::Body;
 use super::scratch::Scratch;
 use super::take::Take;
 use crate::error::BuildError;
-pub(super) use figure::empty;
+pub(crate) use figure::empty;
 use parts::Parts;
 use std::io::{self, Write};
 
@@ -27,15 +26,16 @@ pub struct Glb<'a> {
 }
 
 impl<'a> Glb<'a> {
-    /// - `outfit`: whose body is worn; a plain one where absent.
+    /// Of plain bodies.
     ///
     /// # Errors
     /// [`BuildError::Stage`] for a take that is too large for the format.
-    pub fn new(take: &'a Take, outfit: Option<&'a Outfit<'_>>) -> Result<Self, BuildError> {
-        let (parts, scratch) = match outfit {
-            None => (figure::of_bodies(take), take.scratch()),
-            Some(w) => (w.parts(take), w.scratch()),
-        };
+    pub fn new(take: &'a Take) -> Result<Self, BuildError> {
+        Self::of(take, figure::of_bodies(take), take.scratch())
+    }
+
+    /// - `parts`: bodies and what moves them; `scratch`: where their tracks are.
+    pub(crate) fn of(take: &'a Take, parts: Parts, scratch: &'a Scratch) -> Result<Self, BuildError> {
         let document = parts.document();
         let glb = Self { take, scratch, parts, document };
         let bytes = glb.num_bytes();

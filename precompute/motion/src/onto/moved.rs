@@ -1,8 +1,8 @@
 //! Which joints of a character move, and how.
 
-use super::super::scratch::Scratch;
-use super::super::take::Take;
 use super::Wearer;
+use crate::export::Take;
+use crate::export::scratch::Scratch;
 use crate::import::RoleMap;
 use crate::raw::RawClip;
 use crate::retarget::{Fit, Worn};

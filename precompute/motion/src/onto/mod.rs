@@ -8,10 +8,9 @@
 mod copy;
 mod moved;
 
-use super::glb::parts::Parts;
-use super::scratch::Scratch;
-use super::take::Take;
 use crate::error::{BuildError, ImportError};
+use crate::export::scratch::Scratch;
+use crate::export::{Glb, Take};
 use crate::import::gltf::{self, Document, Reader};
 use crate::import::nodes::Rig;
 use crate::import::source::content_error;
@@ -147,12 +146,12 @@ impl Wearer {
 }
 
 impl Outfit<'_> {
-    pub(super) fn parts(&self, take: &Take) -> Parts {
-        copy::parts(self.wearer, take)
-    }
-
-    pub(super) fn scratch(&self) -> &Scratch {
-        &self.scratch
+    /// The document of the take that it was made for.
+    ///
+    /// # Errors
+    /// As [`Glb::new`].
+    pub fn glb<'a>(&'a self, take: &'a Take) -> Result<Glb<'a>, BuildError> {
+        Glb::of(take, copy::parts(self.wearer, take), &self.scratch)
     }
 }
 

@@ -1,9 +1,10 @@
 //! Copies of a character's nodes and skins, one for each actor, that share its meshes.
 
-use super::super::glb::empty;
-use super::super::glb::parts::Parts;
-use super::super::take::{THERE, Take};
 use super::Wearer;
+use crate::export::Take;
+use crate::export::glb::empty;
+use crate::export::glb::parts::Parts;
+use crate::export::take::THERE;
 use crate::import::gltf;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
