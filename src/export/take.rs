@@ -105,7 +105,10 @@ pub fn run(args: &Args) -> Outcome {
     let temporary = std::env::temp_dir();
     let folder = out.map_or(temporary.as_path(), folder_of);
     // Before long work: it may not be a character.
-    let wearer = takes.onto.as_deref().map(Wearer::open).transpose()?;
+    let wearer = match &takes.onto {
+        Some(character) => Some(Wearer::open(character, &args.read.config()?.import)?),
+        None => None,
+    };
     if let (Format::Instances, Some(out)) = (args.format, out) {
         return instances(args, folder, out);
     }

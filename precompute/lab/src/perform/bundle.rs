@@ -114,7 +114,7 @@ pub fn clips(
     let names = &bundle.meta().clips;
     let actor = |&c: &usize| (c, names[c].name.clone(), bundle.skeleton().clone());
     let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
-    let mut writer = TakeWriter::new(folder, who.iter().map(actor).collect(), bundle.meta().rate_hz, 1).map_err(io)?;
+    let mut writer = TakeWriter::library(folder, who.iter().map(actor).collect(), bundle.meta().rate_hz).map_err(io)?;
     progress.begin("record", who.len() as u64, "clips");
     for (a, &clip) in who.iter().enumerate() {
         progress.check()?;

@@ -32,9 +32,8 @@ impl<'a> Camera<'a> {
     ) -> Result<Self, BuildError> {
         let rate_hz = config.rate_hz()?;
         let who: Vec<usize> = actors.iter().map(|a| a.0).collect();
-        let together = who.len().max(2);
         let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
-        let writer = TakeWriter::new(folder, actors, rate_hz, together).map_err(io)?;
+        let writer = TakeWriter::new(folder, actors, rate_hz).map_err(io)?;
         let num_frames = span.num_frames(rate_hz);
         progress.begin("record", num_frames as u64, "frames");
         Ok(Self { writer, who, span, rate_hz, num_frames, next: 0, before: None, folder, progress })

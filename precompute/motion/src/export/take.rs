@@ -144,17 +144,32 @@ pub struct TakeWriter {
 }
 
 impl TakeWriter {
+    /// Of characters who are recorded at the same time.
+    ///
     /// - `folder`: where the file of the frames is made; it has no name and goes with the program.
     /// - `actors`: numbers, names and skeletons.
-    /// - `together`: how many are recorded at the same time.
     ///
     /// # Errors
     /// Where the folder takes no file.
-    pub fn new(
+    pub fn new(folder: &Path, actors: Vec<(usize, String, Skeleton)>, rate_hz: f64) -> io::Result<Self> {
+        let together = actors.len();
+        Self::with(folder, actors, rate_hz, together, false)
+    }
+
+    /// Of clips of one figure, which are recorded one after the other and ended by [`TakeWriter::finish`].
+    ///
+    /// # Errors
+    /// As [`TakeWriter::new`].
+    pub fn library(folder: &Path, clips: Vec<(usize, String, Skeleton)>, rate_hz: f64) -> io::Result<Self> {
+        Self::with(folder, clips, rate_hz, 1, true)
+    }
+
+    fn with(
         folder: &Path,
         actors: Vec<(usize, String, Skeleton)>,
         rate_hz: f64,
         together: usize,
+        is_library: bool,
     ) -> io::Result<Self> {
         let scratch = Scratch::new(folder, actors.len(), &WIDTHS, together)?;
         let actor = |(number, name, skeleton)| {
@@ -163,8 +178,7 @@ impl TakeWriter {
             Actor { name, number, skeleton, moves, there: 0..0, is_ever_away: false }
         };
         let before = vec![None; actors.len()];
-        let take =
-            Take { actors: actors.into_iter().map(actor).collect(), rate_hz, scratch, is_library: together == 1 };
+        let take = Take { actors: actors.into_iter().map(actor).collect(), rate_hz, scratch, is_library };
         Ok(Self { take, before })
     }
 
@@ -247,7 +261,7 @@ impl Take {
     /// What the disk says.
     pub fn of_clips(folder: &Path, clips: &[Clip], skeleton: &Skeleton) -> io::Result<Self> {
         let actors = clips.iter().enumerate().map(|(i, c)| (i, c.name.clone(), skeleton.clone())).collect();
-        let mut writer = TakeWriter::new(folder, actors, clips.first().map_or(30.0, |c| c.rate_hz), 1)?;
+        let mut writer = TakeWriter::library(folder, actors, clips.first().map_or(30.0, |c| c.rate_hz))?;
         for (i, clip) in clips.iter().enumerate() {
             for frame in 0..clip.num_frames() {
                 let rotations = clip.frame_rotations(frame);

@@ -51,9 +51,11 @@ pub struct Outfit<'a> {
 impl Wearer {
     /// Reads a character: a `.glb` file, or a `.gltf` file with one buffer and its textures in it.
     ///
+    /// - `config`: profiles that name roles, where names and shape do not tell.
+    ///
     /// # Errors
     /// [`BuildError::Import`] for a file without a skin, of several people, of none, or that lies in several files.
-    pub fn open(path: &Path) -> Result<Self, BuildError> {
+    pub fn open(path: &Path, config: &ImportConfig) -> Result<Self, BuildError> {
         let bytes = archive::read_file(path, "a character", MAX_MOTION_BYTES)?;
         let fail = |what: String| content_error(path, what, HELP);
         let (document, binary) = gltf::document(&bytes).map_err(fail)?;
@@ -69,8 +71,8 @@ impl Wearer {
         }
         let buffer = Reader::new(&document, binary, path)?.bytes(0).unwrap_or_default().to_vec();
         // Such files have Y up.
-        let config = ImportConfig { up: Some(UpAxis::Y), ..ImportConfig::default() };
-        let body = interpret(rig.clip.clone(), &config, &crate::import::profile::load_profiles(&[])?)?;
+        let config = ImportConfig { up: Some(UpAxis::Y), ..config.clone() };
+        let body = interpret(rig.clip.clone(), &config, &crate::import::profile::load_profiles(&config.profiles)?)?;
         let fit = Fit::new(&body)?;
         let moved = moved::find(&rig.clip.clip, &body.roles, &fit);
         let centre = moved::centre(&rig.clip.clip, &body.roles);

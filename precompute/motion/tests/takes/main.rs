@@ -1,5 +1,6 @@
 //! Takes written and read back by the project's own readers: every joint is where it was, on the plain body and on others.
 
+mod clients;
 mod worn;
 
 use glam::{Quat, Vec3};
@@ -50,7 +51,7 @@ pub fn pose(skeleton: &Skeleton, actor: usize, frame: usize) -> Pose {
 pub fn take() -> (Take, Vec<Skeleton>) {
     let skeletons = vec![Skeleton::default(), sized(0.8), Skeleton::default()];
     let actors = skeletons.iter().enumerate().map(|(i, s)| (10 + i, format!("walker {}", 10 + i), s.clone())).collect();
-    let mut writer = TakeWriter::new(&std::env::temp_dir(), actors, 30.0, 3).unwrap();
+    let mut writer = TakeWriter::new(&std::env::temp_dir(), actors, 30.0).unwrap();
     for frame in 0..FRAMES {
         for (a, skeleton) in skeletons.iter().enumerate() {
             let there = a < 2 || THERE.contains(&frame);

@@ -13,8 +13,9 @@ use glam::{Quat, Vec3};
 use rig::{Part, Rest};
 use std::path::{Path, PathBuf};
 use throng_core::{Joint, Skeleton};
+use throng_motion::error::BuildError;
 use throng_motion::export::{Take, TakeWriter};
-use throng_motion::import::{bvh, read_source};
+use throng_motion::import::{ImportConfig, bvh, read_source};
 use throng_motion::onto::Wearer;
 use throng_motion::progress::Silent;
 use throng_motion::raw::RawClip;
@@ -29,6 +30,11 @@ fn character(folder: &Path, name: &'static str, table: &str, rest: Rest) -> Path
     let path = folder.join(format!("{}.glb", name.replace(' ', "_")));
     std::fs::write(&path, glb.glb()).unwrap();
     path
+}
+
+/// Reads a character.
+fn open(path: &Path) -> Result<Wearer, BuildError> {
+    Wearer::open(path, &ImportConfig::default())
 }
 
 /// Dresses a character and reads what is written, in its own joints.
@@ -62,7 +68,7 @@ fn rigs_of_every_make_stand_where_the_motion_stands() {
     for (name, table) in tables::RIGS {
         let folder = tempfile::tempdir().unwrap();
         for rest in [Rest::TPose, Rest::APose] {
-            let opened = Wearer::open(&character(folder.path(), name, table, rest));
+            let opened = open(&character(folder.path(), name, table, rest));
             if name == "two roots" {
                 // Its arms end where forearms would: at rest, nothing tells them from horns.
                 assert!(opened.err().is_some_and(|e| e.to_string().contains("no pair of arms is there")));
@@ -99,13 +105,13 @@ fn farthest_limb(clip: &RawClip, parts: &[Part], skeleton: &Skeleton, actor: usi
 fn twist_joints_take_the_share_of_their_place() {
     let table = tables::RIGS.iter().find(|r| r.0 == "DAZ Genesis 8").unwrap().1;
     let folder = tempfile::tempdir().unwrap();
-    let wearer = Wearer::open(&character(folder.path(), "daz", table, Rest::TPose)).unwrap();
+    let wearer = open(&character(folder.path(), "daz", table, Rest::TPose)).unwrap();
     let twists: Vec<&str> = wearer.twists().collect();
     assert_eq!(twists.len(), 6, "{twists:?}");
     // The left hand turns about the forearm, which lies along +X.
     let skeleton = Skeleton::default();
     let actors = vec![(0, "one".into(), skeleton.clone())];
-    let mut writer = TakeWriter::new(folder.path(), actors, 30.0, 1).unwrap();
+    let mut writer = TakeWriter::new(folder.path(), actors, 30.0).unwrap();
     let angle = |frame: usize| 0.1 * frame as f32;
     for frame in 0..12 {
         let mut rotations = [Quat::IDENTITY; throng_core::NUM_JOINTS];
@@ -136,7 +142,7 @@ fn what_cannot_be_worn_is_refused_by_name() {
     let refused = |name: &str, bytes: &[u8], parts: &[&str]| {
         let path = folder.path().join(name);
         std::fs::write(&path, bytes).unwrap();
-        let e = Wearer::open(&path).err().unwrap_or_else(|| panic!("{name} is accepted")).to_string();
+        let e = open(&path).err().unwrap_or_else(|| panic!("{name} is accepted")).to_string();
         assert!(e.contains(name) && parts.iter().all(|p| e.contains(p)), "{parts:?}: {e}");
     };
     refused("text.glb", b"hello", &["expected a glTF 2.0 document"]);
@@ -168,7 +174,7 @@ fn what_cannot_be_worn_is_refused_by_name() {
 fn joints_without_a_role_rest() {
     let table = tables::RIGS.iter().find(|r| r.0 == "Mixamo").unwrap().1;
     let (take, folder) = (take().0, tempfile::tempdir().unwrap());
-    let wearer = Wearer::open(&character(folder.path(), "mixamo", table, Rest::APose)).unwrap();
+    let wearer = open(&character(folder.path(), "mixamo", table, Rest::APose)).unwrap();
     let read = worn(folder.path(), &wearer, &take);
     let index = place(&read[0], "mixamorig:LeftHandIndex2");
     let n = read[0].joints.len();
