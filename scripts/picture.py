@@ -30,7 +30,7 @@ centre, size = (low + high) / 2, (high - low).length
 bpy.ops.mesh.primitive_plane_add(size=max(40.0, 4 * size), location=(centre.x, centre.y, 0))
 camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
 scene.collection.objects.link(camera)
-camera.location = centre + Vector((0.4, -1.0, 0.55)).normalized() * max(3.0, 1.9 * size)
+camera.location = centre + Vector((0.4, -1.0, 0.55)).normalized() * max(3.0, 2.4 * size)
 camera.rotation_euler = (centre - camera.location).to_track_quat("-Z", "Y").to_euler()
 scene.camera = camera
 sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
@@ -41,7 +41,7 @@ world.use_nodes = True
 world.node_tree.nodes["Background"].inputs[0].default_value = (0.35, 0.4, 0.5, 1)
 scene.world = world
 scene.render.engine = "CYCLES"
-scene.cycles.device, scene.cycles.samples = "CPU", 12
+scene.cycles.device, scene.cycles.samples = "CPU", 8
 scene.cycles.use_denoising = False
 scene.render.resolution_x, scene.render.resolution_y = 960, 540
 scene.render.filepath = out

@@ -187,10 +187,27 @@ mod tests {
             assert_eq!(seen, lengths[actor]);
             for (track, range) in [0..3, 3..4, 4..8].into_iter().enumerate() {
                 let mut all = Vec::new();
-                scratch.track(actor, track, |some| Ok(all.extend_from_slice(some))).unwrap();
+                let mut take = |some: &[f32]| {
+                    all.extend_from_slice(some);
+                    Ok(())
+                };
+                scratch.track(actor, track, &mut take).unwrap();
                 let expected = (0..lengths[actor]).flat_map(|f| range.clone().map(move |k| number(actor, f, k)));
                 assert!(all.iter().copied().eq(expected), "actor {actor}, track {track}");
             }
         }
+    }
+
+    #[test]
+    fn memory_does_not_grow_with_length() {
+        let mut scratch = Scratch::new(&std::env::temp_dir(), 2, &[4, 3], 2).unwrap();
+        let mut most = 0;
+        for frame in 0..20 * MAX_BLOCK {
+            scratch.push(frame % 2, &[frame as f32; 7]).unwrap();
+            most = most.max(scratch.actors.iter().map(|a| a.open.capacity()).sum());
+        }
+        // A vector that grows has up to twice what it holds.
+        assert!(most <= 2 * 2 * 7 * MAX_BLOCK, "{most} numbers are in memory");
+        assert!(scratch.file.metadata().unwrap().len() >= (4 * 7 * 18 * MAX_BLOCK) as u64);
     }
 }

@@ -162,9 +162,9 @@ fn whole(bytes: &[u8], path: &Path) -> Result<Value, ImportError> {
     let fail = |what: String| content_error(path, what, HELP);
     let (text, _) = gltf::split(bytes).map_err(fail)?;
     let json: Value = serde_json::from_slice(text).map_err(|e| fail(e.to_string()))?;
-    let images = json["images"].as_array().into_iter().flatten();
-    for uri in images.filter_map(|i| i["uri"].as_str()).filter(|uri| !uri.starts_with("data:")) {
-        return Err(fail(format!("its texture `{uri}` lies in a file of its own")));
+    let mut uris = json["images"].as_array().into_iter().flatten().filter_map(|i| i["uri"].as_str());
+    match uris.find(|uri| !uri.starts_with("data:")) {
+        Some(uri) => Err(fail(format!("its texture `{uri}` lies in a file of its own"))),
+        None => Ok(json),
     }
-    Ok(json)
 }
