@@ -92,6 +92,11 @@ impl Scratch {
         Ok(())
     }
 
+    /// Number of actors.
+    pub fn num_actors(&self) -> usize {
+        self.actors.len()
+    }
+
     /// Number of frames of an actor.
     pub fn num_frames(&self, actor: usize) -> usize {
         self.actors[actor].num_frames

@@ -56,16 +56,23 @@ impl Wearer {
     /// # Errors
     /// [`BuildError::Import`] for a file without a skin, of several people, of none, or that lies in several files.
     pub fn open(path: &Path, config: &ImportConfig) -> Result<Self, BuildError> {
-        let bytes = archive::read_file(path, "a character", MAX_MOTION_BYTES)?;
+        Self::parse(&archive::read_file(path, "a character", MAX_MOTION_BYTES)?, path, config)
+    }
+
+    /// As [`Wearer::open`], of the bytes of a file; `path` is what errors name, and where its buffer lies beside.
+    ///
+    /// # Errors
+    /// As [`Wearer::open`].
+    pub fn parse(bytes: &[u8], path: &Path, config: &ImportConfig) -> Result<Self, BuildError> {
         let fail = |what: String| content_error(path, what, HELP);
-        let (document, binary) = gltf::document(&bytes).map_err(fail)?;
-        let mut rigs = gltf::rigs(&bytes, path)?;
+        let (document, binary) = gltf::document(bytes).map_err(fail)?;
+        let mut rigs = gltf::rigs(bytes, path)?;
         if rigs.len() > 1 {
             let message = format!("expected one character, found {} skeletons", rigs.len());
             return Err(content_error(path, message, "Export one of them alone").into());
         }
         let Some(rig) = rigs.pop() else { return Err(fail("it has no skeleton".into()).into()) };
-        let json = whole(&bytes, path)?;
+        let json = whole(bytes, path)?;
         if document.buffers.len() > 1 {
             return Err(fail(format!("expected one buffer, found {}", document.buffers.len())).into());
         }
@@ -77,7 +84,11 @@ impl Wearer {
         let moved = moved::find(&rig.clip.clip, &body.roles, &fit);
         let centre = moved::centre(&rig.clip.clip, &body.roles);
         let (roles, metres_per_unit) = (body.roles, body.metres_per_unit);
-        Ok(Self { document, json, buffer, rig, fit, roles, metres_per_unit, moved, centre })
+        let wearer = Self { document, json, buffer, rig, fit, roles, metres_per_unit, moved, centre };
+        match wearer.above_centre().0.inverse().is_finite() {
+            true => Ok(wearer),
+            false => Err(fail("what is above its hips has a scale of 0".into()).into()),
+        }
     }
 
     /// Which joint of the character plays which role.
@@ -148,6 +159,17 @@ impl Wearer {
 }
 
 impl Outfit<'_> {
+    /// Hands out all numbers by which the character moves.
+    pub fn numbers(&self, mut look: impl FnMut(&[f32])) {
+        for actor in 0..self.scratch.num_actors() {
+            // Reading back what was written fails where the disk does: then there is nothing to look at.
+            _ = self.scratch.frames(actor, |_, numbers| {
+                look(numbers);
+                Ok(())
+            });
+        }
+    }
+
     /// The document of the take that it was made for.
     ///
     /// # Errors
@@ -162,6 +184,11 @@ fn whole(bytes: &[u8], path: &Path) -> Result<Value, ImportError> {
     let fail = |what: String| content_error(path, what, HELP);
     let (text, _) = gltf::split(bytes).map_err(fail)?;
     let json: Value = serde_json::from_slice(text).map_err(|e| fail(e.to_string()))?;
+    // What is written into such parts must be what the format says.
+    let entries = ["nodes", "skins"].iter().flat_map(|list| json[list].as_array().into_iter().flatten());
+    if !json["asset"].is_object() || !entries.map(Value::is_object).all(|is| is) {
+        return Err(fail("expected objects as `asset`, nodes and skins".into()));
+    }
     let mut uris = json["images"].as_array().into_iter().flatten().filter_map(|i| i["uri"].as_str());
     match uris.find(|uri| !uri.starts_with("data:")) {
         Some(uri) => Err(fail(format!("its texture `{uri}` lies in a file of its own"))),
