@@ -95,7 +95,10 @@ pub fn run(args: &Args) -> Outcome {
     }
     let out = match (&args.out, args.format) {
         (None, Format::Csv) => None,
-        (None, _) => return fail("name a file to write with --out; only csv goes to standard output"),
+        (None, _) => {
+            let what = "name a file to write with --out; of what runs, only csv goes to standard output";
+            return fail(format!("{}: {what}", args.file.display()));
+        }
         (Some(out), _) => {
             files::check_target(out)?;
             Some(out.as_path())
