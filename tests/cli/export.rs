@@ -247,7 +247,7 @@ fn what_cannot_be_written_is_said_with_the_way_out() {
     fails(&[&scene, "--format", "usda", "--out", &at(&out, "no/a.usda")], &["there is no folder"]);
     let bare = at(&out, "bare.toml");
     let discs = "[[groups]]\nname = \"discs\"\nmotion = \"none\"\ncount = 3\n\
-        place = { block = { from = [-5.0, -5.0], to = [5.0, 5.0] } }\n";
+        place = { block = { from = [-5.0, -5.0], to = [5.0, 5.0] } }\ngoal = { stay = {} }\n";
     std::fs::write(&bare, discs).expect("a scene");
     fails(&[&[&*bare], &glb[..]].concat(), &["character 0 has no body", "\"discs\"", "--trajectories"]);
     assert!(!Path::new(&file).exists(), "nothing is left of what failed");
