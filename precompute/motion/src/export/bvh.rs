@@ -40,7 +40,7 @@ pub fn write(clip: &RawClip, out: &mut (impl Write + ?Sized)) -> io::Result<()> 
     Ok(())
 }
 
-/// Writes an actor of a take, while it is there, as [`write`] does a clip: joints are called as their roles.
+/// Writes an actor of a take, while it is there, as [`write()`] does a clip: joints are called as their roles.
 ///
 /// # Errors
 /// Whatever `out` fails with.

@@ -307,7 +307,7 @@ impl Take {
     }
 
     /// The numbers as they are kept, by [`rotation_track`], [`translation_track`] and [`THERE`].
-    pub fn scratch(&self) -> &Scratch {
+    pub(crate) fn scratch(&self) -> &Scratch {
         &self.scratch
     }
 }
