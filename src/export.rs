@@ -1,20 +1,30 @@
-//! `throng export`: motion, graphs and policies for other programs.
+//! `throng export`: what runs, motion, graphs and policies for other programs.
+
+mod take;
 
 use crate::args::{Outcome, ReadArgs, fail};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use throng_precompute::annotate::hits::{self, HitPoint};
-use throng_precompute::import::read_clip;
+use throng_precompute::import::{clip_in_file, is_motion, read_clip};
 use throng_precompute::{Warnings, export, files, graph, pipeline, policy};
 
-/// Write a clip as positions or BVH, a bundle's graph or policy, or the effective hits of either.
+/// Write what runs, or motion, for other programs: a scene, a recording, a bundle or a motion file.
+///
+/// What runs is written as glb, usda, bvh, npz, amass or csv. A scene is run as `throng run SCENE` does, a recording is
+/// replayed, and of a bundle characters run as in `throng run BUNDLE`, or its clips are written. Length costs no memory:
+/// frames are kept in a file beside the one that is written, which goes with the program.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Motion file (.bvh, .amc, .npz, .glb, .gltf, .fbx; FILE/CLIP for one of several in a file) or bundle (.throng).
+    /// Scene (.toml), recording (of `throng run --record`), bundle (.throng) or motion file (.bvh, .amc, .npz, .glb,
+    /// .gltf, .fbx; FILE/CLIP for one of several in a file).
     file: PathBuf,
-    /// What to write: of a clip `positions-csv` (frame,joint,x,y,z in metres, Y up) or `bvh`; of a bundle
-    /// `graph-json` (states and actions) or `policy-csv` (values with cell coordinates); of either `hits-csv` (effective
-    /// hits as seen from the planar root: +X left, Y up, +Z ahead, in metres).
+    /// What to write. Of anything: `glb` (skins and animation), `usda` (UsdSkel), `bvh` and `amass` (a file for each
+    /// character; SMPL order, axis-angle), `npz` (all in NumPy arrays) or `csv` (joints of all characters over time). Of
+    /// a motion file: `bvh` and `positions-csv` (frame,joint,x,y,z in metres, Y up), as it was read. Of a bundle:
+    /// `instances` (which clips play on characters, as NumPy arrays, to be drawn with `glb` of its `--clips`),
+    /// `graph-json` (states and actions) or `policy-csv` (values with cell coordinates). Of either: `hits-csv`
+    /// (effective hits as seen from the planar root: +X left, Y up, +Z ahead, in metres).
     #[arg(long)]
     format: Format,
     /// File to write; standard output by default.
@@ -24,6 +34,8 @@ pub struct Args {
     #[arg(long)]
     retargeted: bool,
     #[command(flatten)]
+    take: take::TakeArgs,
+    #[command(flatten)]
     read: ReadArgs,
     /// Behaviour whose policy is written; the first by default.
     #[arg(long, value_name = "NAME")]
@@ -32,15 +44,31 @@ pub struct Args {
 
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum Format {
-    PositionsCsv,
+    Glb,
+    Usda,
     Bvh,
+    Npz,
+    Amass,
+    Csv,
+    Instances,
+    PositionsCsv,
     GraphJson,
     PolicyCsv,
     HitsCsv,
 }
 
+/// True for the name of a motion file, or of a clip in one.
+fn holds_motion(file: &Path) -> bool {
+    is_motion(file) || clip_in_file(file).is_some()
+}
+
 pub fn run(args: &Args) -> Outcome {
     match args.format {
+        Format::Glb | Format::Usda | Format::Npz | Format::Amass | Format::Csv | Format::Instances => take::run(args),
+        Format::Bvh if !holds_motion(&args.file) => take::run(args),
+        _ if args.take.given().is_some() => {
+            fail(format!("{} is for glb, usda, bvh, npz, amass and csv", args.take.given().unwrap_or_default()))
+        }
         Format::PositionsCsv | Format::Bvh => clip(args),
         Format::HitsCsv => {
             let points = if crate::args::is_bundle(&args.file) {
@@ -71,7 +99,7 @@ pub fn run(args: &Args) -> Outcome {
 fn clip(args: &Args) -> Outcome {
     if crate::args::is_bundle(&args.file) {
         return fail(format!(
-            "{}: a bundle is written as graph-json, policy-csv or hits-csv, a clip as positions-csv, bvh or hits-csv",
+            "{}: a bundle is written as glb, usda, bvh, npz, amass, csv, graph-json, policy-csv or hits-csv; positions-csv is of a motion file",
             args.file.display()
         ));
     }

@@ -4,6 +4,7 @@ mod build;
 mod bundle;
 mod clips;
 mod crowd;
+mod export;
 mod files;
 mod folders;
 mod keys;

@@ -29,8 +29,10 @@ fn files_that_are_no_bundles_are_refused_by_name() {
     }
     let e = failed(&["inspect", &at(&folder, "absent.bvh")]);
     assert!(e.contains("absent.bvh"), "{e}");
-    let e = failed(&["export", &place.bundle(), "--format", "bvh"]);
+    let e = failed(&["export", &place.bundle(), "--format", "positions-csv"]);
     assert!(e.contains("little.throng") && e.contains("graph-json"), "{e}");
+    let e = failed(&["export", &place.bundle(), "--format", "bvh"]);
+    assert!(e.contains("little.throng") && e.contains("--out"), "{e}");
     let e = failed(&["export", &at(&folder, "absent.bvh"), "--format", "bvh"]);
     assert!(e.contains("absent.bvh"), "{e}");
     let e = failed(&["build", &at(&folder, "absent.toml"), "--out", &at(&folder, "a.throng")]);

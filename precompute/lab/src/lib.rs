@@ -6,6 +6,7 @@ pub mod inspect;
 pub mod matching;
 pub mod measure;
 pub mod overlap;
+pub mod perform;
 pub mod picture;
 pub mod quality;
 pub mod run;

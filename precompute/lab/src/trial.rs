@@ -154,6 +154,52 @@ pub struct TrialFrame {
 /// [`BuildError::Stage`] where the bundle has no behaviour or the config is out of range.
 pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialRecord), BuildError> {
     let fail = |e: Error| stage_error(e.to_string());
+    check(tables, config)?;
+    let (mut cast, targets) = scatter(tables, config).map_err(fail)?;
+    let mut watch = Watch::new(config, tables, cast.bodies().roots.to_vec(), targets);
+    let dt = 1.0 / config.step_hz;
+    let busy_s = play(&mut cast, config, |cast, step| {
+        watch.observe(cast, config, step, dt);
+        Ok(())
+    })?;
+    let characters = cast.characters();
+    Ok(watch.finish(characters, config, num_steps(config), busy_s))
+}
+
+/// Steps of a trial.
+pub(crate) fn num_steps(config: &TrialConfig) -> usize {
+    (config.seconds * config.step_hz).round().max(1.0) as usize
+}
+
+/// Steps characters through a trial, and shows them after the first choice and after every step.
+///
+/// - returns the time that steps took (s).
+///
+/// # Errors
+/// As [`run`], and what `look` fails with.
+pub(crate) fn play(
+    cast: &mut PolicyCharacters,
+    config: &TrialConfig,
+    mut look: impl FnMut(&PolicyCharacters, usize) -> Result<(), BuildError>,
+) -> Result<f64, BuildError> {
+    let mut busy_s = 0.0;
+    for step in 0..=num_steps(config) {
+        let begin = Instant::now();
+        // The first step only takes the first choice.
+        let dt = if step == 0 { 0.0 } else { 1.0 / config.step_hz };
+        cast.step(dt, &Inline).map_err(|e| stage_error(e.to_string()))?;
+        busy_s += begin.elapsed().as_secs_f64();
+        look(cast, step)?;
+    }
+    Ok(busy_s)
+}
+
+/// Checks that a bundle can be tried this way.
+///
+/// # Errors
+/// As [`run`].
+pub(crate) fn check(tables: &Bundle, config: &TrialConfig) -> Result<(), BuildError> {
+    let fail = |e: Error| stage_error(e.to_string());
     if tables.policies().is_empty() {
         let message = "the bundle has no behaviour".into();
         let help = "Build it from a config with `behaviours`".into();
@@ -168,20 +214,7 @@ pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialR
             config.characters, recorded
         )));
     }
-    let (mut cast, targets) = scatter(tables, config).map_err(fail)?;
-    let mut watch = Watch::new(config, tables, cast.bodies().roots.to_vec(), targets);
-    let dt = 1.0 / config.step_hz;
-    let mut busy_s = 0.0;
-    let steps = (config.seconds * config.step_hz).round().max(1.0) as usize;
-    for step in 0..=steps {
-        let begin = Instant::now();
-        // The first step only takes the first choice.
-        cast.step(if step == 0 { 0.0 } else { dt }, &Inline).map_err(fail)?;
-        busy_s += begin.elapsed().as_secs_f64();
-        watch.observe(&cast, config, step, dt);
-    }
-    let characters = cast.characters();
-    Ok(watch.finish(characters, config, steps, busy_s))
+    Ok(())
 }
 
 fn stage_error(message: String) -> BuildError {

@@ -7,11 +7,13 @@ pub mod export;
 pub mod files;
 pub mod import;
 pub mod mirror;
+pub mod onto;
 pub mod pod;
 pub mod progress;
 pub mod raw;
 pub mod resample;
 pub mod retarget;
+mod smpl;
 
 pub use clip::{Clip, ClipSet};
 pub use error::{BuildError, ImportError, Warnings};

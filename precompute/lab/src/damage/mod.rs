@@ -60,6 +60,7 @@ pub const READERS: &[Reader] = {
         Reader { name: "units", form: Text, seeds: seeds::units, read: readers::units },
         Reader { name: "environment", form: Text, seeds: seeds::environment, read: readers::environment },
         Reader { name: "gltf_mesh", form: Text, seeds: seeds::gltf_mesh, read: readers::gltf_mesh },
+        Reader { name: "character", form: Text, seeds: seeds::character, read: readers::character },
         Reader { name: "sidecar", form: Text, seeds: seeds::sidecar, read: readers::sidecar },
         Reader { name: "profile", form: Text, seeds: seeds::profile, read: readers::profile },
         Reader { name: "snapshot_policy", form: Binary, seeds: seeds::of_policy, read: readers::snapshot_policy },

@@ -3,6 +3,7 @@
 //! Each returns true where the bytes were accepted, and panics where what was accepted does harm.
 
 use super::{repair, snapshots};
+use glam::Quat;
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -12,13 +13,16 @@ use throng_bake::environment::{EnvironmentFile, UnitSet, geometries};
 use throng_bake::stitch::WorldSource;
 use throng_motion::ImportError;
 use throng_motion::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
+use throng_motion::export::{Pose, TakeWriter};
 use throng_motion::import::profile::Profile;
 use throng_motion::import::{self, ImportConfig, SourceClip, amc, asf, bvh, gltf, npz};
+use throng_motion::onto::Wearer;
+use throng_motion::progress::Silent;
 use throng_motion::resample::{ResampleConfig, resample};
 use throng_motion::retarget::{self, RetargetConfig};
-use throng_runtime::Bundle;
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::simulation::{Scene, Simulation};
+use throng_runtime::{Bundle, NUM_JOINTS, Skeleton};
 use throng_world::made_up_floor;
 
 /// Parts the two files of an `amc` input: the ASF skeleton before it, the AMC motion after it.
@@ -261,6 +265,27 @@ pub fn gltf_mesh(data: &[u8]) -> bool {
     let units = UnitSet::parse(&text, &path.with_file_name("units.toml")).expect("a unit with a mesh");
     let Ok(made) = geometries(&units) else { return false };
     assert!(!made[0].distance(glam::Vec3::new(0.3, 1.0, -0.2)).is_nan(), "a distance that is no number");
+    true
+}
+
+/// A character of glTF: it wears two poses, and what is written of it is a document.
+pub fn character(data: &[u8]) -> bool {
+    let Ok(wearer) = Wearer::parse(data, Path::new("fuzz.glb"), &ImportConfig::default()) else { return false };
+    let (folder, skeleton) = (std::env::temp_dir(), Skeleton::default());
+    let actors = vec![(0, "one".into(), skeleton.clone())];
+    let mut writer = TakeWriter::new(&folder, actors, 30.0).expect("a temporary file");
+    for angle in [0.0, 0.7] {
+        let mut turns = [Quat::IDENTITY; NUM_JOINTS];
+        turns.iter_mut().for_each(|turn| *turn = Quat::from_rotation_x(angle));
+        writer.push(0, Some(Pose::of_rotations(&skeleton, skeleton.offsets[0], turns))).expect("room");
+    }
+    let take = writer.into_take().expect("room");
+    let outfit = wearer.dress(&take, &folder, &Silent).expect("room");
+    let mut bytes = Vec::new();
+    outfit.glb(&take).expect("a small file").write(&mut bytes).expect("memory takes all bytes");
+    let (document, _) = gltf::document(&bytes).expect("what was written is read");
+    assert!(document.animations.len() == 1 && document.skins.len() <= 1000);
+    outfit.numbers(|numbers| assert!(numbers.iter().all(|n| n.is_finite()), "a pose that is not finite"));
     true
 }
 

@@ -192,6 +192,20 @@ pub fn gltf_motion() -> Vec<Vec<u8>> {
     vec![glb(&text, &[]), text.into_bytes()]
 }
 
+/// A character with a skin, as a text and as a binary file.
+pub fn character() -> Vec<Vec<u8>> {
+    let mut json: serde_json::Value = serde_json::from_str(&scenes::gltf(&walk())).expect("a document");
+    let joints = json["nodes"].as_array().map_or(0, Vec::len);
+    json["skins"] = serde_json::json!([{ "joints": (0..joints).collect::<Vec<_>>(), "skeleton": 0 }]);
+    json["meshes"] = serde_json::json!([{ "primitives": [{ "attributes": { "POSITION": 2 } }] }]);
+    json["scenes"] = serde_json::json!([{ "nodes": [0, joints] }]);
+    json["animations"] = serde_json::json!([]);
+    let body = serde_json::json!({ "name": "body", "mesh": 0, "skin": 0 });
+    json["nodes"].as_array_mut().into_iter().for_each(|nodes| nodes.push(body.clone()));
+    let text = serde_json::to_string_pretty(&json).expect("a text");
+    vec![glb(&text, &[]), text.into_bytes()]
+}
+
 /// Motion as FBX.
 #[cfg(feature = "fbx")]
 pub fn fbx() -> Vec<Vec<u8>> {

@@ -1,10 +1,9 @@
 //! Runs that are kept to be replayed and explained: the scene, how it was stepped, and a hash of each simulated second.
 
-use super::report::fault;
+use super::report::{Moment, fault, play};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use throng_motion::error::BuildError;
-use throng_runtime::Inline;
 use throng_runtime::base::SnapshotKind;
 use throng_runtime::base::file::{MAX_TEXT_BYTES, read_file};
 use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
@@ -79,33 +78,36 @@ impl Recording {
     /// As [`Simulation::new`]; [`BuildError::Config`] where bundles are others by now, or this version of Throng computes
     /// something else.
     pub fn replay(&self, compiled: &CompiledScene, until_s: Option<f64>) -> Result<Simulation, BuildError> {
+        self.replay_seen(compiled, until_s, |_, _| Ok(()))
+    }
+
+    /// As [`Recording::replay`]; also shows what runs before the first step and after every one.
+    pub(crate) fn replay_seen(
+        &self,
+        compiled: &CompiledScene,
+        until_s: Option<f64>,
+        mut look: impl FnMut(&Simulation, Moment) -> Result<(), BuildError>,
+    ) -> Result<Simulation, BuildError> {
         let differs = |what: &str| {
             let message = format!("the recording of \"{}\" cannot be replayed: {what}; record it again", self.name);
-            Err(BuildError::Config { message })
+            BuildError::Config { message }
         };
         if compiled.hash() != self.setup {
-            return differs("its scene, a bundle or a world is another one now");
+            return Err(differs("its scene, a bundle or a world is another one now"));
         }
         let until_s = until_s.unwrap_or(self.seconds).clamp(0.0, self.seconds);
         let mut sim = Simulation::new(compiled).map_err(fault)?;
         let mut seen = 0;
-        for step in 1.. {
-            let time_s = (step as f64 / self.step_hz).min(self.seconds);
-            if time_s > until_s + 1e-9 {
-                break;
-            }
-            sim.step_to(time_s, &Inline).map_err(fault)?;
-            let is_last = time_s >= self.seconds;
-            if is_last || time_s >= (seen + 1) as f64 - 1e-9 {
+        play(&mut sim, self.seconds, self.step_hz, until_s, |sim, moment| {
+            let time_s = sim.time_s();
+            if moment.step > 0 && (time_s >= self.seconds || time_s >= (seen + 1) as f64 - 1e-9) {
                 if self.hashes.get(seen) != Some(&sim.hash()) {
-                    return differs(&format!("it went on differently by {time_s:.1} s"));
+                    return Err(differs(&format!("it went on differently by {time_s:.1} s")));
                 }
                 seen += 1;
             }
-            if is_last {
-                break;
-            }
-        }
+            look(sim, moment)
+        })?;
         Ok(sim)
     }
 }

@@ -106,28 +106,16 @@ pub fn run_recorded(
         }
     }
     let mut recorder = Recorder::new(config, &sim, seconds);
-    let steps = (seconds * hz).round().max(1.0) as usize;
-    let mut busy_s = 0.0;
-    for step in 0..=steps {
-        let begin = Instant::now();
-        let time_s = if step == steps { seconds } else { step as f64 / hz };
-        let dt_s = (time_s - sim.time_s()) as f32;
-        // Everybody is posed already: a second step without time would change where feet are planted.
-        if step > 0 {
-            sim.step_to(time_s, &Inline).map_err(fault)?;
-        }
-        busy_s += begin.elapsed().as_secs_f64();
-        total.observe(&sim, dt_s, step, hz);
-        groups.iter_mut().for_each(|w| w.observe(&sim, dt_s, step, hz));
-        recorder.observe(&sim, step, hz);
-        let is_last = step == steps || sim.has_ended();
+    let busy_s = play(&mut sim, seconds, hz, seconds, |sim, moment| {
+        let Moment { step, dt_s, is_last } = moment;
+        total.observe(sim, dt_s, step, hz);
+        groups.iter_mut().for_each(|w| w.observe(sim, dt_s, step, hz));
+        recorder.observe(sim, step, hz);
         if let Some(recording) = recording.as_mut().filter(|_| step > 0) {
-            recording.observe(&sim, is_last);
+            recording.observe(sim, is_last);
         }
-        if is_last {
-            break;
-        }
-    }
+        Ok(())
+    })?;
     let seconds = sim.time_s();
     let rate = ((seconds * hz).round() + 1.0) / busy_s.max(1e-9);
     let figures = total.figures(&sim, seconds, Some(rate));
@@ -141,6 +129,54 @@ pub fn run_recorded(
     }
     let record = recorder.finish(&sim, &total);
     Ok((report, record, sim))
+}
+
+/// A moment of a run that is looked at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moment {
+    /// Number of steps so far.
+    pub step: usize,
+    /// Time since the last one (s).
+    pub dt_s: f32,
+    /// The run ends here.
+    pub is_last: bool,
+}
+
+/// Steps a simulation through a scene from its start, and shows it before the first step and after every one.
+///
+/// - `seconds`: how long the run is (s); `until_s`: where it is left, between two steps.
+/// - returns the time that steps took (s).
+///
+/// # Errors
+/// As [`Simulation::step`], and what `look` fails with.
+pub(crate) fn play(
+    sim: &mut Simulation,
+    seconds: f64,
+    hz: f64,
+    until_s: f64,
+    mut look: impl FnMut(&Simulation, Moment) -> Result<(), BuildError>,
+) -> Result<f64, BuildError> {
+    let steps = (seconds * hz).round().max(1.0) as usize;
+    let mut busy_s = 0.0;
+    for step in 0..=steps {
+        let begin = Instant::now();
+        let time_s = if step == steps { seconds } else { step as f64 / hz };
+        if time_s > until_s + 1e-9 {
+            break;
+        }
+        let dt_s = (time_s - sim.time_s()) as f32;
+        // Everybody is posed already: a second step without time would change where feet are planted.
+        if step > 0 {
+            sim.step_to(time_s, &Inline).map_err(fault)?;
+        }
+        busy_s += begin.elapsed().as_secs_f64();
+        let is_last = step == steps || sim.has_ended();
+        look(sim, Moment { step, dt_s, is_last })?;
+        if is_last {
+            break;
+        }
+    }
+    Ok(busy_s)
 }
 
 /// Runs the agents of a scene and times their engine in a run of its own that is not measured, so that looking at

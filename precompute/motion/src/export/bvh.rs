@@ -2,8 +2,9 @@
 //!
 //! A joint whose translation varies gets position channels too. Ends of chains become End Sites.
 
-use crate::raw::RawClip;
-use glam::{DQuat, EulerRot};
+use super::take::Take;
+use crate::raw::{RawClip, RawJoint};
+use glam::{DQuat, EulerRot, Quat, Vec3};
 use std::io::{self, Write};
 
 /// Centimetres in a metre: what tools expect of a BVH file.
@@ -12,7 +13,8 @@ const UNITS_PER_METRE: f32 = 100.0;
 const SAME_PLACE: f32 = 1e-6;
 
 /// Order of the joints in a file, and which of them carry position channels.
-struct Layout {
+struct Layout<'a> {
+    joints: &'a [RawJoint],
     children: Vec<Vec<usize>>,
     moves: Vec<bool>,
 }
@@ -24,44 +26,79 @@ struct Layout {
 /// # Errors
 /// Whatever `out` fails with.
 pub fn write(clip: &RawClip, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
-    let layout = Layout::of(clip);
-    writeln!(out, "HIERARCHY")?;
-    let mut order = Vec::with_capacity(clip.joints.len());
-    for root in (0..clip.joints.len()).filter(|&j| clip.joints[j].parent.is_none()) {
-        write_hierarchy(clip, &layout, root, &mut order, out)?;
+    let n = clip.joints.len();
+    let mut moves = vec![false; n];
+    for (i, t) in clip.translations.iter().enumerate() {
+        moves[i % n] |= t.distance(clip.joints[i % n].offset) > SAME_PLACE;
     }
-    writeln!(out, "MOTION\nFrames: {}\nFrame Time: {:.12}", clip.num_frames, 1.0 / clip.rate_hz)?;
+    let layout = Layout::of(&clip.joints, moves);
+    let order = write_head(&layout, clip.num_frames, clip.rate_hz, out)?;
     for frame in 0..clip.num_frames {
-        write_frame(clip, &layout, &order, frame, out)?;
+        let of = frame * n..(frame + 1) * n;
+        write_frame(&layout, &order, &clip.translations[of.clone()], &clip.rotations[of], out)?;
     }
     Ok(())
 }
 
-impl Layout {
-    fn of(clip: &RawClip) -> Self {
-        let n = clip.joints.len();
-        let mut children = vec![Vec::new(); n];
-        let mut moves: Vec<bool> = clip.joints.iter().map(|j| j.parent.is_none()).collect();
-        for (j, joint) in clip.joints.iter().enumerate() {
-            if let Some(p) = joint.parent {
-                children[p].push(j);
+/// Writes an actor of a take, while it is there, as [`write()`] does a clip: joints are called as their roles.
+///
+/// # Errors
+/// Whatever `out` fails with.
+pub fn write_actor(take: &Take, actor: usize, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
+    let who = &take.actors()[actor];
+    let joints = super::joints(&who.skeleton);
+    let mut moves = who.moves.to_vec();
+    moves.resize(joints.len(), false);
+    let layout = Layout::of(&joints, moves);
+    let order = write_head(&layout, who.there.len(), take.rate_hz(), out)?;
+    let mut translations: Vec<Vec3> = joints.iter().map(|j| j.offset).collect();
+    let mut rotations = vec![Quat::IDENTITY; joints.len()];
+    take.poses(actor, |frame, pose, _| {
+        if !who.there.contains(&frame) {
+            return Ok(());
+        }
+        translations[..pose.translations.len()].copy_from_slice(&pose.translations);
+        rotations[..pose.rotations.len()].copy_from_slice(&pose.rotations);
+        write_frame(&layout, &order, &translations, &rotations, out)
+    })
+}
+
+impl<'a> Layout<'a> {
+    fn of(joints: &'a [RawJoint], mut moves: Vec<bool>) -> Self {
+        let mut children = vec![Vec::new(); joints.len()];
+        for (j, joint) in joints.iter().enumerate() {
+            match joint.parent {
+                Some(p) => children[p].push(j),
+                None => moves[j] = true,
             }
         }
-        for (i, t) in clip.translations.iter().enumerate() {
-            moves[i % n] |= t.distance(clip.joints[i % n].offset) > SAME_PLACE;
-        }
-        Self { children, moves }
+        Self { joints, children, moves }
     }
 
-    fn is_end_site(&self, clip: &RawClip, joint: usize) -> bool {
-        clip.joints[joint].is_end && clip.joints[joint].parent.is_some() && self.children[joint].is_empty()
+    fn is_end_site(&self, joint: usize) -> bool {
+        self.joints[joint].is_end && self.joints[joint].parent.is_some() && self.children[joint].is_empty()
     }
+}
+
+/// Writes all but the frames; returns the joints that have channels, in order.
+fn write_head(
+    layout: &Layout<'_>,
+    frames: usize,
+    rate_hz: f64,
+    out: &mut (impl Write + ?Sized),
+) -> io::Result<Vec<usize>> {
+    writeln!(out, "HIERARCHY")?;
+    let mut order = Vec::with_capacity(layout.joints.len());
+    for root in (0..layout.joints.len()).filter(|&j| layout.joints[j].parent.is_none()) {
+        write_hierarchy(layout, root, &mut order, out)?;
+    }
+    writeln!(out, "MOTION\nFrames: {frames}\nFrame Time: {:.12}", 1.0 / rate_hz)?;
+    Ok(order)
 }
 
 /// Writes one tree without recursion; appends the joints that have channels to `order`.
 fn write_hierarchy(
-    clip: &RawClip,
-    layout: &Layout,
+    layout: &Layout<'_>,
     root: usize,
     order: &mut Vec<usize>,
     out: &mut (impl Write + ?Sized),
@@ -75,13 +112,13 @@ fn write_hierarchy(
     while let Some(step) = stack.pop() {
         match step {
             Step::Close(depth) => writeln!(out, "{}}}", "\t".repeat(depth))?,
-            Step::Open(j, depth) if layout.is_end_site(clip, j) => write_end_site(clip, Some(j), depth, out)?,
+            Step::Open(j, depth) if layout.is_end_site(j) => write_end_site(layout, Some(j), depth, out)?,
             Step::Open(j, depth) => {
                 order.push(j);
-                write_joint(clip, layout, j, depth, out)?;
+                write_joint(layout, j, depth, out)?;
                 stack.push(Step::Close(depth));
                 if layout.children[j].is_empty() {
-                    write_end_site(clip, None, depth + 1, out)?;
+                    write_end_site(layout, None, depth + 1, out)?;
                 }
                 stack.extend(layout.children[j].iter().rev().map(|&c| Step::Open(c, depth + 1)));
             }
@@ -90,46 +127,46 @@ fn write_hierarchy(
     Ok(())
 }
 
-fn write_joint(
-    clip: &RawClip,
-    layout: &Layout,
-    joint: usize,
-    depth: usize,
-    out: &mut (impl Write + ?Sized),
-) -> io::Result<()> {
+fn write_joint(layout: &Layout<'_>, joint: usize, depth: usize, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     let indent = "\t".repeat(depth);
-    let keyword = if clip.joints[joint].parent.is_none() { "ROOT" } else { "JOINT" };
-    let offset = clip.joints[joint].offset * UNITS_PER_METRE;
-    writeln!(out, "{indent}{keyword} {}\n{indent}{{", clip.joints[joint].name)?;
+    let RawJoint { name, parent, offset, .. } = &layout.joints[joint];
+    let keyword = if parent.is_none() { "ROOT" } else { "JOINT" };
+    let offset = offset * UNITS_PER_METRE;
+    writeln!(out, "{indent}{keyword} {name}\n{indent}{{")?;
     writeln!(out, "{indent}\tOFFSET {:.6} {:.6} {:.6}", offset.x, offset.y, offset.z)?;
     let positions = if layout.moves[joint] { "6 Xposition Yposition Zposition" } else { "3" };
     writeln!(out, "{indent}\tCHANNELS {positions} Zrotation Xrotation Yrotation")
 }
 
 /// An end site, of no length where the joint has no end of its own: readers want every chain to have one.
-fn write_end_site(clip: &RawClip, end: Option<usize>, depth: usize, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
+fn write_end_site(
+    layout: &Layout<'_>,
+    end: Option<usize>,
+    depth: usize,
+    out: &mut (impl Write + ?Sized),
+) -> io::Result<()> {
     let indent = "\t".repeat(depth);
-    let offset = end.map_or(glam::Vec3::ZERO, |e| clip.joints[e].offset * UNITS_PER_METRE);
+    let offset = end.map_or(Vec3::ZERO, |e| layout.joints[e].offset * UNITS_PER_METRE);
     writeln!(out, "{indent}End Site\n{indent}{{")?;
     writeln!(out, "{indent}\tOFFSET {:.6} {:.6} {:.6}\n{indent}}}", offset.x, offset.y, offset.z)
 }
 
+/// - `translations`, `rotations`: of one frame (layout.joints.len()).
 fn write_frame(
-    clip: &RawClip,
-    layout: &Layout,
+    layout: &Layout<'_>,
     order: &[usize],
-    frame: usize,
+    translations: &[Vec3],
+    rotations: &[Quat],
     out: &mut (impl Write + ?Sized),
 ) -> io::Result<()> {
-    let base = frame * clip.joints.len();
     let mut separator = "";
     for &j in order {
         if layout.moves[j] {
-            let t = clip.translations[base + j] * UNITS_PER_METRE;
+            let t = translations[j] * UNITS_PER_METRE;
             write!(out, "{separator}{:.6} {:.6} {:.6}", t.x, t.y, t.z)?;
             separator = " ";
         }
-        let rotation: DQuat = clip.rotations[base + j].as_dquat().normalize();
+        let rotation: DQuat = rotations[j].as_dquat().normalize();
         let (z, x, y) = rotation.to_euler(EulerRot::ZXY);
         write!(out, "{separator}{:.6} {:.6} {:.6}", z.to_degrees(), x.to_degrees(), y.to_degrees())?;
         separator = " ";

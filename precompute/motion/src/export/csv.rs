@@ -1,7 +1,9 @@
 //! Writes clips for eyes and tools outside: tables of joint positions.
 
+use super::take::Take;
 use crate::raw::RawClip;
 use std::io::{self, Write};
+use throng_core::Joint;
 
 /// Writes the world position of every joint in every frame as CSV: `frame,joint,x,y,z`, metres, Y up.
 ///
@@ -17,6 +19,26 @@ pub fn positions_csv(clip: &RawClip, out: &mut (impl Write + ?Sized)) -> io::Res
         for (name, (p, _)) in names.iter().zip(clip.world(frame)) {
             writeln!(out, "{frame},{name},{:.6},{:.6},{:.6}", p.x, p.y, p.z)?;
         }
+    }
+    Ok(())
+}
+
+/// Writes the world position of every joint of every actor of a take as CSV, actor by actor:
+/// `character,time_s,joint,x_m,y_m,z_m`, Y up. Who is away has no rows.
+///
+/// # Errors
+/// Whatever `out` fails with.
+pub fn take_csv(take: &Take, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
+    writeln!(out, "character,time_s,joint,x_m,y_m,z_m")?;
+    for (a, actor) in take.actors().iter().enumerate() {
+        let name = if take.is_library() { quoted(&actor.name) } else { actor.number.to_string() };
+        take.poses(a, |frame, pose, is_there| {
+            let time_s = frame as f64 / take.rate_hz();
+            for (joint, (p, _)) in Joint::ALL.iter().zip(pose.world()).filter(|_| is_there) {
+                writeln!(out, "{name},{time_s:.6},{},{:.6},{:.6},{:.6}", joint.name(), p.x, p.y, p.z)?;
+            }
+            Ok(())
+        })?;
     }
     Ok(())
 }

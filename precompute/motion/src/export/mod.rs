@@ -1,18 +1,28 @@
-//! Clips back to files: a clip on the database skeleton as a raw clip, and the writers of BVH and CSV.
+//! Motion back to files: clips as raw clips, takes of many characters, and the writers of glTF, USD, BVH, NPZ and CSV.
 
+mod body;
 pub mod bvh;
 mod csv;
+pub(crate) mod glb;
+mod instances;
+mod npz;
+pub(crate) mod scratch;
+pub(crate) mod take;
+mod usd;
 
 use crate::clip::Clip;
 use crate::raw::{RawClip, RawJoint, SourceFormat};
-pub use csv::positions_csv;
+pub use csv::{positions_csv, take_csv};
 use glam::{Quat, Vec3};
+pub use glb::Glb;
+pub use instances::{Instance, Instances};
+pub use npz::{amass, npz};
+pub use take::{Actor, Pose, Take, TakeWriter};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
+pub use usd::usda;
 
-/// A clip as a raw clip: joints are called as their roles, the ends of head and toes `NAME_end`.
-///
-/// The hips' rest offset is their standing height; rest rotations are the identity, so the rest pose is the T-pose.
-pub fn to_raw(clip: &Clip, skeleton: &Skeleton) -> RawClip {
+/// Joints that are called as their roles, and the ends of head and toes `NAME_end`; rest rotations are the identity.
+fn joints(skeleton: &Skeleton) -> Vec<RawJoint> {
     let tips = [Joint::Head, Joint::LeftToe, Joint::RightToe];
     let joint = |name: String, parent: Option<usize>, offset: Vec3, is_end: bool| RawJoint {
         name,
@@ -28,6 +38,15 @@ pub fn to_raw(clip: &Clip, skeleton: &Skeleton) -> RawClip {
     for (tip, offset) in tips.into_iter().zip(skeleton.tips) {
         joints.push(joint(format!("{}_end", tip.name()), Some(tip.index()), offset, true));
     }
+    debug_assert_eq!(joints.len(), NUM_JOINTS + tips.len());
+    joints
+}
+
+/// A clip as a raw clip: joints are called as their roles, the ends of head and toes `NAME_end`.
+///
+/// The hips' rest offset is their standing height; rest rotations are the identity, so the rest pose is the T-pose.
+pub fn to_raw(clip: &Clip, skeleton: &Skeleton) -> RawClip {
+    let joints = joints(skeleton);
     let mut translations = Vec::with_capacity(clip.num_frames() * joints.len());
     let mut rotations = Vec::with_capacity(clip.num_frames() * joints.len());
     for frame in 0..clip.num_frames() {
@@ -36,7 +55,6 @@ pub fn to_raw(clip: &Clip, skeleton: &Skeleton) -> RawClip {
         rotations.extend_from_slice(clip.frame_rotations(frame));
         rotations.extend([Quat::IDENTITY; 3]);
     }
-    debug_assert_eq!(joints.len(), NUM_JOINTS + tips.len());
     RawClip {
         name: clip.name.clone(),
         path: clip.source.clone().into(),

@@ -14,7 +14,7 @@ pub mod fbx;
 mod files;
 mod glitches;
 pub mod gltf;
-mod nodes;
+pub(crate) mod nodes;
 pub mod npz;
 mod person;
 pub mod profile;
@@ -22,7 +22,7 @@ mod rest;
 pub mod roles;
 mod scan;
 mod shape;
-mod source;
+pub(crate) mod source;
 mod units;
 
 use crate::clip::{Clip, ClipSet};

@@ -8,39 +8,12 @@ mod array;
 use super::source::{FrameSink, MAX_JOINTS, SourceClip, content_error};
 use crate::error::{ImportError, Warnings};
 use crate::raw::{RawJoint, SourceFormat};
+use crate::smpl::{JOINTS, UPRIGHT};
 use array::{Array, Arrays};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::path::Path;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
-/// The joints of a body without hands, in the order of the files, and the role of each.
-const JOINTS: [(&str, Joint); NUM_JOINTS] = {
-    use Joint::*;
-    [
-        ("Pelvis", Hips),
-        ("L_Hip", LeftThigh),
-        ("R_Hip", RightThigh),
-        ("Spine1", Spine),
-        ("L_Knee", LeftShin),
-        ("R_Knee", RightShin),
-        ("Spine2", Chest),
-        ("L_Ankle", LeftFoot),
-        ("R_Ankle", RightFoot),
-        ("Spine3", UpperChest),
-        ("L_Foot", LeftToe),
-        ("R_Foot", RightToe),
-        ("Neck", Neck),
-        ("L_Collar", LeftClavicle),
-        ("R_Collar", RightClavicle),
-        ("Head", Head),
-        ("L_Shoulder", LeftUpperArm),
-        ("R_Shoulder", RightUpperArm),
-        ("L_Elbow", LeftForearm),
-        ("R_Elbow", RightForearm),
-        ("L_Wrist", LeftHand),
-        ("R_Wrist", RightHand),
-    ]
-};
 /// Names that frame rates go by.
 const RATES: [&str; 4] = ["mocap_framerate", "mocap_frame_rate", "fps", "frame_rate"];
 const HELP: &str = "Save the motion anew with `numpy.savez`: `poses`, `trans` and `mocap_framerate`";
@@ -68,7 +41,6 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
     }
     let (rate_hz, name) = rate(&mut arrays).map_err(fail)?;
     let mut sink = FrameSink::new(joints(), FrameSink::budget(bytes.len()));
-    let upright = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
     for frame in 0..frames {
         let numbers: Vec<f64> = poses.iter().flat_map(|p| p.array.row(frame, p.width)).take(3 * NUM_JOINTS).collect();
         let way: Vec<f64> = trans.row(frame, 3).collect();
@@ -79,8 +51,8 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
         for j in 0..NUM_JOINTS {
             sink.rotations[j] = DQuat::from_scaled_axis(DVec3::from_slice(&numbers[3 * j..3 * j + 3]));
         }
-        sink.rotations[0] = upright * sink.rotations[0];
-        sink.translations[0] = upright * DVec3::from_slice(&way);
+        sink.rotations[0] = UPRIGHT * sink.rotations[0];
+        sink.translations[0] = UPRIGHT * DVec3::from_slice(&way);
         if !sink.end_frame() {
             return Err(fail("the file is too short for its frames".into()));
         }

@@ -13,6 +13,7 @@ mod names;
 mod plan;
 mod proportions;
 mod transfer;
+mod wear;
 
 use crate::clip::ClipSet;
 use crate::error::{BuildError, Warnings};
@@ -27,6 +28,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::{Joint, Skeleton};
+pub(crate) use wear::{Fit, Worn};
 
 /// How clips are laid onto the database skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

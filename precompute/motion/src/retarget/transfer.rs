@@ -10,7 +10,7 @@ use throng_core::{Joint, NUM_JOINTS, Skeleton};
 const MIN_SEGMENT: f32 = 0.005;
 
 /// Clavicles and what they carry.
-const SHOULDERS: [(Joint, Joint); 2] =
+pub const SHOULDERS: [(Joint, Joint); 2] =
     [(Joint::LeftClavicle, Joint::LeftUpperArm), (Joint::RightClavicle, Joint::RightUpperArm)];
 
 /// Root positions and local rotations of a whole clip.
@@ -61,7 +61,7 @@ pub fn transfer(source: Source, body: &Body, a: &Alignment, own: &Skeleton, targ
 /// The clavicle's rotation that moves the end of `target` as far from rest as `local` moves that of `own`.
 ///
 /// Rigs differ in how much of the shoulder they call clavicle; copying the angle would make a long one droop.
-fn shoulder(local: Quat, own: Vec3, target: Vec3, scale: f32) -> Quat {
+pub fn shoulder(local: Quat, own: Vec3, target: Vec3, scale: f32) -> Quat {
     let moved = target + (local * own - own) * scale;
     match (moved.try_normalize(), (local * target).try_normalize()) {
         (Some(to), Some(from)) => (Quat::from_rotation_arc(from, to) * local).normalize(),

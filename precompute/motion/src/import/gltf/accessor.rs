@@ -56,6 +56,11 @@ impl<'a> Reader<'a> {
         Ok(Self { document, buffers })
     }
 
+    /// The bytes of a buffer, where it has some.
+    pub(crate) fn bytes(&self, buffer: usize) -> Option<&[u8]> {
+        self.buffers.get(buffer)?.as_deref()
+    }
+
     /// Bytes of all buffers.
     pub fn num_bytes(&self) -> usize {
         self.buffers.iter().flatten().map(|b| b.len()).sum()

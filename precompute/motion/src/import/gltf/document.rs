@@ -260,13 +260,21 @@ pub struct Buffer {
 /// # Errors
 /// What is wrong, and the way out.
 pub fn parse(bytes: &[u8]) -> Result<(Document, Option<&[u8]>), String> {
-    let (text, binary) = if bytes.starts_with(MAGIC) { chunks(bytes)? } else { (bytes, None) };
+    let (text, binary) = split(bytes)?;
     if text.len() > MAX_TEXT {
         let mib = MAX_TEXT >> 20;
         return Err(format!("its document has {} bytes, expected {mib} MiB at most; export it as .glb", text.len()));
     }
     let document = serde_json::from_slice(text).map_err(|e| format!("expected a glTF 2.0 document as JSON: {e}"))?;
     Ok((document, binary))
+}
+
+/// The text of a document and the bytes that come with it.
+///
+/// # Errors
+/// What is wrong with the container.
+pub(crate) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
+    if bytes.starts_with(MAGIC) { chunks(bytes) } else { Ok((bytes, None)) }
 }
 
 /// A list that is not longer than [`MAX_ITEMS`]: in memory, an entry is up to a hundred times as long as in the text.

@@ -11,6 +11,7 @@ use super::source::{MAX_JOINTS, SourceClip, content_error};
 use crate::error::ImportError;
 use crate::raw::SourceFormat;
 pub use accessor::{MAX_BYTES, Reader, beside};
+pub(crate) use document::split;
 pub use document::{
     Accessor, Animation, Attributes, Buffer, BufferView, Channel, Document, Interpolation, Mesh, Node, Primitive,
     Sampler, SceneNodes, Skin, Sparse, SparsePart, Target, ViewExtensions, parse as document,
@@ -57,7 +58,26 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<SourceClip>, ImportError> 
     Scene { path, format, num_bytes, nodes: scene_nodes, skins, animations }.clips()
 }
 
-fn scene_nodes(document: &Document) -> Result<Vec<nodes::Node>, String> {
+/// The people of a `.gltf` or `.glb` file that skins are on, as its nodes have them at rest.
+///
+/// # Errors
+/// [`ImportError::Content`] naming what is missing.
+pub(crate) fn rigs(bytes: &[u8], path: &Path) -> Result<Vec<nodes::Rig>, ImportError> {
+    let fail = |what: String| content_error(path, what, HELP);
+    let (document, binary) = document(bytes).map_err(fail)?;
+    if document.skins.is_empty() {
+        let help = "Export the mesh with the skeleton that carries it, as .glb";
+        return Err(content_error(path, "it has no skin: no joints carry a mesh", help));
+    }
+    let reader = Reader::new(&document, binary, path)?;
+    let num_bytes = bytes.len().saturating_add(reader.num_bytes());
+    let mut nodes = scene_nodes(&document).map_err(fail)?;
+    bind(&document, &reader, &mut nodes).map_err(fail)?;
+    let skins = document.skins.iter().map(|s| s.joints.clone()).collect();
+    Scene { path, format: SourceFormat::Gltf, num_bytes, nodes, skins, animations: Vec::new() }.rigs()
+}
+
+pub(crate) fn scene_nodes(document: &Document) -> Result<Vec<nodes::Node>, String> {
     let mut out = Vec::new();
     for (i, node) in document.nodes.iter().enumerate() {
         let name = if node.name.is_empty() { format!("node {i}") } else { node.name.clone() };
@@ -75,7 +95,7 @@ fn scene_nodes(document: &Document) -> Result<Vec<nodes::Node>, String> {
     Ok(out)
 }
 
-fn local(node: &Node) -> Transform {
+pub(crate) fn local(node: &Node) -> Transform {
     if let Some(m) = node.matrix {
         let (scale, rotation, translation) = Mat4::from_cols_array(&m).as_dmat4().to_scale_rotation_translation();
         return Transform { scale, rotation, translation };

@@ -29,7 +29,7 @@ const FREE_TRANSFORMS: usize = 1 << 20;
 
 /// A node's frame in that of its parent: scaled, then rotated, then moved.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Transform {
+pub(crate) struct Transform {
     pub scale: DVec3,
     pub rotation: DQuat,
     pub translation: DVec3,
@@ -46,7 +46,7 @@ impl Transform {
 }
 
 /// A node of a scene.
-pub(super) struct Node {
+pub(crate) struct Node {
     pub name: String,
     pub parent: Option<usize>,
     /// Where no animation moves it.
@@ -75,6 +75,18 @@ pub(super) struct Span {
     pub rate_hz: f64,
     /// Why that rate.
     pub finding: String,
+}
+
+/// A person of a scene at rest.
+pub(crate) struct Rig {
+    /// One frame; its joints are in the order of `joints`.
+    pub clip: SourceClip,
+    /// Nodes above the skeleton, outermost first.
+    pub above: Vec<usize>,
+    /// Nodes of the skeleton, parents first.
+    pub joints: Vec<usize>,
+    /// How each node is turned in the world where its joint of the clip is not (joints.len()).
+    pub axes: Vec<DQuat>,
 }
 
 /// A scene file.
@@ -126,6 +138,42 @@ impl Scene<'_> {
             clips.push(clip);
         }
         Ok(clips)
+    }
+
+    /// The people of the scene as its nodes have them where no animation moves them: clips of one frame.
+    ///
+    /// # Errors
+    /// [`ImportError::Content`] naming the node.
+    pub fn rigs(&self) -> Result<Vec<Rig>, ImportError> {
+        let fail = |what: String| content_error(self.path, what, "Export the character with its skeleton and skin");
+        let people = people::find(self).map_err(fail)?;
+        people.into_iter().map(|p| self.rig(p).map_err(fail)).collect()
+    }
+
+    fn rig(&self, person: Person) -> Result<Rig, String> {
+        let rest = Rest::new(self, &person)?;
+        let world = person.world(self, |node| self.nodes[node].local)?;
+        let mut sink = FrameSink::new(rest.joints.clone(), rest.joints.len());
+        sink.begin_frame();
+        let mut turned: Vec<(DVec3, DQuat)> = Vec::new();
+        for (j, joint) in rest.joints.iter().enumerate() {
+            turned.push((world[j].affine.translation, world[j].rotation * rest.rotations[j].inverse()));
+            let (at, by) = joint.parent.map_or((DVec3::ZERO, DQuat::IDENTITY), |p| turned[p]);
+            sink.translations[j] = by.inverse() * (turned[j].0 - at);
+            sink.rotations[j] = by.inverse() * turned[j].1;
+        }
+        if !sink.end_frame() {
+            return Err("it has too many joints".into());
+        }
+        let clip = sink.into_clip(self.path, self.format, FALLBACK_HZ);
+        let clip = SourceClip {
+            clip,
+            declared_metres_per_unit: Some(1.0),
+            findings: Vec::new(),
+            warnings: Default::default(),
+        };
+        let Person { above, joints, .. } = person;
+        Ok(Rig { clip, above, joints, axes: rest.rotations })
     }
 
     /// What clips are called in their file: by animation where there are several, by person where there are several; not

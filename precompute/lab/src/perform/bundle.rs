@@ -1,0 +1,140 @@
+//! Performs what a bundle holds: characters who run on it, which clips they play, and its clips.
+
+use super::camera::Camera;
+use super::{PerformConfig, SAME_S, Span, chosen, refused};
+use crate::trial::{self, TrialConfig};
+use glam::{Quat, Vec3};
+use std::path::Path;
+use throng_motion::error::BuildError;
+use throng_motion::export::{Instance, Instances, Pose, Take, TakeWriter};
+use throng_motion::progress::Progress;
+use throng_runtime::{Bundle, Cast, NUM_JOINTS, Planar};
+
+pub fn of_trial(
+    bundle: &Bundle,
+    trial: &TrialConfig,
+    config: &PerformConfig,
+    folder: &Path,
+    progress: &dyn Progress,
+) -> Result<Take, BuildError> {
+    let (span, trial) = span_of(bundle, trial, config)?;
+    let (hz, who) = (f64::from(trial.step_hz), chosen(config, trial.characters, "character")?);
+    let actors = who.into_iter().map(|c| (c, format!("character {c}"), bundle.skeleton().clone())).collect();
+    let mut camera = Camera::new(actors, span, config, folder, progress)?;
+    let (mut cast, _) = trial::scatter(bundle, &trial).map_err(|e| refused(e, "Check the bundle"))?;
+    trial::play(&mut cast, &trial, |cast, step| {
+        let bodies = cast.bodies();
+        camera.observe(step as f64 / hz, 1.0 / hz, |c| Some(Pose::of_model(bodies.roots[c], &bodies.model[c])))
+    })?;
+    camera.into_take(f64::from(trial.seconds))
+}
+
+/// Which part of a trial is kept, and the trial, as long as whole steps last.
+fn span_of(bundle: &Bundle, trial: &TrialConfig, config: &PerformConfig) -> Result<(Span, TrialConfig), BuildError> {
+    let span = Span::new(config, f64::from(trial.seconds), None)?;
+    let hz = f64::from(trial.step_hz);
+    let seconds = ((span.to_s * hz - SAME_S).ceil().max(1.0)) / hz;
+    let trial = TrialConfig { seconds: seconds as f32, recorded: None, ..*trial };
+    trial::check(bundle, &trial).map_err(|e| match e {
+        BuildError::Stage { message, help, .. } => refused(message, format!("{help}, or export its --clips")),
+        other => other,
+    })?;
+    Ok((span, trial))
+}
+
+/// Lets characters run on a bundle, and keeps which clip plays on each of them and where: at the last step before each
+/// frame, without the transitions between clips and the locks of planted feet.
+///
+/// - `folder`: where the frames are kept until they are dropped.
+///
+/// # Errors
+/// As [`super::perform`].
+pub fn instances(
+    bundle: &Bundle,
+    trial: &TrialConfig,
+    config: &PerformConfig,
+    folder: &Path,
+    progress: &dyn Progress,
+) -> Result<Instances, BuildError> {
+    let (span, trial) = span_of(bundle, trial, config)?;
+    let (step_hz, rate_hz) = (f64::from(trial.step_hz), config.rate_hz()?);
+    let who = chosen(config, trial.characters, "character")?;
+    let clips = bundle.meta().clips.iter().map(|c| c.name.clone()).collect();
+    let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
+    let mut out = Instances::new(folder, clips, who.clone(), rate_hz).map_err(io)?;
+    let (mut next, frames) = (0, span.num_frames(rate_hz));
+    progress.begin("record", frames as u64, "frames");
+    let (mut cast, _) = trial::scatter(bundle, &trial).map_err(|e| refused(e, "Check the bundle"))?;
+    trial::play(&mut cast, &trial, |cast, step| {
+        let until_s = (step + 1) as f64 / step_hz - SAME_S;
+        while next < frames && span.from_s + next as f64 / rate_hz < until_s {
+            progress.check()?;
+            for (i, &c) in who.iter().enumerate() {
+                let (segment, frames) = cast.characters().segment(c);
+                out.push(i, playing(bundle, segment, frames, cast.characters().root(c))).map_err(io)?;
+            }
+            next += 1;
+            progress.advance(1);
+        }
+        Ok(())
+    })?;
+    progress.end();
+    out.finish().map_err(io)?;
+    Ok(out)
+}
+
+/// What a character plays that is so many frames within a segment, and where its figure is laid.
+fn playing(bundle: &Bundle, segment: u32, frames: f32, root: Planar) -> Instance {
+    let Some(segment) = bundle.graph().segments.get(segment as usize) else {
+        return Instance { place: [root.x, root.z, root.heading], ..Instance::default() };
+    };
+    let clip = bundle.clips()[segment.clip as usize];
+    let last = clip.first_frame + clip.num_frames - 1;
+    let at = (segment.start as f32 + frames).min(last as f32);
+    let (before, ratio) = (at.floor() as u32, at.fract());
+    let [a, b] = [before, (before + 1).min(last)].map(|row| bundle.frames()[row as usize].planar);
+    let [x, z, heading] = std::array::from_fn(|k| a[k] + (b[k] - a[k]) * ratio);
+    let place = root.compose(Planar::new(x, z, heading).inverse());
+    let time_s = (at - clip.first_frame as f32) / bundle.meta().rate_hz as f32;
+    Instance { clip: Some(segment.clip), time_s, place: [place.x, place.z, place.heading] }
+}
+
+/// The clips of a bundle, as they are stored.
+pub fn clips(
+    bundle: &Bundle,
+    config: &PerformConfig,
+    folder: &Path,
+    progress: &dyn Progress,
+) -> Result<Take, BuildError> {
+    if config.rate_hz.is_some() || config.from_s.is_some() || config.to_s.is_some() {
+        let help = "Leave out --fps, --from and --to: clips are written whole, at the rate of the bundle";
+        return Err(refused("clips have times and a rate of their own", help));
+    }
+    let who = chosen(config, bundle.clips().len(), "clip in the bundle")?;
+    let names = &bundle.meta().clips;
+    let actor = |&c: &usize| (c, names[c].name.clone(), bundle.skeleton().clone());
+    let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
+    let mut writer = TakeWriter::library(folder, who.iter().map(actor).collect(), bundle.meta().rate_hz).map_err(io)?;
+    progress.begin("record", who.len() as u64, "clips");
+    for (a, &clip) in who.iter().enumerate() {
+        progress.check()?;
+        let record = bundle.clips()[clip];
+        for row in record.first_frame..record.first_frame + record.num_frames {
+            writer.push(a, Some(stored(bundle, row as usize))).map_err(io)?;
+        }
+        writer.finish(a).map_err(io)?;
+        progress.advance(1);
+    }
+    progress.end();
+    writer.into_take().map_err(io)
+}
+
+/// A frame of a bundle.
+fn stored(bundle: &Bundle, row: usize) -> Pose {
+    let (row, code) = (&bundle.frames()[row], bundle.rotation_code());
+    let [x, z, heading] = row.planar;
+    let root = Planar::new(x, z, heading);
+    let mut rotations: [Quat; NUM_JOINTS] = std::array::from_fn(|j| code.rotation(row, j));
+    rotations[0] = (root.rotation() * rotations[0]).normalize();
+    Pose::of_rotations(bundle.skeleton(), root.translation() + Vec3::Y * row.height, rotations)
+}

@@ -1,0 +1,121 @@
+//! Keeps frames of what runs.
+
+use super::{PerformConfig, SAME_S, Span, chosen, refused};
+use std::path::Path;
+use throng_motion::error::BuildError;
+use throng_motion::export::{Pose, Take, TakeWriter};
+use throng_motion::progress::Progress;
+use throng_runtime::Skeleton;
+use throng_runtime::simulation::{Motion, Simulation};
+
+/// Keeps what some characters do at evenly spaced times; between two steps, poses are blended.
+pub struct Camera<'a> {
+    writer: TakeWriter,
+    who: Vec<usize>,
+    span: Span,
+    rate_hz: f64,
+    num_frames: usize,
+    next: usize,
+    /// The step before, where it is needed.
+    before: Option<(f64, Vec<Option<Pose>>)>,
+    folder: &'a Path,
+    progress: &'a dyn Progress,
+}
+
+impl<'a> Camera<'a> {
+    pub fn new(
+        actors: Vec<(usize, String, Skeleton)>,
+        span: Span,
+        config: &PerformConfig,
+        folder: &'a Path,
+        progress: &'a dyn Progress,
+    ) -> Result<Self, BuildError> {
+        let rate_hz = config.rate_hz()?;
+        let who: Vec<usize> = actors.iter().map(|a| a.0).collect();
+        let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
+        let writer = TakeWriter::new(folder, actors, rate_hz).map_err(io)?;
+        let num_frames = span.num_frames(rate_hz);
+        progress.begin("record", num_frames as u64, "frames");
+        Ok(Self { writer, who, span, rate_hz, num_frames, next: 0, before: None, folder, progress })
+    }
+
+    /// Of characters of a scene who have bodies.
+    pub fn of_scene(
+        sim: &Simulation,
+        config: &PerformConfig,
+        span: Span,
+        folder: &'a Path,
+        progress: &'a dyn Progress,
+    ) -> Result<Self, BuildError> {
+        let mut who = chosen(config, sim.num_characters(), "character in the scene")?;
+        let group = |c: usize| sim.groups().iter().find(|g| g.characters.contains(&c));
+        let is_bare = |c: usize| group(c).is_none_or(|g| g.motion == Motion::None);
+        let bare = who.iter().copied().find(|&c| is_bare(c));
+        let is_asked = !config.characters.is_empty();
+        who.retain(|&c| !is_bare(c));
+        if let Some(c) = bare.filter(|_| is_asked || who.is_empty()) {
+            let name = group(c).map_or("", |g| &g.name);
+            let what = format!("character {c} has no body: its group \"{name}\" has motion = \"none\"");
+            let help =
+                "Give the group a bundle and motion = \"blend\"; `throng run --trajectories` writes where agents go";
+            return Err(refused(what, help));
+        }
+        let skeleton = |c: usize| {
+            let bundle = group(c).and_then(|g| sim.compiled().bundle(g.number).ok());
+            bundle.map_or_else(Skeleton::default, |b| b.skeleton().clone())
+        };
+        let name = |c: usize| format!("{} {c}", group(c).map_or("character", |g| &g.name));
+        let actors = who.into_iter().map(|c| (c, name(c), skeleton(c))).collect();
+        Self::new(actors, span, config, folder, progress)
+    }
+
+    pub fn see(&mut self, sim: &Simulation, hz: f64) -> Result<(), BuildError> {
+        self.observe(sim.time_s(), 1.0 / hz, |c| Some(Pose::of_model(sim.root(c)?, sim.pose(c)?)))
+    }
+
+    /// - `ahead_s`: time to the next step (s).
+    pub fn observe(
+        &mut self,
+        time_s: f64,
+        ahead_s: f64,
+        pose: impl Fn(usize) -> Option<Pose>,
+    ) -> Result<(), BuildError> {
+        let all = |who: &[usize]| who.iter().map(|&c| pose(c)).collect::<Vec<_>>();
+        let mut now = None;
+        loop {
+            let at_s = self.span.from_s + self.next as f64 / self.rate_hz;
+            if self.next == self.num_frames || at_s > time_s + SAME_S {
+                break;
+            }
+            self.progress.check()?;
+            let now = now.get_or_insert_with(|| all(&self.who));
+            for (a, to) in now.iter().enumerate() {
+                let between = match (&self.before, to) {
+                    (Some((before_s, from)), Some(to)) if at_s < time_s - SAME_S => {
+                        let ratio = ((at_s - before_s) / (time_s - before_s)) as f32;
+                        from[a].map(|from| from.towards(to, ratio))
+                    }
+                    _ => *to,
+                };
+                let io = |source| BuildError::Io { path: self.folder.to_path_buf(), source };
+                self.writer.push(a, between).map_err(io)?;
+            }
+            self.next += 1;
+            self.progress.advance(1);
+        }
+        let next_s = self.span.from_s + self.next as f64 / self.rate_hz;
+        let is_between = self.next < self.num_frames && next_s < time_s + ahead_s - SAME_S;
+        self.before = is_between.then(|| (time_s, now.unwrap_or_else(|| all(&self.who))));
+        Ok(())
+    }
+
+    /// - `ended_s`: when the run ended (s).
+    pub fn into_take(self, ended_s: f64) -> Result<Take, BuildError> {
+        self.progress.end();
+        if self.next == 0 {
+            let what = format!("--from {}: the run has ended by {ended_s:.3} s", self.span.from_s);
+            return Err(refused(what, "Begin earlier"));
+        }
+        self.writer.into_take().map_err(|source| BuildError::Io { path: self.folder.to_path_buf(), source })
+    }
+}

@@ -1,0 +1,157 @@
+//! Lets characters do what a run has them do, and keeps it as a take, frame by frame.
+
+mod bundle;
+mod camera;
+
+use crate::run::{Recording, play};
+use crate::trial::TrialConfig;
+pub use bundle::instances;
+use camera::Camera;
+use std::ops::RangeInclusive;
+use std::path::Path;
+use throng_motion::error::BuildError;
+use throng_motion::export::Take;
+use throng_motion::progress::Progress;
+use throng_runtime::Bundle;
+use throng_runtime::base::limits::{SECONDS, STEP_HZ};
+use throng_runtime::simulation::{CompiledScene, Simulation};
+
+/// Steps a simulated second where nothing else is said, as runs have it (Hz).
+const RUN_HZ: f64 = 60.0;
+/// Frames a second that may be asked for (Hz).
+const RATES_HZ: RangeInclusive<f64> = 1.0..=1000.0;
+/// Times nearer to each other than this are one (s).
+const SAME_S: f64 = 1e-6;
+
+/// What is performed.
+#[derive(Clone, Copy, Debug)]
+pub enum Show<'a> {
+    /// A scene, from its start.
+    Scene(&'a CompiledScene),
+    /// A run that was kept, again.
+    Recording(&'a Recording, &'a CompiledScene),
+    /// Characters who each chase a target of their own.
+    Trial(&'a Bundle, &'a TrialConfig),
+    /// The clips of a bundle, one after the other.
+    Clips(&'a Bundle),
+}
+
+/// Which part of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PerformConfig {
+    /// Numbers of characters, or of clips; all of them where empty.
+    pub characters: Vec<RangeInclusive<usize>>,
+    /// First moment; the start where absent (s).
+    pub from_s: Option<f64>,
+    /// Last moment; the end where absent (s).
+    pub to_s: Option<f64>,
+    /// Frames a second; 30, or of clips their own, where absent (Hz).
+    pub rate_hz: Option<f64>,
+}
+
+/// Frames a second where nothing else is said (Hz).
+const FRAMES_HZ: f64 = 30.0;
+
+/// Performs a show.
+///
+/// - `folder`: where the frames are kept until the take is dropped.
+///
+/// # Errors
+/// [`BuildError::Stage`] for characters, times or a rate that the show does not have, and what running it fails with.
+pub fn perform(
+    show: Show<'_>,
+    config: &PerformConfig,
+    folder: &Path,
+    progress: &dyn Progress,
+) -> Result<Take, BuildError> {
+    config.rate_hz()?;
+    match show {
+        Show::Clips(bundle) => bundle::clips(bundle, config, folder, progress),
+        Show::Trial(bundle, trial) => bundle::of_trial(bundle, trial, config, folder, progress),
+        Show::Scene(compiled) => {
+            let span = Span::new(config, compiled.scene().seconds, None)?;
+            let mut sim = Simulation::new(compiled).map_err(|e| refused(e, "Correct the scene"))?;
+            let mut camera = Camera::of_scene(&sim, config, span, folder, progress)?;
+            // As long as whole steps last.
+            let seconds = ((span.to_s * RUN_HZ - SAME_S).ceil().max(1.0)) / RUN_HZ;
+            play(&mut sim, seconds, RUN_HZ, seconds, |sim, _| camera.see(sim, RUN_HZ))?;
+            camera.into_take(sim.time_s())
+        }
+        Show::Recording(recording, compiled) => {
+            STEP_HZ.check("step_hz", None, recording.step_hz).map_err(|e| refused(e, "Record it again"))?;
+            let span = Span::new(config, recording.seconds, Some(recording.seconds))?;
+            let sim = Simulation::new(compiled).map_err(|e| refused(e, "Correct the scene"))?;
+            let mut camera = Camera::of_scene(&sim, config, span, folder, progress)?;
+            let hz = recording.step_hz;
+            let until_s = Some(span.to_s + 1.0 / hz);
+            let sim = recording.replay_seen(compiled, until_s, |sim, _| camera.see(sim, hz))?;
+            camera.into_take(sim.time_s())
+        }
+    }
+}
+
+impl PerformConfig {
+    /// Frames a second (Hz).
+    fn rate_hz(&self) -> Result<f64, BuildError> {
+        let hz = self.rate_hz.unwrap_or(FRAMES_HZ);
+        if RATES_HZ.contains(&hz) {
+            return Ok(hz);
+        }
+        let (least, most) = (RATES_HZ.start(), RATES_HZ.end());
+        let what = format!("--fps {hz}: expected {least} to {most} frames a second");
+        Err(refused(what, "30 suits most programs"))
+    }
+}
+
+fn refused(what: impl std::fmt::Display, help: impl Into<String>) -> BuildError {
+    BuildError::Stage { stage: "export", message: what.to_string(), help: help.into() }
+}
+
+/// From when to when (s).
+#[derive(Clone, Copy)]
+struct Span {
+    from_s: f64,
+    to_s: f64,
+}
+
+impl Span {
+    /// - `end_s`: where it ends if nothing is said; `most_s`: after which there is nothing (s).
+    fn new(config: &PerformConfig, end_s: f64, most_s: Option<f64>) -> Result<Self, BuildError> {
+        let (from_s, to_s) = (config.from_s.unwrap_or(0.0), config.to_s.unwrap_or(end_s));
+        let help = "Give --from and --to in seconds, the earlier one first";
+        let most = most_s.unwrap_or(SECONDS.most);
+        if !(from_s >= 0.0 && to_s >= from_s) {
+            return Err(refused(format!("--from {from_s} --to {to_s}: expected 0 or later to no earlier"), help));
+        }
+        if to_s > most + SAME_S {
+            return Err(refused(format!("--to {to_s}: expected {most} s at most, where it ends"), help));
+        }
+        Ok(Self { from_s, to_s })
+    }
+
+    fn num_frames(self, rate_hz: f64) -> usize {
+        ((self.to_s - self.from_s) * rate_hz + SAME_S * rate_hz).floor() as usize + 1
+    }
+}
+
+/// Numbers that are asked for, of so many.
+fn chosen(config: &PerformConfig, total: usize, what: &str) -> Result<Vec<usize>, BuildError> {
+    let help = format!("Give --characters as 0..{}, or as a list such as 0,4,7..9", total.saturating_sub(1));
+    if total == 0 {
+        return Err(refused(format!("there is no {what}"), "Name something else to export"));
+    }
+    if config.characters.is_empty() {
+        return Ok((0..total).collect());
+    }
+    let mut out: Vec<usize> = Vec::new();
+    for range in &config.characters {
+        if range.is_empty() || *range.end() >= total {
+            let (a, b) = (range.start(), range.end());
+            return Err(refused(format!("--characters {a}..{b}: there are {total}, counted from 0"), help));
+        }
+        out.extend(range.clone());
+    }
+    out.sort_unstable();
+    out.dedup();
+    Ok(out)
+}

@@ -1,0 +1,119 @@
+//! A plain body of capsules, so that what is exported can be seen: one around every limb, rigid on the joint at its start.
+
+use glam::Vec3;
+use std::f32::consts::{FRAC_PI_2, TAU};
+use throng_core::{Joint, Skeleton};
+
+/// Points of a ring.
+const SIDES: usize = 8;
+/// Rings of each end.
+const RINGS: usize = 2;
+
+/// Triangles that joints carry, in the rest pose on the ground.
+#[derive(Clone, Debug, Default)]
+pub struct Body {
+    /// (m)
+    pub positions: Vec<Vec3>,
+    /// Unit (positions.len()).
+    pub normals: Vec<Vec3>,
+    /// The one joint that carries each point (positions.len()).
+    pub joints: Vec<u8>,
+    /// Corners of triangles, counter-clockwise as seen from outside.
+    pub triangles: Vec<[u16; 3]>,
+}
+
+impl Body {
+    /// Of a skeleton in its rest pose.
+    pub fn of(skeleton: &Skeleton) -> Self {
+        let rest = skeleton.rest_positions();
+        let scale = (skeleton.leg_length() / Skeleton::default().leg_length()).clamp(0.2, 5.0);
+        let mut body = Self::default();
+        for joint in &Joint::ALL[1..] {
+            let parent = joint.parent().unwrap_or(Joint::Hips);
+            body.capsule(parent, rest[parent.index()], rest[joint.index()], scale * radius(*joint));
+        }
+        let hand = |joint: Joint| skeleton.offsets[joint.index()] * 0.45;
+        for (joint, tip, radius) in [
+            (Joint::Head, skeleton.tips[0] * 0.58, 0.085),
+            (Joint::LeftToe, skeleton.tips[1], 0.03),
+            (Joint::RightToe, skeleton.tips[2], 0.03),
+            (Joint::LeftHand, hand(Joint::LeftHand), 0.03),
+            (Joint::RightHand, hand(Joint::RightHand), 0.03),
+        ] {
+            let from = rest[joint.index()];
+            body.capsule(joint, from, from + tip, scale * radius);
+        }
+        body
+    }
+
+    fn capsule(&mut self, joint: Joint, from: Vec3, to: Vec3, radius: f32) {
+        let along = (to - from).normalize_or(Vec3::Y);
+        let u = along.any_orthonormal_vector();
+        let v = along.cross(u);
+        let first = self.positions.len() as u16;
+        let mut point = |centre: Vec3, normal: Vec3| {
+            self.positions.push(centre + normal * radius);
+            self.normals.push(normal.normalize());
+            self.joints.push(joint.index() as u8);
+        };
+        point(from, -along);
+        for (centre, low, high) in [(from, -FRAC_PI_2, 0.0), (to, 0.0, FRAC_PI_2)] {
+            for ring in 0..RINGS {
+                let part = if low < 0.0 { ring + 1 } else { ring } as f32 / RINGS as f32;
+                let (s, c) = (low + (high - low) * part).sin_cos();
+                for side in 0..SIDES {
+                    let (y, x) = (TAU * side as f32 / SIDES as f32).sin_cos();
+                    point(centre, along * s + (u * x + v * y) * c);
+                }
+            }
+        }
+        point(to, along);
+        let ring = |r: usize, side: usize| first + 1 + (r * SIDES + side % SIDES) as u16;
+        let last = first + 1 + (2 * RINGS * SIDES) as u16;
+        for side in 0..SIDES {
+            self.triangles.push([first, ring(0, side + 1), ring(0, side)]);
+            self.triangles.push([last, ring(2 * RINGS - 1, side), ring(2 * RINGS - 1, side + 1)]);
+            for r in 0..2 * RINGS - 1 {
+                let [a, b, c, d] = [ring(r, side), ring(r, side + 1), ring(r + 1, side), ring(r + 1, side + 1)];
+                self.triangles.extend([[a, b, d], [a, d, c]]);
+            }
+        }
+    }
+}
+
+/// How thick the limb is that ends in a joint (m).
+fn radius(joint: Joint) -> f32 {
+    use Joint::*;
+    match joint {
+        Hips | Spine | Chest => 0.1,
+        UpperChest => 0.105,
+        Neck => 0.07,
+        LeftThigh | RightThigh => 0.074,
+        LeftShin | RightShin => 0.068,
+        LeftFoot | RightFoot | LeftClavicle | RightClavicle | LeftUpperArm | RightUpperArm => 0.05,
+        Head | LeftForearm | RightForearm => 0.045,
+        LeftHand | RightHand => 0.034,
+        LeftToe | RightToe => 0.03,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bodies_are_closed_and_face_outwards() {
+        let body = Body::of(&Skeleton::default());
+        let at = |i: u16| body.positions[usize::from(i)];
+        let mut edges = std::collections::HashMap::<(u16, u16), i32>::new();
+        for [a, b, c] in &body.triangles {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                *edges.entry((*from.min(to), *from.max(to))).or_default() += if from < to { 1 } else { -1 };
+            }
+            let outwards = body.normals[usize::from(*a)] + body.normals[usize::from(*b)];
+            assert!((at(*b) - at(*a)).cross(at(*c) - at(*a)).dot(outwards) > 0.0);
+        }
+        assert!(edges.values().all(|n| *n == 0), "every edge is gone along once each way");
+        assert!(body.positions.iter().all(|p| (-0.1..1.9).contains(&p.y) && p.x.abs() < 1.0));
+    }
+}

@@ -1,0 +1,122 @@
+//! Nodes, skins and animation of characters with plain bodies.
+
+use super::super::body::Body;
+use super::super::take::{Actor, THERE, Take, rotation_track, translation_track};
+use super::parts::{FLOAT, INDICES, Parts, UNSIGNED_BYTE, UNSIGNED_SHORT, VERTICES};
+use super::{BodyBytes, bytes_of};
+use glam::{Mat4, Vec3};
+use serde_json::{Value, json};
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
+
+/// What characters of one skeleton share: the mesh and the accessor of its bind matrices.
+struct Shared {
+    skeleton: Skeleton,
+    mesh: usize,
+    bind: usize,
+}
+
+/// A document of all actors; one figure with an animation for each of them, where they are clips.
+pub fn of_bodies(take: &Take) -> Parts {
+    let json = json!({ "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [] }] });
+    let mut parts = Parts::new(json, Vec::new());
+    let colour = json!({ "baseColorFactor": [0.55, 0.6, 0.68, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.8 });
+    parts.push("materials", json!({ "name": "body", "pbrMetallicRoughness": colour }));
+    let mut shared: Vec<Shared> = Vec::new();
+    let mut together = empty("take");
+    let mut figure = None;
+    for (a, actor) in take.actors().iter().enumerate() {
+        let nodes = match figure {
+            Some(known) if take.is_library() => known,
+            _ => *figure.insert(add_figure(&mut parts, &mut shared, actor, take.is_library())),
+        };
+        if take.num_frames(a) == 0 {
+            continue;
+        }
+        let mut own = empty(&actor.name);
+        let animation = if take.is_library() { &mut own } else { &mut together };
+        add_motion(&mut parts, animation, take, a, nodes);
+        if take.is_library() {
+            parts.push("animations", own);
+        }
+    }
+    if together["channels"].as_array().is_some_and(|c| !c.is_empty()) {
+        parts.push("animations", together);
+    }
+    parts
+}
+
+/// An animation that moves nothing yet.
+pub fn empty(name: &str) -> Value {
+    json!({ "name": name, "samplers": [], "channels": [] })
+}
+
+/// Adds holder, joints and body; returns the holder and the hips, which the other joints follow.
+fn add_figure(parts: &mut Parts, shared: &mut Vec<Shared>, actor: &Actor, is_library: bool) -> (usize, usize) {
+    let known = shared.iter().position(|s| s.skeleton == actor.skeleton).unwrap_or_else(|| {
+        let one = share(parts, &actor.skeleton);
+        shared.push(one);
+        shared.len() - 1
+    });
+    let name = if is_library { "figure" } else { actor.name.as_str() };
+    let holder = parts.push("nodes", json!({ "name": name }));
+    let hips = holder + 1;
+    for joint in Joint::ALL {
+        let below: Vec<usize> =
+            Joint::ALL.into_iter().filter(|j| j.parent() == Some(joint)).map(|j| hips + j.index()).collect();
+        let mut node = json!({ "name": joint.name(), "translation": actor.skeleton.offsets[joint.index()].to_array() });
+        if !below.is_empty() {
+            node["children"] = json!(below);
+        }
+        parts.push("nodes", node);
+    }
+    parts.set("nodes", holder, "children", json!([hips]));
+    let joints: Vec<usize> = (hips..hips + NUM_JOINTS).collect();
+    let Shared { mesh, bind, .. } = shared[known];
+    let skin =
+        parts.push("skins", json!({ "name": name, "joints": joints, "skeleton": hips, "inverseBindMatrices": bind }));
+    let body = parts.push("nodes", json!({ "name": format!("{name} body"), "mesh": mesh, "skin": skin }));
+    parts.show(holder);
+    parts.show(body);
+    (holder, hips)
+}
+
+/// Adds the mesh and the bind matrices of a skeleton.
+fn share(parts: &mut Parts, skeleton: &Skeleton) -> Shared {
+    let body = Body::of(skeleton);
+    let bytes = BodyBytes::from(&body);
+    let n = body.positions.len();
+    let vertices = Some(VERTICES);
+    let position = parts.still(bytes.positions, FLOAT, "VEC3", n, vertices);
+    let (low, high) =
+        body.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+    parts.bound(position, &low.to_array(), &high.to_array());
+    let normal = parts.still(bytes.normals, FLOAT, "VEC3", n, vertices);
+    let joints = parts.still(bytes.joints, UNSIGNED_BYTE, "VEC4", n, vertices);
+    let weights = parts.still(bytes.weights, FLOAT, "VEC4", n, vertices);
+    let indices = parts.still(bytes.indices, UNSIGNED_SHORT, "SCALAR", 3 * body.triangles.len(), Some(INDICES));
+    let rest = skeleton.rest_positions();
+    let bind: Vec<[f32; 16]> = rest.iter().map(|p| Mat4::from_translation(-*p).to_cols_array()).collect();
+    let bind = parts.still(bytes_of(&bind), FLOAT, "MAT4", NUM_JOINTS, None);
+    let primitive = json!({ "attributes": { "POSITION": position, "NORMAL": normal, "JOINTS_0": joints,
+        "WEIGHTS_0": weights }, "indices": indices, "material": 0 });
+    let mesh = parts.push("meshes", json!({ "name": "body", "primitives": [primitive] }));
+    Shared { skeleton: skeleton.clone(), mesh, bind }
+}
+
+/// Adds the tracks of an actor to an animation.
+fn add_motion(parts: &mut Parts, animation: &mut Value, take: &Take, a: usize, (holder, hips): (usize, usize)) {
+    let (actor, frames) = (&take.actors()[a], take.num_frames(a));
+    let times = parts.times(frames, take.rate_hz());
+    for j in 0..NUM_JOINTS {
+        let values = parts.track(a, rotation_track(j), 4, frames);
+        parts.channel(animation, [times, values], hips + j, "rotation");
+        if actor.moves[j] {
+            let values = parts.track(a, translation_track(j), 3, frames);
+            parts.channel(animation, [times, values], hips + j, "translation");
+        }
+    }
+    if actor.is_ever_away {
+        let values = parts.there(a, THERE, 1.0, frames);
+        parts.channel(animation, [times, values], holder, "scale");
+    }
+}

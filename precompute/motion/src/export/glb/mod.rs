@@ -1,0 +1,101 @@
+//! Writes takes as binary glTF 2.0: skins, joints and animation, with a plain body or the user's own.
+//!
+//! Every skeleton hangs below a node of its own, so that programs which make one armature of all joints of a tree keep
+//! characters apart; skinned meshes are roots of the scene, where a node's frame could not be taken for the mesh's.
+//! Meshes, bind matrices and times are shared. The document comes first in such a file: what it says of lengths is
+//! known before a number is written, and numbers are then copied from the take's file track by track.
+
+mod figure;
+pub(crate) mod parts;
+
+use super::body::Body;
+use super::scratch::Scratch;
+use super::take::Take;
+use crate::error::BuildError;
+pub(crate) use figure::empty;
+use parts::Parts;
+use std::io::{self, Write};
+
+/// A document of a take, ready to be written.
+pub struct Glb<'a> {
+    take: &'a Take,
+    /// Where numbers of tracks are.
+    scratch: &'a Scratch,
+    parts: Parts,
+    document: String,
+}
+
+impl<'a> Glb<'a> {
+    /// Of plain bodies.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] for a take that is too large for the format.
+    pub fn new(take: &'a Take) -> Result<Self, BuildError> {
+        Self::of(take, figure::of_bodies(take), take.scratch())
+    }
+
+    /// - `parts`: bodies and what moves them; `scratch`: where their tracks are.
+    pub(crate) fn of(take: &'a Take, parts: Parts, scratch: &'a Scratch) -> Result<Self, BuildError> {
+        let document = parts.document();
+        let glb = Self { take, scratch, parts, document };
+        let bytes = glb.num_bytes();
+        if bytes > u64::from(u32::MAX) {
+            return Err(BuildError::Stage {
+                stage: "export",
+                message: format!("a .glb file holds 4.29 GB at most, and this would be {:.2} GB", bytes as f64 / 1e9),
+                help: "Export fewer characters, a shorter stretch or fewer frames a second; .npz has no limit".into(),
+            });
+        }
+        Ok(glb)
+    }
+
+    /// Length of the file.
+    pub fn num_bytes(&self) -> u64 {
+        12 + 8 + self.document.len() as u64 + 8 + self.parts.num_bytes()
+    }
+
+    /// Writes the file.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let document = &self.document;
+        let word = |n: u64| u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes();
+        out.write_all(b"glTF")?;
+        out.write_all(&word(2))?;
+        out.write_all(&word(self.num_bytes()))?;
+        out.write_all(&word(document.len() as u64))?;
+        out.write_all(b"JSON")?;
+        out.write_all(document.as_bytes())?;
+        out.write_all(&word(self.parts.num_bytes()))?;
+        out.write_all(b"BIN\0")?;
+        self.parts.write(self.take.rate_hz(), self.scratch, self.take.scratch(), out)
+    }
+}
+
+/// Bytes of numbers.
+pub(super) fn bytes_of<T: bytemuck::Pod>(numbers: &[T]) -> Vec<u8> {
+    bytemuck::cast_slice(numbers).to_vec()
+}
+
+/// The parts of a plain body that glTF wants.
+pub(super) struct BodyBytes {
+    pub positions: Vec<u8>,
+    pub normals: Vec<u8>,
+    pub joints: Vec<u8>,
+    pub weights: Vec<u8>,
+    pub indices: Vec<u8>,
+}
+
+impl From<&Body> for BodyBytes {
+    fn from(body: &Body) -> Self {
+        let joints: Vec<[u8; 4]> = body.joints.iter().map(|j| [*j, 0, 0, 0]).collect();
+        Self {
+            positions: bytes_of(&body.positions),
+            normals: bytes_of(&body.normals),
+            joints: bytes_of(&joints),
+            weights: bytes_of(&vec![[1f32, 0.0, 0.0, 0.0]; body.joints.len()]),
+            indices: bytes_of(&body.triangles),
+        }
+    }
+}

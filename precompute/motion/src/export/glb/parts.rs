@@ -1,0 +1,200 @@
+//! A glTF document that is put together, and what its one buffer holds.
+
+use super::super::scratch::Scratch;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+/// Numbers of single precision.
+pub const FLOAT: u32 = 5126;
+/// Bytes.
+pub const UNSIGNED_BYTE: u32 = 5121;
+/// Pairs of bytes.
+pub const UNSIGNED_SHORT: u32 = 5123;
+/// A view holds what corners have.
+pub const VERTICES: u32 = 34962;
+/// A view holds corners of triangles.
+pub const INDICES: u32 = 34963;
+
+/// A run of bytes in the buffer.
+enum Piece {
+    Bytes(Vec<u8>),
+    /// Times of the first frames.
+    Times(usize),
+    /// A track of an actor.
+    Track(usize, usize),
+    /// Whether an actor is there, as a scale along three axes.
+    There(usize, usize, f32),
+}
+
+/// A document and its buffer.
+pub struct Parts {
+    json: Value,
+    pieces: Vec<Piece>,
+    num_bytes: u64,
+    /// The view of all numbers that move something.
+    moving: Option<(usize, u64)>,
+    /// Accessors of times by number of frames.
+    times: BTreeMap<usize, usize>,
+}
+
+impl Parts {
+    /// Begins with a document, and the bytes of its buffer.
+    pub fn new(mut json: Value, buffer: Vec<u8>) -> Self {
+        let about = concat!("Throng ", env!("CARGO_PKG_VERSION"));
+        json["asset"]["generator"] = about.into();
+        let mut parts = Self { json, pieces: Vec::new(), num_bytes: 0, moving: None, times: BTreeMap::new() };
+        if !buffer.is_empty() {
+            parts.add(buffer.len() as u64, Piece::Bytes(buffer));
+        }
+        parts
+    }
+
+    /// Adds to a list of the document; returns the place in it.
+    pub fn push(&mut self, list: &str, value: Value) -> usize {
+        if !self.json[list].is_array() {
+            self.json[list] = json!([]);
+        }
+        match self.json[list].as_array_mut() {
+            Some(list) => {
+                list.push(value);
+                list.len() - 1
+            }
+            None => 0,
+        }
+    }
+
+    /// Sets what an entry of a list says.
+    pub fn set(&mut self, list: &str, place: usize, key: &str, value: Value) {
+        self.json[list][place][key] = value;
+    }
+
+    /// Shows a node as a root of the scene.
+    pub fn show(&mut self, node: usize) {
+        if let Some(roots) = self.json["scenes"][0]["nodes"].as_array_mut() {
+            roots.push(node.into());
+        }
+    }
+
+    /// Adds a piece to the buffer, which begins at a multiple of four; returns where.
+    fn add(&mut self, length: u64, piece: Piece) -> u64 {
+        let at = self.num_bytes;
+        self.pieces.push(piece);
+        self.num_bytes = at + length;
+        let rest = (4 - self.num_bytes % 4) % 4;
+        if rest > 0 {
+            self.pieces.push(Piece::Bytes(vec![0; rest as usize]));
+            self.num_bytes += rest;
+        }
+        at
+    }
+
+    /// Adds numbers that do not move; returns their accessor.
+    ///
+    /// - `target`: what they are for, where that is vertices or indices.
+    pub fn still(&mut self, bytes: Vec<u8>, kind: u32, shape: &str, count: usize, target: Option<u32>) -> usize {
+        let length = bytes.len();
+        let at = self.add(length as u64, Piece::Bytes(bytes));
+        let mut view = json!({ "buffer": 0, "byteOffset": at, "byteLength": length });
+        if let Some(target) = target {
+            view["target"] = target.into();
+        }
+        let view = self.push("bufferViews", view);
+        self.push("accessors", json!({ "bufferView": view, "componentType": kind, "count": count, "type": shape }))
+    }
+
+    /// Says between which numbers those of an accessor are.
+    pub fn bound(&mut self, accessor: usize, min: &[f32], max: &[f32]) {
+        self.json["accessors"][accessor]["min"] = json!(min);
+        self.json["accessors"][accessor]["max"] = json!(max);
+    }
+
+    /// An accessor of numbers that move something.
+    fn moving(&mut self, length: u64, piece: Piece, shape: &str, count: usize) -> usize {
+        let at = self.add(length, piece);
+        let (view, begin) = match self.moving {
+            Some(known) => known,
+            None => {
+                let view = self.push("bufferViews", json!({ "buffer": 0, "byteOffset": at, "byteLength": 0 }));
+                *self.moving.insert((view, at))
+            }
+        };
+        self.json["bufferViews"][view]["byteLength"] = (self.num_bytes - begin).into();
+        let accessor = json!({ "bufferView": view, "byteOffset": at - begin, "componentType": FLOAT, "count": count,
+            "type": shape });
+        self.push("accessors", accessor)
+    }
+
+    /// Times of so many frames (> 0).
+    pub fn times(&mut self, frames: usize, rate_hz: f64) -> usize {
+        if let Some(known) = self.times.get(&frames) {
+            return *known;
+        }
+        let accessor = self.moving(4 * frames as u64, Piece::Times(frames), "SCALAR", frames);
+        self.bound(accessor, &[0.0], &[time_s(frames - 1, rate_hz)]);
+        self.times.insert(frames, accessor);
+        accessor
+    }
+
+    /// A track of an actor.
+    pub fn track(&mut self, actor: usize, track: usize, width: usize, frames: usize) -> usize {
+        let shape = if width == 4 { "VEC4" } else { "VEC3" };
+        self.moving((4 * width * frames) as u64, Piece::Track(actor, track), shape, frames)
+    }
+
+    /// The scale of an actor who is away now and then: 0 where it is away.
+    pub fn there(&mut self, actor: usize, track: usize, scale: f32, frames: usize) -> usize {
+        self.moving(12 * frames as u64, Piece::There(actor, track, scale), "VEC3", frames)
+    }
+
+    /// A sampler and a channel.
+    pub fn channel(&self, animation: &mut Value, [times, values]: [usize; 2], node: usize, path: &str) {
+        let interpolation = if path == "scale" { "STEP" } else { "LINEAR" };
+        let sampler = json!({ "input": times, "output": values, "interpolation": interpolation });
+        let Some(samplers) = animation["samplers"].as_array_mut() else { return };
+        let place = samplers.len();
+        samplers.push(sampler);
+        let channel = json!({ "sampler": place, "target": { "node": node, "path": path } });
+        animation["channels"].as_array_mut().into_iter().for_each(|c| c.push(channel.clone()));
+    }
+
+    /// Length of the buffer (bytes).
+    pub fn num_bytes(&self) -> u64 {
+        self.num_bytes
+    }
+
+    /// The document, padded to a multiple of four bytes.
+    pub fn document(&self) -> String {
+        let mut json = self.json.clone();
+        json["buffers"] = json!([{ "byteLength": self.num_bytes }]);
+        let mut text = json.to_string();
+        text.extend(std::iter::repeat_n(' ', (4 - text.len() % 4) % 4));
+        text
+    }
+
+    /// Writes the buffer.
+    ///
+    /// - `scratch`: where tracks are; `take`: where it is said who is there.
+    pub fn write(&self, rate_hz: f64, scratch: &Scratch, take: &Scratch, out: &mut dyn Write) -> io::Result<()> {
+        for piece in &self.pieces {
+            match piece {
+                Piece::Bytes(bytes) => out.write_all(bytes)?,
+                Piece::Times(frames) => {
+                    (0..*frames).try_for_each(|f| out.write_all(&time_s(f, rate_hz).to_le_bytes()))?;
+                }
+                Piece::Track(actor, track) => {
+                    scratch.track(*actor, *track, |n| out.write_all(bytemuck::cast_slice(n)))?;
+                }
+                Piece::There(actor, track, scale) => take.track(*actor, *track, |n| {
+                    n.iter().try_for_each(|v| out.write_all(bytemuck::cast_slice(&[v * scale; 3])))
+                })?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The time of a frame (s).
+fn time_s(frame: usize, rate_hz: f64) -> f32 {
+    (frame as f64 / rate_hz) as f32
+}

@@ -1,0 +1,313 @@
+//! A take: what several characters do on one time line. It is kept in a file, so that length costs no memory.
+
+use super::scratch::Scratch;
+use crate::clip::Clip;
+use glam::{Quat, Vec3};
+use std::io;
+use std::path::Path;
+use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+
+/// Joints that rest nearer to each other than this are where they were: eight of them in a chain stay below 0.1 mm (m).
+const SAME_PLACE_M: f32 = 5e-6;
+/// Tracks of a take: rotations of all joints, their translations, and whether the character is there.
+const WIDTHS: [usize; 2 * NUM_JOINTS + 1] = {
+    let mut widths = [3; 2 * NUM_JOINTS + 1];
+    let mut j = 0;
+    while j < NUM_JOINTS {
+        widths[j] = 4;
+        j += 1;
+    }
+    widths[2 * NUM_JOINTS] = 1;
+    widths
+};
+const NUMBERS: usize = 7 * NUM_JOINTS + 1;
+/// The track that says whether the character is there.
+pub const THERE: usize = 2 * NUM_JOINTS;
+
+/// The track of a joint's rotations, x, y, z, w.
+pub const fn rotation_track(joint: usize) -> usize {
+    joint
+}
+
+/// The track of a joint's translations (m).
+pub const fn translation_track(joint: usize) -> usize {
+    NUM_JOINTS + joint
+}
+
+/// A pose: every joint relative to its parent, the hips in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// (m, NUM_JOINTS)
+    pub translations: [Vec3; NUM_JOINTS],
+    /// Unit (NUM_JOINTS).
+    pub rotations: [Quat; NUM_JOINTS],
+}
+
+impl Pose {
+    /// Of joints in model space, which the root places in the world.
+    pub fn of_model(root: Planar, model: &[Mat3x4; NUM_JOINTS]) -> Self {
+        let turned: [Quat; NUM_JOINTS] = std::array::from_fn(|j| model[j].rotation().normalize());
+        let (mut translations, mut rotations) = ([Vec3::ZERO; NUM_JOINTS], turned);
+        for j in Joint::ALL {
+            let i = j.index();
+            (translations[i], rotations[i]) = match j.parent().map(Joint::index) {
+                None => (
+                    root.rotation() * model[i].translation() + root.translation(),
+                    (root.rotation() * turned[i]).normalize(),
+                ),
+                Some(p) => {
+                    let back = turned[p].inverse();
+                    (back * (model[i].translation() - model[p].translation()), (back * turned[i]).normalize())
+                }
+            };
+        }
+        Self { translations, rotations }
+    }
+
+    /// Of a skeleton whose joints only turn.
+    ///
+    /// - `root_position`: of the hips (m).
+    pub fn of_rotations(skeleton: &Skeleton, root_position: Vec3, rotations: [Quat; NUM_JOINTS]) -> Self {
+        let mut translations = skeleton.offsets;
+        translations[0] = root_position;
+        Self { translations, rotations }
+    }
+
+    /// Position and rotation of all joints in the world.
+    pub fn world(&self) -> [(Vec3, Quat); NUM_JOINTS] {
+        let mut out = [(self.translations[0], self.rotations[0]); NUM_JOINTS];
+        for j in &Joint::ALL[1..] {
+            let (p, r) = out[j.parent().map_or(0, Joint::index)];
+            let i = j.index();
+            out[i] = (p + r * self.translations[i], (r * self.rotations[i]).normalize());
+        }
+        out
+    }
+
+    /// From `self` at ratio 0 to `other` at ratio 1.
+    pub fn towards(&self, other: &Self, ratio: f32) -> Self {
+        Self {
+            translations: std::array::from_fn(|j| self.translations[j].lerp(other.translations[j], ratio)),
+            rotations: std::array::from_fn(|j| self.rotations[j].slerp(other.rotations[j], ratio)),
+        }
+    }
+
+    fn numbers(&self, is_there: bool) -> [f32; NUMBERS] {
+        let mut out = [0.0; NUMBERS];
+        for j in 0..NUM_JOINTS {
+            out[4 * j..4 * j + 4].copy_from_slice(&self.rotations[j].to_array());
+            let at = 4 * NUM_JOINTS + 3 * j;
+            out[at..at + 3].copy_from_slice(&self.translations[j].to_array());
+        }
+        out[NUMBERS - 1] = f32::from(u8::from(is_there));
+        out
+    }
+
+    fn of_numbers(n: &[f32]) -> Self {
+        Self {
+            rotations: std::array::from_fn(|j| Quat::from_slice(&n[4 * j..4 * j + 4])),
+            translations: std::array::from_fn(|j| Vec3::from_slice(&n[4 * NUM_JOINTS + 3 * j..][..3])),
+        }
+    }
+}
+
+/// Who is in a take.
+#[derive(Clone, Debug)]
+pub struct Actor {
+    /// Its name, the only one of its kind.
+    pub name: String,
+    /// Its number where it comes from.
+    pub number: usize,
+    /// Rest offsets that its joints keep.
+    pub skeleton: Skeleton,
+    /// Which joints leave their rest offsets; the hips do (NUM_JOINTS).
+    pub moves: [bool; NUM_JOINTS],
+    /// Frames in which it is there, from the first to past the last one; it may be away in between.
+    pub there: std::ops::Range<usize>,
+    /// True where it is away in any frame.
+    pub is_ever_away: bool,
+}
+
+/// What several characters do, frame by frame.
+pub struct Take {
+    actors: Vec<Actor>,
+    rate_hz: f64,
+    scratch: Scratch,
+    /// Actors are one figure that plays one after the other, as the clips of a bundle do.
+    is_library: bool,
+}
+
+/// Records a take.
+pub struct TakeWriter {
+    take: Take,
+    before: Vec<Option<Pose>>,
+}
+
+impl TakeWriter {
+    /// Of characters who are recorded at the same time.
+    ///
+    /// - `folder`: where the file of the frames is made; it has no name and goes with the program.
+    /// - `actors`: numbers, names and skeletons.
+    ///
+    /// # Errors
+    /// Where the folder takes no file.
+    pub fn new(folder: &Path, actors: Vec<(usize, String, Skeleton)>, rate_hz: f64) -> io::Result<Self> {
+        let together = actors.len();
+        Self::with(folder, actors, rate_hz, together, false)
+    }
+
+    /// Of clips of one figure, which are recorded one after the other and ended by [`TakeWriter::finish`].
+    ///
+    /// # Errors
+    /// As [`TakeWriter::new`].
+    pub fn library(folder: &Path, clips: Vec<(usize, String, Skeleton)>, rate_hz: f64) -> io::Result<Self> {
+        Self::with(folder, clips, rate_hz, 1, true)
+    }
+
+    fn with(
+        folder: &Path,
+        actors: Vec<(usize, String, Skeleton)>,
+        rate_hz: f64,
+        together: usize,
+        is_library: bool,
+    ) -> io::Result<Self> {
+        let scratch = Scratch::new(folder, actors.len(), &WIDTHS, together)?;
+        let actor = |(number, name, skeleton)| {
+            let mut moves = [false; NUM_JOINTS];
+            moves[0] = true;
+            Actor { name, number, skeleton, moves, there: 0..0, is_ever_away: false }
+        };
+        let before = vec![None; actors.len()];
+        let take = Take { actors: actors.into_iter().map(actor).collect(), rate_hz, scratch, is_library };
+        Ok(Self { take, before })
+    }
+
+    /// Adds a frame of an actor; none where it is away.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub fn push(&mut self, actor: usize, pose: Option<Pose>) -> io::Result<()> {
+        let Self { take, before } = self;
+        let frame = take.scratch.num_frames(actor);
+        let who = &mut take.actors[actor];
+        who.is_ever_away |= pose.is_none();
+        let Some(mut pose) = pose else {
+            // Away, it stays as it was.
+            let kept = before[actor].unwrap_or_else(|| {
+                Pose::of_rotations(&who.skeleton, who.skeleton.offsets[0], [Quat::IDENTITY; NUM_JOINTS])
+            });
+            return take.scratch.push(actor, &kept.numbers(false));
+        };
+        match &before[actor] {
+            None => who.settle(&pose, frame),
+            Some(before) => {
+                for (now, then) in pose.rotations.iter_mut().zip(&before.rotations) {
+                    *now = if now.dot(*then) < 0.0 { -*now } else { *now };
+                }
+            }
+        }
+        who.there.end = frame + 1;
+        for j in 1..NUM_JOINTS {
+            who.moves[j] |= pose.translations[j].distance(who.skeleton.offsets[j]) > SAME_PLACE_M;
+        }
+        before[actor] = Some(pose);
+        take.scratch.push(actor, &pose.numbers(true))
+    }
+
+    /// Ends an actor, which frees its memory.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub fn finish(&mut self, actor: usize) -> io::Result<()> {
+        self.take.scratch.finish(actor)
+    }
+
+    /// The whole take.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub fn into_take(mut self) -> io::Result<Take> {
+        (0..self.take.actors.len()).try_for_each(|a| self.finish(a))?;
+        Ok(self.take)
+    }
+}
+
+impl Actor {
+    /// Takes over the offsets of the first pose: bodies may be fitted to skeletons of their own.
+    fn settle(&mut self, pose: &Pose, frame: usize) {
+        self.there = frame..frame + 1;
+        let before = self.skeleton.clone();
+        for j in 1..NUM_JOINTS {
+            let offset = &mut self.skeleton.offsets[j];
+            if pose.translations[j].distance(*offset) > SAME_PLACE_M {
+                *offset = pose.translations[j];
+            }
+        }
+        if self.skeleton == before {
+            return;
+        }
+        // Its feet stand as far above the ground as such a tall body's do.
+        let taller = self.skeleton.leg_length() / before.leg_length().max(SAME_PLACE_M);
+        self.skeleton.tips.iter_mut().for_each(|tip| *tip *= taller);
+        let toes = |s: &Skeleton| s.rest_positions()[Joint::LeftToe.index()].y;
+        self.skeleton.offsets[0].y += taller * toes(&before) - toes(&self.skeleton);
+    }
+}
+
+impl Take {
+    /// Clips of one set, one after the other.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub fn of_clips(folder: &Path, clips: &[Clip], skeleton: &Skeleton) -> io::Result<Self> {
+        let actors = clips.iter().enumerate().map(|(i, c)| (i, c.name.clone(), skeleton.clone())).collect();
+        let mut writer = TakeWriter::library(folder, actors, clips.first().map_or(30.0, |c| c.rate_hz))?;
+        for (i, clip) in clips.iter().enumerate() {
+            for frame in 0..clip.num_frames() {
+                let rotations = clip.frame_rotations(frame);
+                let rotations = std::array::from_fn(|j| rotations[j]);
+                writer.push(i, Some(Pose::of_rotations(skeleton, clip.root_positions[frame], rotations)))?;
+            }
+            writer.finish(i)?;
+        }
+        writer.into_take()
+    }
+
+    /// Who is in it.
+    pub fn actors(&self) -> &[Actor] {
+        &self.actors
+    }
+
+    /// Frames a second (Hz).
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// True where actors are clips of one figure, each with a length of its own, and not characters at the same time.
+    pub fn is_library(&self) -> bool {
+        self.is_library
+    }
+
+    /// Number of frames of an actor (actor < number of actors).
+    pub fn num_frames(&self, actor: usize) -> usize {
+        self.scratch.num_frames(actor)
+    }
+
+    /// Number of frames of the longest.
+    pub fn longest(&self) -> usize {
+        (0..self.actors.len()).map(|a| self.num_frames(a)).max().unwrap_or(0)
+    }
+
+    /// Hands out every frame of an actor: its number, the pose, and whether the actor is there; away, it stays as it was.
+    ///
+    /// # Errors
+    /// What the disk says, and what `take` fails with.
+    pub fn poses(&self, actor: usize, mut take: impl FnMut(usize, &Pose, bool) -> io::Result<()>) -> io::Result<()> {
+        self.scratch.frames(actor, |frame, n| take(frame, &Pose::of_numbers(n), n[NUMBERS - 1] > 0.5))
+    }
+
+    /// The numbers as they are kept, by [`rotation_track`], [`translation_track`] and [`THERE`].
+    pub(crate) fn scratch(&self) -> &Scratch {
+        &self.scratch
+    }
+}

@@ -1,0 +1,183 @@
+//! Which joints of a character move, and how.
+
+use super::Wearer;
+use crate::export::Take;
+use crate::export::scratch::Scratch;
+use crate::import::RoleMap;
+use crate::raw::RawClip;
+use crate::retarget::{Fit, Worn};
+use glam::{DQuat, DVec3, Quat, Vec3};
+use std::io;
+use throng_core::Joint;
+
+/// Segments of limbs whose twist is shared, and the joints at their ends. Thighs and upper arms twist at their begin, shins
+/// and forearms at their end.
+const LIMBS: [(Joint, Joint, bool); 8] = {
+    use Joint::*;
+    [
+        (LeftUpperArm, LeftForearm, true),
+        (RightUpperArm, RightForearm, true),
+        (LeftThigh, LeftShin, true),
+        (RightThigh, RightShin, true),
+        (LeftForearm, LeftHand, false),
+        (RightForearm, RightHand, false),
+        (LeftShin, LeftFoot, false),
+        (RightShin, RightFoot, false),
+    ]
+};
+/// Parts of names that joints have which take a share of a twist.
+const TWIST_NAMES: [&str; 2] = ["twist", "roll"];
+
+/// A joint that moves.
+pub struct Moved {
+    /// Its place in the rig.
+    pub joint: usize,
+    how: How,
+}
+
+enum How {
+    /// As a role does. What carries all of the body, where that is not the hips' joint, turns as the hips do.
+    Role(Joint),
+    /// With a share of the twist of a limb.
+    Twist(Twist),
+}
+
+/// A share of the twist of a limb.
+pub struct Twist {
+    limb: Joint,
+    /// The joint whose twist is shared.
+    of: Joint,
+    /// Along the limb in a T-pose, unit.
+    axis: Vec3,
+    /// -1 to 1.
+    share: f32,
+}
+
+impl Moved {
+    /// What it twists with, if it does.
+    pub fn twist(&self) -> Option<&Twist> {
+        match &self.how {
+            How::Role(_) => None,
+            How::Twist(twist) => Some(twist),
+        }
+    }
+}
+
+/// The joint that carries all joints with roles: that of the hips, or one above it where the spine does not hang on those.
+pub fn centre(clip: &RawClip, roles: &RoleMap) -> usize {
+    let up = |joint: usize| std::iter::successors(Some(joint), |&j| clip.joints[j].parent);
+    let hips = roles.get(Joint::Hips).unwrap_or(0);
+    let carries = |joint: usize| roles.joints.iter().flatten().all(|&j| up(j).any(|above| above == joint));
+    up(hips).find(|&j| carries(j)).unwrap_or(hips)
+}
+
+/// The joints that move, parents first.
+pub fn find(clip: &RawClip, roles: &RoleMap, fit: &Fit) -> Vec<Moved> {
+    let (world, centre) = (clip.world(0), centre(clip, roles));
+    let role_of = |joint: usize| {
+        let role = Joint::ALL.into_iter().find(|r| roles.get(*r) == Some(joint));
+        role.or((joint == centre).then_some(Joint::Hips))
+    };
+    let mut out = Vec::new();
+    for joint in 0..clip.joints.len() {
+        if let Some(role) = role_of(joint) {
+            out.push(Moved { joint, how: How::Role(role) });
+            continue;
+        }
+        let name = clip.joints[joint].name.to_lowercase();
+        if !TWIST_NAMES.iter().any(|n| name.contains(n)) {
+            continue;
+        }
+        let above = std::iter::successors(clip.joints[joint].parent, |&p| clip.joints[p].parent).find_map(role_of);
+        let limb = LIMBS.into_iter().find(|l| Some(l.0) == above);
+        let Some((limb, end, at_begin)) = limb else { continue };
+        let (Some(from), Some(to)) = (roles.get(limb), roles.get(end)) else { continue };
+        let way = world[to].0 - world[from].0;
+        let along = ((world[joint].0 - world[from].0).dot(way) / way.length_squared().max(1e-9)).clamp(0.0, 1.0);
+        let axis = fit.way(limb, end).normalize_or(Vec3::X);
+        let (of, share) = if at_begin { (limb, along - 1.0) } else { (end, along) };
+        out.push(Moved { joint, how: How::Twist(Twist { limb, of, axis, share }) });
+    }
+    out
+}
+
+/// The angle by which a rotation turns about an axis before it swings that (rad).
+fn twist_about(rotation: Quat, axis: Vec3) -> f32 {
+    let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
+    2.0 * rotation.xyz().dot(axis).atan2(rotation.w)
+}
+
+impl Twist {
+    /// The turn in the world that is added to what the joint hangs on.
+    fn turn(&self, model: &[Quat]) -> Quat {
+        let above = self.of.parent().map_or(Quat::IDENTITY, |p| model[p.index()]);
+        let angle = self.share * twist_about(above.inverse() * model[self.of.index()], self.axis);
+        let limb = model[self.limb.index()];
+        limb * Quat::from_axis_angle(self.axis, angle) * limb.inverse()
+    }
+}
+
+/// Keeps how all joints of a character move in a take: rotations of those that do, and where the hips are.
+pub fn wear(wearer: &Wearer, take: &Take, actor: usize, scratch: &mut Scratch) -> io::Result<()> {
+    let (clip, own) = (&wearer.rig.clip.clip, &take.actors()[actor].skeleton);
+    let (scale, growth) = (wearer.scale(take, actor), wearer.growth(take, actor));
+    let fit = wearer.fit.scaled(growth as f32);
+    let (frame, turn) = wearer.above_centre();
+    let back = frame.inverse();
+    let hips = wearer.roles.get(Joint::Hips).unwrap_or(wearer.centre);
+    let below: Vec<usize> =
+        std::iter::successors(Some(hips), |&j| clip.joints[j].parent).take_while(|&j| j != wearer.centre).collect();
+    let mut before: Option<Vec<f32>> = None;
+    take.poses(actor, |_, pose, _| {
+        let worn = fit.wear(own, &pose.world());
+        let world = turned(wearer, clip, &worn);
+        let mut numbers = Vec::with_capacity(4 * wearer.moved.len() + 3);
+        for m in &wearer.moved {
+            let axes = |j: usize| (world[j] * wearer.rig.axes[j]).normalize();
+            let parent = clip.joints[m.joint].parent.map_or(turn, axes);
+            let local = (parent.inverse() * axes(m.joint)).normalize().as_quat();
+            let sign = before.as_ref().map_or(1.0, |b| {
+                let then = Quat::from_slice(&b[numbers.len()..numbers.len() + 4]);
+                if then.dot(local) < 0.0 { -1.0 } else { 1.0 }
+            });
+            numbers.extend((local * sign).to_array());
+        }
+        let way = |j: &usize| world[clip.joints[*j].parent.unwrap_or(0)] * clip.translations[*j].as_dvec3();
+        let centre = worn.hips.as_dvec3() / scale - below.iter().map(way).sum::<DVec3>();
+        numbers.extend(back.transform_point3(centre).as_vec3().to_array());
+        scratch.push(actor, &numbers)?;
+        before = Some(numbers);
+        Ok(())
+    })?;
+    scratch.finish(actor)
+}
+
+/// How every joint of the rig is turned against its rest in the world.
+fn turned(wearer: &Wearer, clip: &RawClip, worn: &Worn) -> Vec<DQuat> {
+    let mut moved = wearer.moved.iter().peekable();
+    let mut world: Vec<DQuat> = Vec::with_capacity(clip.joints.len());
+    for (j, joint) in clip.joints.iter().enumerate() {
+        let rest = clip.rotations[j].as_dquat();
+        let follows = joint.parent.map_or(rest, |p| world[p] * rest);
+        world.push(match moved.next_if(|m| m.joint == j).map(|m| &m.how) {
+            Some(How::Role(role)) => worn.joints[role.index()].as_dquat(),
+            Some(How::Twist(twist)) => twist.turn(&worn.model).as_dquat() * follows,
+            None => follows,
+        });
+    }
+    world
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twists_are_told_from_swings() {
+        for angle in [-2.0f32, -0.3, 0.0, 0.7, 3.0] {
+            let swing = Quat::from_rotation_arc(Vec3::X, Vec3::new(0.6, 0.0, 0.8));
+            let got = twist_about(swing * Quat::from_rotation_x(angle), Vec3::X);
+            assert!((got - angle).abs() < 1e-5, "{angle}: {got}");
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! What runs, to files: scenes, recordings, bundles and clips as takes, and takes in the formats of other programs.
+
+use super::{Args, Format, holds_motion, write};
+use crate::args::{CacheArgs, Outcome, fail, is_bundle, is_toml};
+use crate::{output, progress};
+use std::error::Error;
+use std::io::{self, Write};
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use throng_precompute::export::{Glb, Take, amass, bvh, npz, take_csv, usda};
+use throng_precompute::import::read_clip;
+use throng_precompute::onto::Wearer;
+use throng_precompute::perform::{self, PerformConfig, Show, perform};
+use throng_precompute::run::Recording;
+use throng_precompute::trial::TrialConfig;
+use throng_precompute::{Warnings, files, pipeline};
+use throng_runtime::simulation::Scene;
+
+/// What of a run is written.
+#[derive(clap::Args)]
+pub struct TakeArgs {
+    /// Characters, by their numbers: 7, 0..99 (both included), or a list such as 0,4,7..9; all with bodies by default. Of
+    /// --clips, which clips.
+    #[arg(long, value_name = "N..N", value_parser = parse_range, value_delimiter = ',')]
+    characters: Vec<RangeInclusive<usize>>,
+    /// First moment (s); the start by default.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    from: Option<f64>,
+    /// Last moment (s); by default the end of the scene or the recording, or 20 s of a bundle.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    to: Option<f64>,
+    /// Frames a second, 1 to 1000; 30 by default.
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    fps: Option<f64>,
+    /// Of a bundle, write its clips instead of characters that run on it.
+    #[arg(long)]
+    clips: bool,
+    /// Of `usda`, write characters as instances of one model, which renderers of crowds want; Blender shows these without
+    /// motion.
+    #[arg(long)]
+    usd_instances: bool,
+    /// Of `glb`, a character of yours that wears the motion (.glb with a skin): the roles of its joints are found as those
+    /// of motion files, twist joints take their share, all others stay at rest. It is made as tall as the motion's legs
+    /// are long.
+    #[arg(long, value_name = "CHARACTER.glb")]
+    onto: Option<PathBuf>,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+/// Reads a range of numbers, both ends included.
+fn parse_range(text: &str) -> Result<RangeInclusive<usize>, String> {
+    let number = |t: &str| t.trim().parse::<usize>().ok();
+    let range = match text.split_once("..") {
+        Some((a, b)) => number(a).zip(number(b.trim_start_matches('='))).map(|(a, b)| a..=b),
+        None => number(text).map(|n| n..=n),
+    };
+    range
+        .filter(|r| !r.is_empty())
+        .ok_or_else(|| "expected a number, or two such as 0..99, the smaller one first".into())
+}
+
+impl TakeArgs {
+    /// The first flag that was given, which only takes know.
+    pub fn given(&self) -> Option<&'static str> {
+        let flags = [
+            ("--characters", !self.characters.is_empty()),
+            ("--from", self.from.is_some()),
+            ("--to", self.to.is_some()),
+            ("--fps", self.fps.is_some()),
+            ("--clips", self.clips),
+            ("--usd-instances", self.usd_instances),
+            ("--onto", self.onto.is_some()),
+        ];
+        flags.into_iter().find(|f| f.1).map(|f| f.0)
+    }
+
+    fn config(&self) -> PerformConfig {
+        let characters = self.characters.clone();
+        PerformConfig { characters, from_s: self.from, to_s: self.to, rate_hz: self.fps }
+    }
+}
+
+/// Writes a take.
+pub fn run(args: &Args) -> Outcome {
+    let takes = &args.take;
+    if takes.usd_instances && !matches!(args.format, Format::Usda) {
+        return fail("--usd-instances is for --format usda");
+    }
+    if takes.onto.is_some() && !matches!(args.format, Format::Glb) {
+        return fail("--onto is for --format glb");
+    }
+    if takes.clips && !is_bundle(&args.file) {
+        return fail(format!("{}: --clips is for bundles (.throng)", args.file.display()));
+    }
+    let out = match (&args.out, args.format) {
+        (None, Format::Csv) => None,
+        (None, _) => {
+            let what = "name a file to write with --out; of what runs, only csv goes to standard output";
+            return fail(format!("{}: {what}", args.file.display()));
+        }
+        (Some(out), _) => {
+            files::check_target(out)?;
+            Some(out.as_path())
+        }
+    };
+    // Beside what is written: there is room, and it is no memory.
+    let temporary = std::env::temp_dir();
+    let folder = out.map_or(temporary.as_path(), folder_of);
+    // Before long work: it may not be a character.
+    let wearer = match &takes.onto {
+        Some(character) => Some(Wearer::open(character, &args.read.config()?.import)?),
+        None => None,
+    };
+    if let (Format::Instances, Some(out)) = (args.format, out) {
+        return instances(args, folder, out);
+    }
+    let take = record(args, folder)?;
+    save(args, &take, out, wearer.as_ref(), folder)
+}
+
+fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Lets happen what is exported.
+fn record(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
+    let (file, config, bar) = (&args.file, args.take.config(), progress::Bar::default());
+    let show = |show: Show<'_>| perform(show, &config, folder, &bar).map_err(|e| format!("{}: {e}", file.display()));
+    if is_toml(file) {
+        let scene = Scene::load(file)?;
+        crate::run::ensure(&scene, &args.take.cache)?;
+        return Ok(show(Show::Scene(&scene.open()?))?);
+    }
+    if is_bundle(file) {
+        let bundle = crate::args::open(file)?;
+        return Ok(match args.take.clips {
+            true => show(Show::Clips(&bundle))?,
+            false => show(Show::Trial(&bundle, &TrialConfig::default()))?,
+        });
+    }
+    if holds_motion(file) {
+        return clip(args, folder);
+    }
+    let recording = Recording::load(file)?;
+    let scene = recording.scene()?;
+    crate::run::ensure(&scene, &args.take.cache)?;
+    Ok(show(Show::Recording(&recording, &scene.open()?))?)
+}
+
+/// Writes which clips play on characters of a bundle.
+fn instances(args: &Args, folder: &Path, out: &Path) -> Outcome {
+    let file = &args.file;
+    if !is_bundle(file) || args.take.clips {
+        let what = "instances are of bundles (.throng): which of their clips play on characters who run on them";
+        return fail(format!("{}: {what}", file.display()));
+    }
+    let (bundle, trial, bar) = (crate::args::open(file)?, TrialConfig::default(), progress::Bar::default());
+    let played = perform::instances(&bundle, &trial, &args.take.config(), folder, &bar);
+    let played = played.map_err(|e| format!("{}: {e}", file.display()))?;
+    files::write_atomically(out, |w| played.npz(w))?;
+    let (who, frames, hz) = (played.num_characters(), played.num_frames(), played.rate_hz());
+    let bytes = output::bytes(std::fs::metadata(out).map_or(0, |m| m.len()));
+    output::text(format!("{}: {who} character(s), {frames} frames at {hz} Hz, {bytes}\n", out.display()))
+}
+
+/// The clip of a motion file on the database skeleton, as a build would use it.
+fn clip(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
+    if let Some(flag) = args.take.given().filter(|flag| *flag != "--onto") {
+        return fail(format!("{}: {flag} is for scenes, recordings and bundles", args.file.display()));
+    }
+    let config = args.read.config()?;
+    let clips = pipeline::clips_of(&[read_clip(&args.file, &config.import)?], &config, &mut Warnings::default())?;
+    Ok(Take::of_clips(folder, &clips.clips[..1], &clips.skeleton)?)
+}
+
+/// Writes a take in a format, and says what was written.
+fn save(args: &Args, take: &Take, out: Option<&Path>, wearer: Option<&Wearer>, folder: &Path) -> Outcome {
+    let mut written = Vec::new();
+    match (args.format, out) {
+        (Format::Csv, _) => write(out, |w| take_csv(take, w))?,
+        (_, None) => {}
+        (Format::Glb, Some(out)) => {
+            let outfit = wearer.map(|w| w.dress(take, folder, &progress::Bar::default())).transpose()?;
+            let glb = outfit.as_ref().map_or_else(|| Glb::new(take), |o| o.glb(take))?;
+            files::write_atomically(out, |w| glb.write(w))?;
+        }
+        (Format::Usda, Some(out)) => {
+            files::write_atomically(out, |w| usda(take, args.take.usd_instances, w))?;
+        }
+        (Format::Npz, Some(out)) => files::write_atomically(out, |w| npz(take, w))?,
+        (Format::Bvh, Some(out)) => written = each(take, out, |a, w| bvh::write_actor(take, a, w))?,
+        (_, Some(out)) => written = each(take, out, |a, w| amass(take, a, w))?,
+    }
+    let Some(out) = out else { return Ok(()) };
+    wearer.map_or(Ok(()), worn)?;
+    if written.is_empty() {
+        written.push(out.to_path_buf());
+    }
+    let bytes = written.iter().filter_map(|f| std::fs::metadata(f).ok()).map(|m| m.len()).sum();
+    let what = if take.is_library() { "clip(s)" } else { "character(s)" };
+    let (who, frames, hz) = (take.actors().len(), take.longest(), take.rate_hz());
+    let files = match written.as_slice() {
+        [first, .., last] => format!("{} to {}", first.display(), last.display()),
+        _ => out.display().to_string(),
+    };
+    output::text(format!("{files}: {who} {what}, {frames} frames at {hz} Hz, {}\n", output::bytes(bytes)))
+}
+
+/// Says which joints of a character wear what.
+fn worn(wearer: &Wearer) -> Outcome {
+    let pairs: Vec<String> = wearer.pairs().map(|(role, joint)| format!("{}={joint}", role.name())).collect();
+    let twists: Vec<&str> = wearer.twists().collect();
+    let twists = if twists.is_empty() { "none".into() } else { twists.join(" ") };
+    let (all, moved) = (wearer.num_joints(), pairs.len());
+    output::text(format!("{moved} of {all} joints wear the motion: {}\ntwist joints: {twists}\n", pairs.join(" ")))
+}
+
+/// Writes a file for each actor who is ever there: `NAME-7.bvh` of number 7, or `NAME.bvh` where there is one.
+fn each(
+    take: &Take,
+    out: &Path,
+    body: impl Fn(usize, &mut dyn Write) -> io::Result<()>,
+) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+    let there: Vec<usize> = (0..take.actors().len()).filter(|&a| !take.actors()[a].there.is_empty()).collect();
+    let mut written = Vec::new();
+    for &a in &there {
+        let mut file = out.to_path_buf();
+        if take.actors().len() > 1 {
+            let stem = out.file_stem().unwrap_or_default().to_string_lossy();
+            let extension = out.extension().map_or(String::new(), |e| format!(".{}", e.to_string_lossy()));
+            file.set_file_name(format!("{stem}-{}{extension}", take.actors()[a].number));
+        }
+        files::write_atomically(&file, |w| body(a, w))?;
+        written.push(file);
+    }
+    Ok(written)
+}
