@@ -185,8 +185,8 @@ fn whole(bytes: &[u8], path: &Path) -> Result<Value, ImportError> {
     let (text, _) = gltf::split(bytes).map_err(fail)?;
     let json: Value = serde_json::from_slice(text).map_err(|e| fail(e.to_string()))?;
     // What is written into such parts must be what the format says.
-    let entries = ["nodes", "skins"].iter().flat_map(|list| json[list].as_array().into_iter().flatten());
-    if !json["asset"].is_object() || !entries.map(Value::is_object).all(|is| is) {
+    let mut entries = ["nodes", "skins"].iter().flat_map(|list| json[list].as_array().into_iter().flatten());
+    if !json["asset"].is_object() || !entries.all(Value::is_object) {
         return Err(fail("expected objects as `asset`, nodes and skins".into()));
     }
     let mut uris = json["images"].as_array().into_iter().flatten().filter_map(|i| i["uri"].as_str());
