@@ -4,6 +4,7 @@
 
 mod accessor;
 mod document;
+mod mesh;
 mod sampler;
 
 use super::nodes::{self, FALLBACK_HZ, Scene, Span, Transform, rate_of_keys};
@@ -15,6 +16,7 @@ pub use document::{
     Accessor, Animation, Attributes, Buffer, BufferView, Channel, Document, Interpolation, Mesh, Node, Primitive,
     Sampler, SceneNodes, Skin, Sparse, SparsePart, Target, ViewExtensions, parse as document,
 };
+pub use mesh::{MAX_TRIANGLES, triangles};
 use glam::{DMat4, DQuat, DVec3, Mat4};
 use sampler::{Keys, Samplers};
 use std::collections::{BTreeMap, BTreeSet};

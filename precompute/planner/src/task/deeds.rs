@@ -1,0 +1,366 @@
+//! One step: a correction, or a limb that goes somewhere and comes back.
+
+use super::entries::Deed;
+use super::grips::targets;
+use super::held::capsules;
+use super::run::nearest_of;
+use super::stage::{Pin, Stage, Stretch, Surroundings, Whereabouts, hand, moves};
+use super::step::{Anchor, Place, Step};
+use crate::collide::Checker;
+use crate::correct::{CorrectConfig, NotCorrected, Span, correct};
+use crate::ik::Unreached;
+use crate::linkage::Limb;
+use crate::manipulate::{NotReached, Reach, reach};
+use crate::planner::Outcome;
+use crate::problem::{Problem, State};
+use crate::rotation::Rigid;
+use crate::setup::Allowed;
+use throng_core::Joint;
+
+/// How long before it is reached and after a hand may touch what it reaches for (s).
+const CONTACT_S: f64 = 0.25;
+/// What is so near to a thing carries it, or is beside it: they may touch when it is taken and laid down (m).
+const BESIDE_M: f64 = 0.02;
+/// Hands that are within reach and for which plans are tried, at most.
+const TRIES: usize = 6;
+
+/// Why a step was not done.
+#[derive(Clone, Debug)]
+pub(super) struct Problems {
+    pub why: String,
+    pub nearest_m: Option<f64>,
+    pub plans: Vec<Outcome>,
+    pub spans: Vec<Span>,
+    /// What was planned is kept: some stretches of a correction.
+    pub keep: bool,
+}
+
+impl Problems {
+    fn new(why: impl Into<String>) -> Self {
+        Self { why: why.into(), nearest_m: None, plans: Vec::new(), spans: Vec::new(), keep: false }
+    }
+}
+
+type Did = Result<(Vec<Outcome>, Vec<Span>), Problems>;
+
+/// Does a step; what fails may leave a part of it done.
+pub(super) fn do_step(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> Did {
+    let mut config = *config;
+    config.plan.search.style = step.style;
+    match (step.deed, step.object) {
+        (Deed::Correct, _) => corrected(stage, step, &config),
+        (_, None) => Err(Problems::new("there is no object")),
+        (Deed::Reach | Deed::Touch | Deed::Switch | Deed::Grab, Some(object)) => {
+            take(stage, step, object, &config)
+        }
+        (Deed::Carry | Deed::Drop | Deed::HandOver, Some(object)) => bring(stage, step, object, &config),
+    }
+}
+
+/// Plans each stretch between the moments in which the limb has to be where it is.
+fn corrected(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> Did {
+    let (who, limb) = (step.character, step.limb);
+    let rate = stage.actors[who].clip.rate_hz;
+    let on_frame = |t: f64| (t * rate).round() / rate;
+    let end_s = stage.actors[who].end_s();
+    let [from, _, to] = step.times_s.map(|t| on_frame(t.clamp(0.0, end_s)));
+    let pins = stage.pins.iter().filter(|p| p.character == who && p.limb == limb).map(|p| p.time_s);
+    let mut cuts: Vec<f64> = pins.filter(|t| from < *t && *t < to).chain([from, to]).collect();
+    cuts.sort_by(f64::total_cmp);
+    let (mut plans, mut spans, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
+    let mut nearest_m: Option<f64> = None;
+    for cut in cuts.windows(2).filter(|w| w[1] - w[0] > 0.5 / rate) {
+        let within = [cut[0], cut[1]];
+        let around = stage.around(who, limb, within);
+        let others = stage.other_bodies(who);
+        let spec = stage.spec(who, limb, &around, &others);
+        let config = CorrectConfig { within_s: Some(within), ..*config };
+        let (clip, found) =
+            correct(&stage.actors[who].clip, &spec, &config).map_err(|e| Problems::new(e.to_string()))?;
+        stage.actors[who].change(clip);
+        for one in found {
+            match one.outcome {
+                Ok(outcome) => {
+                    plans.push(outcome);
+                    stage.note(who, limb, one.window_s);
+                }
+                Err(e) => {
+                    if let NotCorrected::Unsolved { why, .. } = &e {
+                        nearest_m = nearest_of(why);
+                    }
+                    wrong.push(e.to_string());
+                }
+            }
+            spans.push(one.span);
+        }
+    }
+    if wrong.is_empty() {
+        return Ok((plans, spans));
+    }
+    Err(Problems { why: wrong.join("; "), nearest_m, plans, spans, keep: true })
+}
+
+/// Comes to an object, and takes it along if that is wanted.
+fn take(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConfig<'_>) -> Did {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let name = stage.task.things[object].name.clone();
+    if step.deed == Deed::Grab {
+        free_to_take(stage, step, object)?;
+    }
+    let place = stage.place(object, at_s);
+    let hands = targets(&step.grips, &place, &stage.actors[who], limb, at_s);
+    touch(stage, step, &name, step.deed != Deed::Reach);
+    let then = move |hand: &Rigid| Whereabouts::On {
+        character: who,
+        joint: self::hand(limb),
+        offset: hand.local(place),
+        holder: Some(limb),
+    };
+    let change = (step.deed == Deed::Grab).then_some(Change { thing: object, place, then: &then });
+    let plans = go(stage, (who, limb), step.times_s, &hands, change, config)?;
+    Ok((plans, Vec::new()))
+}
+
+fn free_to_take(stage: &Stage<'_>, step: &Step, object: usize) -> Result<(), Problems> {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let name = &stage.task.things[object].name;
+    if let Whereabouts::On { character, holder: Some(by), .. } = stage.stretch(object, at_s) {
+        let by = format!("{}'s {}", stage.task.characters[*character].name, by.name().replace('_', " "));
+        return Err(Problems::new(format!("`{name}` is held by {by} already; drop it first, or hand it over")));
+    }
+    if let Some((other, _)) = stage.held_by(who, limb, at_s) {
+        let other = &stage.task.things[other].name;
+        return Err(Problems::new(format!("the hand holds `{other}`; drop it first")));
+    }
+    settled(stage, object, at_s)
+}
+
+/// Nothing happens to it later: what was planned for later would not hold any more.
+fn settled(stage: &Stage<'_>, object: usize, at_s: f64) -> Result<(), Problems> {
+    let last = stage.lives[object].last().map_or(f64::NEG_INFINITY, |s| s.from_s);
+    if last < at_s {
+        return Ok(());
+    }
+    let name = &stage.task.things[object].name;
+    Err(Problems::new(format!("`{name}` changes hands at {last:.2} s: expected tasks of one object in the order of time")))
+}
+
+/// Brings what is held to a place; keeps it, lays it down or gives it away.
+fn bring(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConfig<'_>) -> Did {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let name = stage.task.things[object].name.clone();
+    let offset = match stage.held_by(who, limb, at_s) {
+        Some((held, offset)) if held == object => offset,
+        _ => {
+            let limb = limb.name().replace('_', " ");
+            return Err(Problems::new(format!("{limb} does not hold `{name}` at {at_s:.2} s; let it grab that first")));
+        }
+    };
+    let Some(to) = step.to else { return Err(Problems::new("there is no place to bring it to")) };
+    settled(stage, object, at_s)?;
+    let place = stage.resolve(&to, at_s);
+    let hands = [place.then(offset.local(Rigid::IDENTITY))];
+    touch(stage, step, &name, true);
+    let laid = laid(stage, &to, object, &place)?;
+    let then = move |_: &Rigid| laid.clone();
+    let change = (step.deed != Deed::Carry).then_some(Change { thing: object, place, then: &then });
+    let mut plans = go(stage, (who, limb), step.times_s, &hands, change, config)?;
+    if let (Deed::HandOver, Some(receiver)) = (step.deed, &step.receiver) {
+        // The receiver's grasp takes the place of its being laid down.
+        stage.lives[object].pop();
+        let given = Step { character: receiver.character, limb: receiver.limb, ..step.clone() };
+        let hands = targets(&receiver.grips, &place, &stage.actors[given.character], given.limb, at_s);
+        touch(stage, &given, &name, true);
+        let then = |hand: &Rigid| Whereabouts::On {
+            character: given.character,
+            joint: self::hand(given.limb),
+            offset: hand.local(place),
+            holder: Some(given.limb),
+        };
+        let change = Some(Change { thing: object, place, then: &then });
+        plans.extend(go(stage, (given.character, given.limb), step.times_s, &hands, change, config)?);
+    }
+    Ok((plans, Vec::new()))
+}
+
+/// How a thing is once it was let go.
+fn laid(stage: &Stage<'_>, to: &Place, object: usize, place: &Rigid) -> Result<Whereabouts, Problems> {
+    Ok(match to.on {
+        Anchor::World => Whereabouts::Path(crate::track::Path::Still(*place)),
+        Anchor::Thing(thing) if thing == object => {
+            return Err(Problems::new("a thing cannot be laid on itself; choose another `on`"));
+        }
+        Anchor::Thing(thing) => Whereabouts::OnThing { thing, offset: to.offset },
+        Anchor::Joint(character, joint) => {
+            let holder = [Limb::LeftArm, Limb::RightArm].into_iter().find(|l| hand(*l) == joint);
+            if holder.is_some_and(|l| stage.held_by(character, l, f64::INFINITY).is_some()) {
+                return Err(Problems::new("that hand holds something already"));
+            }
+            Whereabouts::On { character, joint, offset: to.offset, holder }
+        }
+    })
+}
+
+/// Notes what a limb, and what it holds, may touch around the moment of a step.
+fn touch(stage: &mut Stage<'_>, step: &Step, object: &str, with_object: bool) {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let window_s = Some([at_s - CONTACT_S, at_s + CONTACT_S]);
+    let parts = Joint::ALL.into_iter().filter(|j| moves(limb, *j) && !limb.joints()[..2].contains(j));
+    let mut add = |part: String, with: &str| {
+        stage.contacts.push((who, limb, Allowed { part: Some(part), with: with.into(), window_s }));
+    };
+    for part in parts {
+        if with_object {
+            add(part.name().into(), object);
+        }
+        step.contacts.iter().for_each(|c| add(part.name().into(), c));
+    }
+    step.contacts.iter().for_each(|c| add(object.into(), c));
+}
+
+/// A thing that changes hands when the target is reached.
+#[derive(Clone, Copy)]
+struct Change<'a> {
+    thing: usize,
+    /// Where it is then.
+    place: Rigid,
+    /// How it goes on, given the hand.
+    then: &'a dyn Fn(&Rigid) -> Whereabouts,
+}
+
+/// A limb goes to the first of some targets for which there is a way there and back.
+fn go(
+    stage: &mut Stage<'_>,
+    (who, limb): (usize, Limb),
+    times_s: [f64; 3],
+    hands: &[Rigid],
+    change: Option<Change<'_>>,
+    config: &CorrectConfig<'_>,
+) -> Result<Vec<Outcome>, Problems> {
+    let [from_s, at_s, to_s] = times_s;
+    let busy = |p: &&Pin| p.character == who && p.limb == limb && p.time_s > from_s + 1e-6 && p.time_s < to_s - 1e-6;
+    if let Some(pin) = stage.pins.iter().find(busy) {
+        let t = pin.time_s;
+        return Err(Problems::new(format!("the limb has to be elsewhere at {t:.2} s; begin then, or end before")));
+    }
+    let there = stage.around(who, limb, [from_s, at_s]);
+    let within = reachable(stage, (who, limb), times_s, hands, &there)?;
+    let before = stage.clone();
+    let mut wrong = None;
+    for target in within.iter().take(TRIES) {
+        match plan(stage, (who, limb), times_s, target, change, &there, config) {
+            Ok(plans) => return Ok(plans),
+            Err(e) => {
+                wrong.get_or_insert(e);
+                *stage = before.clone();
+            }
+        }
+    }
+    Err(wrong.unwrap_or_else(|| Problems::new("there is no grip")))
+}
+
+/// Targets that inverse kinematics reaches, in their order.
+fn reachable(
+    stage: &Stage<'_>,
+    (who, limb): (usize, Limb),
+    [from_s, at_s, to_s]: [f64; 3],
+    hands: &[Rigid],
+    there: &Surroundings,
+) -> Result<Vec<Rigid>, Problems> {
+    let actor = &stage.actors[who];
+    if !(from_s >= 0.0 && to_s <= actor.end_s() + 1e-6) {
+        let times = NotReached::Times { times_s: [from_s, at_s, to_s], end_s: actor.end_s() };
+        return Err(Problems::new(times.to_string()));
+    }
+    let others = stage.other_bodies(who);
+    let spec = stage.spec(who, limb, there, &others);
+    let ends = [from_s, to_s].map(|time_s| State { pose: actor.motion.limb_pose(spec.linkage, time_s), time_s });
+    let [init, goal] = ends;
+    let spec = crate::setup::ProblemSpec { init, goal, ..spec };
+    let problem = Problem::prepare(&spec).map_err(|e| Problems::new(e.to_string()))?;
+    let mut checker = Checker::default();
+    let present = problem.present_at(at_s);
+    let (mut out, mut nearest): (Vec<Rigid>, Option<(f64, Unreached<String>)>) = (Vec::new(), None);
+    for hand in hands {
+        match problem.reach(&mut checker, hand, at_s, &present) {
+            Ok(_) => out.push(*hand),
+            Err(why) => {
+                // Blocked is nearer than out of limits, that is nearer than out of reach.
+                let far = match &why {
+                    Unreached::OutOfReach { by_m } => 100.0 + by_m,
+                    Unreached::OutOfLimits { by_rad, .. } => 10.0 + by_rad,
+                    Unreached::Blocked { .. } => 0.0,
+                };
+                if nearest.as_ref().is_none_or(|(least, _)| far < *least) {
+                    nearest = Some((far, why));
+                }
+            }
+        }
+        if out.len() == TRIES {
+            break;
+        }
+    }
+    if let (true, Some((_, why))) = (out.is_empty(), nearest) {
+        let nearest_m = if let Unreached::OutOfReach { by_m } = &why { Some(*by_m) } else { None };
+        return Err(Problems { nearest_m, ..Problems::new(NotReached::Target { time_s: at_s, why }.to_string()) });
+    }
+    Ok(out)
+}
+
+fn plan(
+    stage: &mut Stage<'_>,
+    (who, limb): (usize, Limb),
+    times_s: [f64; 3],
+    target: &Rigid,
+    change: Option<Change<'_>>,
+    there: &Surroundings,
+    config: &CorrectConfig<'_>,
+) -> Result<Vec<Outcome>, Problems> {
+    let rate = stage.actors[who].clip.rate_hz;
+    let times_s = times_s.map(|t| (t * rate).round() / rate);
+    let [from_s, at_s, to_s] = times_s;
+    if let Some(change) = change {
+        beside(stage, (who, limb), change.thing, &change.place, at_s);
+        stage.lives[change.thing].push(Stretch { from_s: at_s, at: (change.then)(target) });
+    }
+    let back = stage.around(who, limb, [at_s, to_s]);
+    let others = stage.other_bodies(who);
+    let spec = stage.spec(who, limb, there, &others);
+    let back_spec = stage.spec(who, limb, &back, &others);
+    let task = Reach { targets: std::slice::from_ref(target), times_s, back: Some(&back_spec) };
+    let (clip, reached) = reach(&stage.actors[who].clip, &spec, &task, config).map_err(|e| {
+        let nearest_m = match &e {
+            NotReached::Unsolved { why, .. } => nearest_of(why),
+            _ => None,
+        };
+        Problems { nearest_m, ..Problems::new(e.to_string()) }
+    })?;
+    stage.actors[who].change(clip);
+    stage.note(who, limb, [from_s, at_s]);
+    stage.note(who, limb, [at_s, to_s]);
+    stage.pins.push(Pin { character: who, limb, time_s: at_s, target: *target });
+    Ok(reached.outcomes.to_vec())
+}
+
+/// What is beside a thing, or carries it, may touch it while it is taken or laid down.
+fn beside(stage: &mut Stage<'_>, (who, limb): (usize, Limb), thing: usize, place: &Rigid, at_s: f64) {
+    let own: Vec<_> = stage.task.things[thing].shapes.iter().flat_map(capsules).collect();
+    let mut names = Vec::new();
+    for (i, other) in stage.task.things.iter().enumerate().filter(|(i, _)| *i != thing) {
+        let there = stage.place(i, at_s);
+        let is_near = other.shapes.iter().any(|shape| {
+            own.iter().any(|(core, radius)| {
+                let local = core.map(|p| there.local_point(place.point(p)));
+                shape.distance(&local, radius + BESIDE_M) < radius + BESIDE_M
+            })
+        });
+        if is_near {
+            names.push(other.name.clone());
+        }
+    }
+    let window_s = Some([at_s - CONTACT_S, at_s + CONTACT_S]);
+    let part = stage.task.things[thing].name.clone();
+    for with in names {
+        stage.contacts.push((who, limb, Allowed { part: Some(part.clone()), with, window_s }));
+    }
+}
