@@ -3,12 +3,12 @@
 #[cfg(test)]
 mod tests;
 
-use crate::clips::with_motion;
+use crate::clips::{Misfit, with_motion};
 use crate::collide::Checker;
 use crate::correct::CorrectConfig;
 use crate::ik::Unreached;
 use crate::linkage::LimbPose;
-use crate::planner::{Budget, Outcome, Planner, Unsolved};
+use crate::planner::{Budget, LimbMotion, Outcome, Planner, Unsolved};
 use crate::problem::{Problem, State};
 use crate::rotation::Rigid;
 use crate::setup::{ProblemError, ProblemSpec};
@@ -21,6 +21,8 @@ pub struct Reach<'a> {
     pub targets: &'a [Rigid],
     /// When the limb leaves the clip, reaches and is back: t_a < t_b < t_c of the paper, taken to the nearest frames (s).
     pub times_s: [f64; 3],
+    /// How long after t_b the limb keeps its pose, as seen from what carries it (s).
+    pub hold_s: f64,
     /// What is around on the way back, where that is something else: what was grasped is in the hand.
     pub back: Option<&'a ProblemSpec<'a>>,
 }
@@ -49,6 +51,14 @@ pub enum NotReached {
         times_s: [f64; 3],
         /// Length of the clip (s).
         end_s: f64,
+    },
+    /// It would be held for longer than there is time.
+    #[error("expected to hold for less than the {most_s:.2} s until the limb is back, found {hold_s} s")]
+    Hold {
+        /// (s)
+        hold_s: f64,
+        /// (s)
+        most_s: f64,
     },
     /// No target is within reach; of the nearest one.
     #[error("not reached at {time_s:.2} s: {why}")]
@@ -91,6 +101,10 @@ pub fn reach(
 ) -> Result<(Clip, Reached), NotReached> {
     let times_s = on_frames(clip, task.times_s)?;
     let [there_s, reach_s, back_s] = times_s;
+    let held_s = ((reach_s + task.hold_s) * clip.rate_hz).round() / clip.rate_hz;
+    if !(held_s >= reach_s && held_s < back_s) {
+        return Err(NotReached::Hold { hold_s: task.hold_s, most_s: back_s - reach_s });
+    }
     let present = |time_s: f64| State { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s };
     let whole = Problem::prepare(&between(spec, present(there_s), present(back_s)))?;
     let (target, pose) = reached(&whole, task, reach_s)?;
@@ -98,7 +112,10 @@ pub fn reach(
     let mut planner = Planner::new();
     let there = between(spec, present(there_s), at_target);
     let (out, first) = planned(clip, &mut planner, &there, config, "there")?;
-    let back = between(task.back.unwrap_or(spec), at_target, present(back_s));
+    let kept = vec![pose; ((held_s - reach_s) * clip.rate_hz).round() as usize + 1];
+    let kept = LimbMotion { start_s: reach_s, step_s: 1.0 / clip.rate_hz, frames: &kept };
+    let out = with_motion(&out, 0.0, spec.linkage, &kept).map_err(misfit)?;
+    let back = between(task.back.unwrap_or(spec), State { time_s: held_s, ..at_target }, present(back_s));
     let (out, second) = planned(&out, &mut planner, &back, config, "back")?;
     Ok((out, Reached { target, times_s, outcomes: [first, second] }))
 }
@@ -154,10 +171,12 @@ fn planned(
     let outcome = planner.plan(&problem, &config.plan, &budget);
     match (outcome.why, planner.motion()) {
         (None, Some(motion)) => {
-            let misfit =
-                |e: crate::clips::Misfit| ProblemError::Value { what: e.to_string(), expected: "the clip's frames" };
             Ok((with_motion(clip, 0.0, spec.linkage, &motion).map_err(misfit)?, outcome))
         }
         (why, _) => Err(NotReached::Unsolved { what, why: why.unwrap_or(Unsolved::Rate) }),
     }
+}
+
+fn misfit(e: Misfit) -> ProblemError {
+    ProblemError::Value { what: e.to_string(), expected: "the clip's frames" }
 }

@@ -117,7 +117,7 @@ fn take(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConfi
         holder: Some(limb),
     };
     let change = (step.deed == Deed::Grab).then_some(Change { thing: object, place, then: &then });
-    let plans = go(stage, (who, limb), step.times_s, &hands, change, config)?;
+    let plans = go(stage, Visit::of(step), &hands, change, config)?;
     Ok((plans, Vec::new()))
 }
 
@@ -164,7 +164,7 @@ fn bring(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConf
     let laid = laid(stage, &to, object, &place)?;
     let then = move |_: &Rigid| laid.clone();
     let change = (step.deed != Deed::Carry).then_some(Change { thing: object, place, then: &then });
-    let mut plans = go(stage, (who, limb), step.times_s, &hands, change, config)?;
+    let mut plans = go(stage, Visit::of(step), &hands, change, config)?;
     if let (Deed::HandOver, Some(receiver)) = (step.deed, &step.receiver) {
         // The receiver's grasp takes the place of its being laid down.
         stage.lives[object].pop();
@@ -178,7 +178,7 @@ fn bring(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConf
             holder: Some(given.limb),
         };
         let change = Some(Change { thing: object, place, then: &then });
-        plans.extend(go(stage, (given.character, given.limb), step.times_s, &hands, change, config)?);
+        plans.extend(go(stage, Visit::of(&given), &hands, change, config)?);
     }
     Ok((plans, Vec::new()))
 }
@@ -228,27 +228,41 @@ struct Change<'a> {
     then: &'a dyn Fn(&Rigid) -> Whereabouts,
 }
 
+/// Who comes where and when.
+#[derive(Clone, Copy)]
+struct Visit {
+    who: usize,
+    limb: Limb,
+    times_s: [f64; 3],
+    hold_s: f64,
+}
+
+impl Visit {
+    fn of(step: &Step) -> Self {
+        Self { who: step.character, limb: step.limb, times_s: step.times_s, hold_s: step.hold_s }
+    }
+}
+
 /// A limb goes to the first of some targets for which there is a way there and back.
 fn go(
     stage: &mut Stage<'_>,
-    (who, limb): (usize, Limb),
-    times_s: [f64; 3],
+    visit: Visit,
     hands: &[Rigid],
     change: Option<Change<'_>>,
     config: &CorrectConfig<'_>,
 ) -> Result<Vec<Outcome>, Problems> {
-    let [from_s, at_s, to_s] = times_s;
+    let Visit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
     let busy = |p: &&Pin| p.character == who && p.limb == limb && p.time_s > from_s + 1e-6 && p.time_s < to_s - 1e-6;
     if let Some(pin) = stage.pins.iter().find(busy) {
         let t = pin.time_s;
         return Err(Problems::new(format!("the limb has to be elsewhere at {t:.2} s; begin then, or end before")));
     }
     let there = stage.around(who, limb, [from_s, at_s]);
-    let within = reachable(stage, (who, limb), times_s, hands, &there)?;
+    let within = reachable(stage, visit, hands, &there)?;
     let before = stage.clone();
     let mut wrong = None;
     for target in within.iter().take(TRIES) {
-        match plan(stage, (who, limb), times_s, target, change, &there, config) {
+        match plan(stage, visit, target, change, &there, config) {
             Ok(plans) => return Ok(plans),
             Err(e) => {
                 wrong.get_or_insert(e);
@@ -262,11 +276,11 @@ fn go(
 /// Targets that inverse kinematics reaches, in their order.
 fn reachable(
     stage: &Stage<'_>,
-    (who, limb): (usize, Limb),
-    [from_s, at_s, to_s]: [f64; 3],
+    visit: Visit,
     hands: &[Rigid],
     there: &Surroundings,
 ) -> Result<Vec<Rigid>, Problems> {
+    let Visit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
     let actor = &stage.actors[who];
     if !(from_s >= 0.0 && to_s <= actor.end_s() + 1e-6) {
         let times = NotReached::Times { times_s: [from_s, at_s, to_s], end_s: actor.end_s() };
@@ -309,15 +323,15 @@ fn reachable(
 
 fn plan(
     stage: &mut Stage<'_>,
-    (who, limb): (usize, Limb),
-    times_s: [f64; 3],
+    visit: Visit,
     target: &Rigid,
     change: Option<Change<'_>>,
     there: &Surroundings,
     config: &CorrectConfig<'_>,
 ) -> Result<Vec<Outcome>, Problems> {
+    let Visit { who, limb, hold_s, .. } = visit;
     let rate = stage.actors[who].clip.rate_hz;
-    let times_s = times_s.map(|t| (t * rate).round() / rate);
+    let times_s = visit.times_s.map(|t| (t * rate).round() / rate);
     let [from_s, at_s, to_s] = times_s;
     if let Some(change) = change {
         beside(stage, (who, limb), change.thing, &change.place, at_s);
@@ -327,7 +341,7 @@ fn plan(
     let others = stage.other_bodies(who);
     let spec = stage.spec(who, limb, there, &others);
     let back_spec = stage.spec(who, limb, &back, &others);
-    let task = Reach { targets: std::slice::from_ref(target), times_s, back: Some(&back_spec) };
+    let task = Reach { targets: std::slice::from_ref(target), times_s, hold_s, back: Some(&back_spec) };
     let (clip, reached) = reach(&stage.actors[who].clip, &spec, &task, config).map_err(|e| {
         let nearest_m = match &e {
             NotReached::Unsolved { why, .. } => nearest_of(why),

@@ -256,6 +256,9 @@ pub(super) struct TaskEntry {
     pub at_s: Option<f64>,
     /// From when to when the limb leaves the clip; of `correct`, where it is looked for collisions (s).
     pub window_s: Option<[f64; 2]>,
+    /// How long the limb keeps its pose then, as seen from the trunk (s).
+    #[serde(default)]
+    pub hold_s: f64,
     /// Where the hand holds the object: tried in this order.
     #[serde(default)]
     pub grips: Vec<GripEntry>,

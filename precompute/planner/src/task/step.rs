@@ -21,6 +21,7 @@ pub(super) struct Step {
     pub object: Option<usize>,
     /// Leaves the clip, reaches, is back (s); of corrections, where is looked.
     pub times_s: [f64; 3],
+    pub hold_s: f64,
     pub grips: Vec<Grip>,
     pub to: Option<Place>,
     pub receiver: Option<Receiver>,
@@ -123,6 +124,7 @@ impl Names<'_> {
             deed: t.deed,
             object,
             times_s: times(t)?,
+            hold_s: t.hold_s,
             grips: grips(&t.grips)?,
             to: t.to.as_ref().map(|p| self.place(p)).transpose()?,
             receiver: receiver.transpose()?,
