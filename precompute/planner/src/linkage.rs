@@ -40,6 +40,11 @@ impl Limb {
         matches!(self, Self::LeftArm | Self::RightArm)
     }
 
+    /// True for joints that move with it: its own, and fingers and toes behind them.
+    pub fn moves(self, joint: Joint) -> bool {
+        std::iter::successors(Some(joint), |j| j.parent()).any(|j| self.joints().contains(&j))
+    }
+
     /// The name in snake_case, as tasks write it.
     pub const fn name(self) -> &'static str {
         match self {

@@ -1,9 +1,11 @@
 use super::*;
 use crate::driven::Driven;
+use crate::problem::Solid;
 use crate::rotation::{about, angle};
-use crate::setup::Allowed;
+use crate::setup::{Allowed, Held};
 use crate::shape::Shape;
 use crate::testing::Somebody;
+use crate::track::Path;
 use glam::{DVec3, Quat};
 use throng_core::{Joint, NUM_JOINTS};
 

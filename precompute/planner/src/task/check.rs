@@ -5,6 +5,7 @@ use crate::limits::JointLimits;
 use crate::linkage::Linkage;
 use crate::recheck::{OtherClip, Recheck, RecheckReport, Violation};
 use crate::rotation::{Rigid, angle};
+use crate::setup::Allowed;
 use throng_core::{Contacts, Joint};
 
 /// Grips and targets are kept by so much (m).
@@ -60,7 +61,11 @@ fn look(stage: &Stage<'_>, who: usize, actor: &Actor, piece: &Planned, report: &
     let admitted = |i: usize| ends.clone().fold(limits[i], |l: JointLimits, end| l.admitting(end.0[i]));
     let planned: Vec<(Joint, JointLimits)> =
         piece.limb.joints().into_iter().enumerate().map(|(i, j)| (j, admitted(i))).collect();
-    let around = stage.around(who, piece.limb, piece.window_s);
+    let mut around = stage.around(who, piece.limb, piece.window_s);
+    // Who may be touched, may touch.
+    let name = |i: usize| stage.task.characters[i].name.as_str();
+    let touched = stage.contacts.iter().filter(|(by, _, a)| *by != who && a.with == name(who));
+    around.allowed.extend(touched.map(|(by, _, a)| Allowed { part: None, with: name(*by).into(), ..a.clone() }));
     let others: Vec<OtherClip<'_>> = (0..stage.actors.len())
         .filter(|i| *i != who)
         .map(|i| OtherClip {

@@ -1,10 +1,10 @@
 //! One step: a correction, or a limb that goes somewhere and comes back.
 
 use super::entries::Deed;
-use super::grips::targets;
+use super::grips::{Goal, awkwardness, goals};
 use super::held::capsules;
 use super::run::nearest_of;
-use super::stage::{Pin, Stage, Stretch, Surroundings, Whereabouts, hand, moves};
+use super::stage::{Pin, Stage, Stretch, Surroundings, Whereabouts, hand};
 use super::step::{Anchor, Place, Step};
 use crate::collide::Checker;
 use crate::correct::{CorrectConfig, NotCorrected, Span, correct};
@@ -21,6 +21,8 @@ use throng_core::Joint;
 const CONTACT_S: f64 = 0.25;
 /// What is so near to a thing carries it, or is beside it: they may touch when it is taken and laid down (m).
 const BESIDE_M: f64 = 0.02;
+/// What cannot be gone on with comes after everything else.
+const LATER: usize = 1 << 20;
 /// Hands that are within reach and for which plans are tried, at most.
 const TRIES: usize = 6;
 
@@ -47,6 +49,9 @@ type Did = Result<(Vec<Outcome>, Vec<Span>), Problems>;
 pub(super) fn do_step(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> Did {
     let mut config = *config;
     config.plan.search.style = step.style;
+    // Everything happens on frames.
+    let rate = stage.actors[step.character].clip.rate_hz;
+    let step = &Step { times_s: step.times_s.map(|t| (t * rate).round() / rate), ..step.clone() };
     match (step.deed, step.object) {
         (Deed::Correct, _) => corrected(stage, step, &config),
         (_, None) => Err(Problems::new("there is no object")),
@@ -61,9 +66,8 @@ pub(super) fn do_step(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig
 fn corrected(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> Did {
     let (who, limb) = (step.character, step.limb);
     let rate = stage.actors[who].clip.rate_hz;
-    let on_frame = |t: f64| (t * rate).round() / rate;
     let end_s = stage.actors[who].end_s();
-    let [from, _, to] = step.times_s.map(|t| on_frame(t.clamp(0.0, end_s)));
+    let [from, _, to] = step.times_s.map(|t| t.clamp(0.0, end_s));
     let pins = stage.pins.iter().filter(|p| p.character == who && p.limb == limb).map(|p| p.time_s);
     let mut cuts: Vec<f64> = pins.filter(|t| from < *t && *t < to).chain([from, to]).collect();
     cuts.sort_by(f64::total_cmp);
@@ -108,17 +112,46 @@ fn take(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConfi
         free_to_take(stage, step, object)?;
     }
     let place = stage.place(object, at_s);
-    let hands = targets(&step.grips, &place, &stage.actors[who], limb, at_s);
+    let mut hands = goals(&step.grips, &place, &stage.actors[who], limb, at_s);
+    look_ahead(stage, step, object, &mut hands);
     touch(stage, step, &name, step.deed != Deed::Reach);
-    let then = move |hand: &Rigid| Whereabouts::On {
-        character: who,
-        joint: self::hand(limb),
-        offset: hand.local(place),
-        holder: Some(limb),
-    };
-    let change = (step.deed == Deed::Grab).then_some(Change { thing: object, place, then: &then });
-    let plans = go(stage, Visit::of(step), &hands, change, config)?;
+    let then = move |goal: &Goal| held(who, limb, goal);
+    let change = (step.deed == Deed::Grab).then_some(Change { thing: object, then: &then });
+    let (plans, _) = go(stage, Visit::of(step), &hands, change, config)?;
     Ok((plans, Vec::new()))
+}
+
+/// Ranks grips lower from which the object cannot be brought where the limb's next task with it says.
+fn look_ahead(stage: &Stage<'_>, step: &Step, object: usize, hands: &mut [Goal]) {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let is_next = |s: &&Step| {
+        s.deed.holds() && (s.object, s.character, s.limb) == (Some(object), who, limb) && s.times_s[1] > at_s
+    };
+    let next = stage.task.steps.iter().filter(is_next).min_by(|a, b| a.times_s[1].total_cmp(&b.times_s[1]));
+    let Some((next, to)) = next.and_then(|n| Some((n, n.to?))) else { return };
+    let [from_s, then_s, _] = next.times_s;
+    let mut around = stage.around(who, limb, [from_s, then_s]);
+    let name = &stage.task.things[object].name;
+    around.solids.retain(|s| s.name != *name);
+    around.allowed.retain(|a| a.with != *name && a.part.as_ref() != Some(name));
+    let others = stage.other_bodies(who);
+    let spec = stage.spec(who, limb, &around, &others);
+    let Ok(problem) = Problem::prepare(&spec) else { return };
+    let mut checker = Checker::default();
+    let present = problem.present_at(then_s);
+    let places = stage.resolve(&to, then_s);
+    for goal in hands {
+        let grip = goal.object.local(goal.hand);
+        if !places.iter().any(|p| problem.reach(&mut checker, &p.then(grip), then_s, &present).is_ok()) {
+            goal.rank += LATER;
+        }
+    }
+}
+
+/// In the hand of a goal.
+fn held(character: usize, limb: Limb, goal: &Goal) -> Whereabouts {
+    let offset = goal.hand.local(goal.object);
+    Whereabouts::On { character, joint: hand(limb), offset, holder: Some(limb) }
 }
 
 fn free_to_take(stage: &Stage<'_>, step: &Step, object: usize) -> Result<(), Problems> {
@@ -158,45 +191,54 @@ fn bring(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConf
     };
     let Some(to) = step.to else { return Err(Problems::new("there is no place to bring it to")) };
     settled(stage, object, at_s)?;
-    let place = stage.resolve(&to, at_s);
-    let hands = [place.then(offset.local(Rigid::IDENTITY))];
+    let goal = |object: Rigid| Goal { rank: 0, hand: object.then(offset.local(Rigid::IDENTITY)), object };
+    let hands: Vec<Goal> = stage.resolve(&to, at_s).into_iter().map(goal).collect();
     touch(stage, step, &name, true);
-    let laid = laid(stage, &to, object, &place)?;
-    let then = move |_: &Rigid| laid.clone();
-    let change = (step.deed != Deed::Carry).then_some(Change { thing: object, place, then: &then });
-    let mut plans = go(stage, Visit::of(step), &hands, change, config)?;
+    hands.iter().for_each(|goal| beside(stage, (who, limb), object, &goal.object, at_s));
+    let laid = laid(stage, &to, object, at_s)?;
+    let then = |goal: &Goal| laid(goal);
+    let change = (step.deed != Deed::Carry).then_some(Change { thing: object, then: &then });
+    let (mut plans, given) = go(stage, Visit::of(step), &hands, change, config)?;
     if let (Deed::HandOver, Some(receiver)) = (step.deed, &step.receiver) {
         // The receiver's grasp takes the place of its being laid down.
         stage.lives[object].pop();
-        let given = Step { character: receiver.character, limb: receiver.limb, ..step.clone() };
-        let hands = targets(&receiver.grips, &place, &stage.actors[given.character], given.limb, at_s);
-        touch(stage, &given, &name, true);
-        let then = |hand: &Rigid| Whereabouts::On {
-            character: given.character,
-            joint: self::hand(given.limb),
-            offset: hand.local(place),
-            holder: Some(given.limb),
+        let (who, limb) = (receiver.character, receiver.limb);
+        let taken = Step { character: who, limb, ..step.clone() };
+        let hands = goals(&receiver.grips, &given.object, &stage.actors[who], limb, at_s);
+        touch(stage, &taken, &name, true);
+        // The hand that gives is still there.
+        let giver = if who == step.character {
+            hand(step.limb).name().to_owned()
+        } else {
+            stage.task.characters[step.character].name.clone()
         };
-        let change = Some(Change { thing: object, place, then: &then });
-        plans.extend(go(stage, Visit::of(&given), &hands, change, config)?);
+        let window_s = Some([at_s - CONTACT_S, at_s + CONTACT_S]);
+        stage.contacts.push((who, limb, Allowed { part: Some(name.clone()), with: giver, window_s }));
+        let then = |goal: &Goal| held(who, limb, goal);
+        let change = Some(Change { thing: object, then: &then });
+        plans.extend(go(stage, Visit::of(&taken), &hands, change, config)?.0);
     }
     Ok((plans, Vec::new()))
 }
 
 /// How a thing is once it was let go.
-fn laid(stage: &Stage<'_>, to: &Place, object: usize, place: &Rigid) -> Result<Whereabouts, Problems> {
-    Ok(match to.on {
-        Anchor::World => Whereabouts::Path(crate::track::Path::Still(*place)),
-        Anchor::Thing(thing) if thing == object => {
-            return Err(Problems::new("a thing cannot be laid on itself; choose another `on`"));
+fn laid(stage: &Stage<'_>, to: &Place, object: usize, at_s: f64) -> Result<impl Fn(&Goal) -> Whereabouts + use<>, Problems> {
+    if to.on == Anchor::Thing(object) {
+        return Err(Problems::new("a thing cannot be laid on itself; choose another `on`"));
+    }
+    let mut holder = None;
+    if let Anchor::Joint(character, joint) = to.on {
+        holder = [Limb::LeftArm, Limb::RightArm].into_iter().find(|l| hand(*l) == joint);
+        if holder.is_some_and(|l| stage.held_by(character, l, at_s).is_some()) {
+            return Err(Problems::new("that hand holds something already"));
         }
-        Anchor::Thing(thing) => Whereabouts::OnThing { thing, offset: to.offset },
+    }
+    let (on, from) = (to.on, stage.base_of(to, at_s));
+    Ok(move |goal: &Goal| match on {
+        Anchor::World => Whereabouts::Path(crate::track::Path::Still(goal.object)),
+        Anchor::Thing(thing) => Whereabouts::OnThing { thing, offset: from.local(goal.object) },
         Anchor::Joint(character, joint) => {
-            let holder = [Limb::LeftArm, Limb::RightArm].into_iter().find(|l| hand(*l) == joint);
-            if holder.is_some_and(|l| stage.held_by(character, l, f64::INFINITY).is_some()) {
-                return Err(Problems::new("that hand holds something already"));
-            }
-            Whereabouts::On { character, joint, offset: to.offset, holder }
+            Whereabouts::On { character, joint, offset: from.local(goal.object), holder }
         }
     })
 }
@@ -205,7 +247,7 @@ fn laid(stage: &Stage<'_>, to: &Place, object: usize, place: &Rigid) -> Result<W
 fn touch(stage: &mut Stage<'_>, step: &Step, object: &str, with_object: bool) {
     let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
     let window_s = Some([at_s - CONTACT_S, at_s + CONTACT_S]);
-    let parts = Joint::ALL.into_iter().filter(|j| moves(limb, *j) && !limb.joints()[..2].contains(j));
+    let parts = Joint::ALL.into_iter().filter(|j| limb.moves(*j) && !limb.joints()[..2].contains(j));
     let mut add = |part: String, with: &str| {
         stage.contacts.push((who, limb, Allowed { part: Some(part), with: with.into(), window_s }));
     };
@@ -218,14 +260,12 @@ fn touch(stage: &mut Stage<'_>, step: &Step, object: &str, with_object: bool) {
     step.contacts.iter().for_each(|c| add(object.into(), c));
 }
 
-/// A thing that changes hands when the target is reached.
+/// A thing that changes hands when the goal is reached.
 #[derive(Clone, Copy)]
 struct Change<'a> {
     thing: usize,
-    /// Where it is then.
-    place: Rigid,
-    /// How it goes on, given the hand.
-    then: &'a dyn Fn(&Rigid) -> Whereabouts,
+    /// How it goes on.
+    then: &'a dyn Fn(&Goal) -> Whereabouts,
 }
 
 /// Who comes where and when.
@@ -247,10 +287,10 @@ impl Visit {
 fn go(
     stage: &mut Stage<'_>,
     visit: Visit,
-    hands: &[Rigid],
+    hands: &[Goal],
     change: Option<Change<'_>>,
     config: &CorrectConfig<'_>,
-) -> Result<Vec<Outcome>, Problems> {
+) -> Result<(Vec<Outcome>, Goal), Problems> {
     let Visit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
     let busy = |p: &&Pin| p.character == who && p.limb == limb && p.time_s > from_s + 1e-6 && p.time_s < to_s - 1e-6;
     if let Some(pin) = stage.pins.iter().find(busy) {
@@ -261,9 +301,9 @@ fn go(
     let within = reachable(stage, visit, hands, &there)?;
     let before = stage.clone();
     let mut wrong = None;
-    for target in within.iter().take(TRIES) {
-        match plan(stage, visit, target, change, &there, config) {
-            Ok(plans) => return Ok(plans),
+    for goal in within.iter().take(TRIES) {
+        match plan(stage, visit, goal, change, &there, config) {
+            Ok(plans) => return Ok((plans, *goal)),
             Err(e) => {
                 wrong.get_or_insert(e);
                 *stage = before.clone();
@@ -273,13 +313,13 @@ fn go(
     Err(wrong.unwrap_or_else(|| Problems::new("there is no grip")))
 }
 
-/// Targets that inverse kinematics reaches, in their order.
+/// Goals that inverse kinematics reaches, the best first.
 fn reachable(
     stage: &Stage<'_>,
     visit: Visit,
-    hands: &[Rigid],
+    hands: &[Goal],
     there: &Surroundings,
-) -> Result<Vec<Rigid>, Problems> {
+) -> Result<Vec<Goal>, Problems> {
     let Visit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
     let actor = &stage.actors[who];
     if !(from_s >= 0.0 && to_s <= actor.end_s() + 1e-6) {
@@ -294,10 +334,13 @@ fn reachable(
     let problem = Problem::prepare(&spec).map_err(|e| Problems::new(e.to_string()))?;
     let mut checker = Checker::default();
     let present = problem.present_at(at_s);
-    let (mut out, mut nearest): (Vec<Rigid>, Option<(f64, Unreached<String>)>) = (Vec::new(), None);
-    for hand in hands {
-        match problem.reach(&mut checker, hand, at_s, &present) {
-            Ok(_) => out.push(*hand),
+    let (mut out, mut nearest): (Vec<(f64, Goal)>, Option<(f64, Unreached<String>)>) = (Vec::new(), None);
+    for goal in hands {
+        match problem.reach(&mut checker, &goal.hand, at_s, &present) {
+            Ok(pose) => {
+                let placed = problem.place(&State { pose, time_s: at_s });
+                out.push((awkwardness(problem.chain(), &placed, &pose), *goal));
+            }
             Err(why) => {
                 // Blocked is nearer than out of limits, that is nearer than out of reach.
                 let far = match &why {
@@ -310,38 +353,34 @@ fn reachable(
                 }
             }
         }
-        if out.len() == TRIES {
-            break;
-        }
     }
     if let (true, Some((_, why))) = (out.is_empty(), nearest) {
         let nearest_m = if let Unreached::OutOfReach { by_m } = &why { Some(*by_m) } else { None };
         return Err(Problems { nearest_m, ..Problems::new(NotReached::Target { time_s: at_s, why }.to_string()) });
     }
-    Ok(out)
+    out.sort_by(|a, b| a.1.rank.cmp(&b.1.rank).then(a.0.total_cmp(&b.0)));
+    Ok(out.into_iter().map(|(_, goal)| goal).collect())
 }
 
 fn plan(
     stage: &mut Stage<'_>,
     visit: Visit,
-    target: &Rigid,
+    goal: &Goal,
     change: Option<Change<'_>>,
     there: &Surroundings,
     config: &CorrectConfig<'_>,
 ) -> Result<Vec<Outcome>, Problems> {
-    let Visit { who, limb, hold_s, .. } = visit;
-    let rate = stage.actors[who].clip.rate_hz;
-    let times_s = visit.times_s.map(|t| (t * rate).round() / rate);
+    let Visit { who, limb, times_s, hold_s } = visit;
     let [from_s, at_s, to_s] = times_s;
     if let Some(change) = change {
-        beside(stage, (who, limb), change.thing, &change.place, at_s);
-        stage.lives[change.thing].push(Stretch { from_s: at_s, at: (change.then)(target) });
+        beside(stage, (who, limb), change.thing, &goal.object, at_s);
+        stage.lives[change.thing].push(Stretch { from_s: at_s, at: (change.then)(goal) });
     }
     let back = stage.around(who, limb, [at_s, to_s]);
     let others = stage.other_bodies(who);
     let spec = stage.spec(who, limb, there, &others);
     let back_spec = stage.spec(who, limb, &back, &others);
-    let task = Reach { targets: std::slice::from_ref(target), times_s, hold_s, back: Some(&back_spec) };
+    let task = Reach { targets: std::slice::from_ref(&goal.hand), times_s, hold_s, back: Some(&back_spec) };
     let (clip, reached) = reach(&stage.actors[who].clip, &spec, &task, config).map_err(|e| {
         let nearest_m = match &e {
             NotReached::Unsolved { why, .. } => nearest_of(why),
@@ -352,7 +391,7 @@ fn plan(
     stage.actors[who].change(clip);
     stage.note(who, limb, [from_s, at_s]);
     stage.note(who, limb, [at_s, to_s]);
-    stage.pins.push(Pin { character: who, limb, time_s: at_s, target: *target });
+    stage.pins.push(Pin { character: who, limb, time_s: at_s, target: goal.hand });
     Ok(reached.outcomes.to_vec())
 }
 
@@ -375,6 +414,9 @@ fn beside(stage: &mut Stage<'_>, (who, limb): (usize, Limb), thing: usize, place
     let window_s = Some([at_s - CONTACT_S, at_s + CONTACT_S]);
     let part = stage.task.things[thing].name.clone();
     for with in names {
-        stage.contacts.push((who, limb, Allowed { part: Some(part.clone()), with, window_s }));
+        let contact = (who, limb, Allowed { part: Some(part.clone()), with, window_s });
+        if !stage.contacts.contains(&contact) {
+            stage.contacts.push(contact);
+        }
     }
 }

@@ -217,9 +217,8 @@ pub(super) struct PlaceEntry {
     /// (m)
     #[serde(default)]
     pub at: [f64; 3],
-    /// Rotation vector (degrees).
-    #[serde(default)]
-    pub turn_deg: [f64; 3],
+    /// How the object is turned, as a rotation vector (degrees); upright, turned in any way that is reached, where absent.
+    pub turn_deg: Option<[f64; 3]>,
     /// Seen from an obstacle, an object or `CHARACTER.JOINT`; from the world where absent.
     pub on: Option<String>,
 }

@@ -2,7 +2,7 @@
 
 use super::stage::{Actor, hand, palm};
 use super::step::Grip;
-use crate::linkage::Limb;
+use crate::linkage::{Chain, Limb, LimbPose, MAX_JOINTS};
 use crate::rotation::{Rigid, about, angle, between};
 use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -12,19 +12,39 @@ const TILTS: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
 /// How far it turns about itself (rad).
 const ROLLS: [f64; 7] = [0.0, FRAC_PI_4, -FRAC_PI_4, FRAC_PI_2, -FRAC_PI_2, 0.75 * PI, -0.75 * PI];
 
-/// Hands for grips on something at `object`, in the order of the grips; those of one grip that leaves the turn open begin
-/// with the least turned ones, as seen from the motion.
-pub(super) fn targets(grips: &[Grip], object: &Rigid, actor: &Actor, limb: Limb, time_s: f64) -> Vec<Rigid> {
+/// A place for a hand, with the object where it is then.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Goal {
+    /// Goals of a lower rank are wanted more; of one rank, whichever pose looks best.
+    pub rank: usize,
+    pub hand: Rigid,
+    pub object: Rigid,
+}
+
+/// Hands for grips on something at `object`: each grip has its rank.
+pub(super) fn goals(grips: &[Grip], object: &Rigid, actor: &Actor, limb: Limb, time_s: f64) -> Vec<Goal> {
     let mut out = Vec::new();
-    for grip in grips {
-        match grip {
-            Grip::Turned(wrist) => out.push(object.then(*wrist)),
-            Grip::Any(middle) => out.extend(any_turn(object.point(*middle), actor, limb, time_s)),
-        }
+    for (rank, grip) in grips.iter().enumerate() {
+        let hands = match grip {
+            Grip::Turned(wrist) => vec![object.then(*wrist)],
+            Grip::Any(middle) => any_turn(object.point(*middle), actor, limb, time_s),
+        };
+        out.extend(hands.into_iter().map(|hand| Goal { rank, hand, object: *object }));
     }
     out
 }
 
+/// How unlike people a pose of an arm is: how far the wrist is bent (rad), and how high the elbow is above the middle between
+/// shoulder and hand, in such measure that a hand's breadth counts as half a radian.
+pub(super) fn awkwardness(chain: &Chain, placed: &[Rigid; MAX_JOINTS], pose: &LimbPose) -> f64 {
+    if !chain.linkage.limb.is_arm() {
+        return 0.0;
+    }
+    let [shoulder, elbow, wrist, _] = placed.map(|p| p.position.y);
+    angle(pose.0[2], DQuat::IDENTITY) + 5.0 * (elbow - 0.5 * (shoulder + wrist))
+}
+
+/// The hand's middle somewhere, turned in many ways; the least turned first, as seen from the motion.
 fn any_turn(middle: DVec3, actor: &Actor, limb: Limb, time_s: f64) -> Vec<Rigid> {
     let present = actor.joint(hand(limb), time_s).rotation;
     let palm = palm(&actor.skeleton, limb);
@@ -58,9 +78,9 @@ mod tests {
         let stage = super::super::stage::Stage::new(&task, &clips);
         let object = Rigid::at(DVec3::new(0.3, 1.3, 0.4));
         let grip = Grip::Any(DVec3::Y * 0.1);
-        let found = targets(&[grip], &object, &stage.actors[0], Limb::LeftArm, 0.5);
+        let found = goals(&[grip], &object, &stage.actors[0], Limb::LeftArm, 0.5);
         let palm = palm(&s.skeleton, Limb::LeftArm);
         assert_eq!(found.len(), 70);
-        assert!(found.iter().all(|t| t.is_valid() && t.point(palm).distance(object.point(DVec3::Y * 0.1)) < 1e-9));
+        assert!(found.iter().all(|g| g.hand.is_valid() && g.hand.point(palm).distance(object.point(DVec3::Y * 0.1)) < 1e-9));
     }
 }

@@ -8,14 +8,17 @@ use crate::driven::Driven;
 use crate::limits::BodyLimits;
 use crate::linkage::{Limb, LimbPose, Linkage};
 use crate::problem::{Solid, State};
-use crate::rotation::Rigid;
+use crate::rotation::{Rigid, about};
 use crate::setup::{Allowed, Held, Other, ProblemSpec};
 use crate::track::{Path as Motion, Track};
 use glam::{DVec3, Quat};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_motion::Clip;
 
+/// Ways in which something is turned upright where that is open.
+const NUM_TURNS: u32 = 24;
 /// Things that stand on one another, at most.
 const MAX_STACK: usize = 8;
 
@@ -193,13 +196,21 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// What a place is by now.
-    pub fn resolve(&self, place: &Place, time_s: f64) -> Rigid {
+    /// What a place is seen from.
+    pub fn base_of(&self, place: &Place, time_s: f64) -> Rigid {
         match place.on {
-            Anchor::World => place.offset,
-            Anchor::Thing(thing) => self.place(thing, time_s).then(place.offset),
-            Anchor::Joint(who, joint) => self.actors[who].joint(joint, time_s).then(place.offset),
+            Anchor::World => Rigid::IDENTITY,
+            Anchor::Thing(thing) => self.place(thing, time_s),
+            Anchor::Joint(who, joint) => self.actors[who].joint(joint, time_s),
         }
+    }
+
+    /// Where a place is: once, or turned upright in many ways where its turn is open.
+    pub fn resolve(&self, place: &Place, time_s: f64) -> Vec<Rigid> {
+        let at = self.base_of(place, time_s).then(place.offset);
+        let turns = if place.any_turn { NUM_TURNS } else { 1 };
+        let turn = |k: u32| about(DVec3::Y, TAU * f64::from(k) / f64::from(turns));
+        (0..turns).map(|k| at.then(Rigid { position: DVec3::ZERO, rotation: turn(k) })).collect()
     }
 
     /// The thing in a hand at a time, and where it is seen from there.
@@ -247,7 +258,7 @@ impl<'a> Stage<'a> {
                     };
                     out.solids.extend(thing.shapes.iter().map(solid));
                     if matches!(at, Whereabouts::On { character, .. } if *character == who) {
-                        let driven = Joint::ALL.into_iter().filter(|j| !moves(limb, *j));
+                        let driven = Joint::ALL.into_iter().filter(|j| !limb.moves(*j));
                         out.allowed.extend(driven.map(|j| may(j, &thing.name)));
                     }
                 }
@@ -279,7 +290,7 @@ impl<'a> Stage<'a> {
         others.dedup();
         let mut names: Vec<&str> = self.task.things.iter().map(|t| t.name.as_str()).collect();
         names.extend(self.others(who).map(|(name, _)| name.as_str()));
-        for joint in Joint::ALL.into_iter().filter(|j| others.iter().any(|l| moves(*l, *j))) {
+        for joint in Joint::ALL.into_iter().filter(|j| others.iter().any(|l| l.moves(*j))) {
             out.allowed.extend(names.iter().map(|name| may(joint, name)));
         }
     }
@@ -325,11 +336,6 @@ fn may(joint: Joint, with: &str) -> Allowed {
 /// The joint that holds things.
 pub(super) fn hand(limb: Limb) -> Joint {
     limb.joints()[2]
-}
-
-/// True for joints that move with a limb.
-pub(super) fn moves(limb: Limb, joint: Joint) -> bool {
-    std::iter::successors(Some(joint), |j| j.parent()).any(|j| limb.joints().contains(&j))
 }
 
 /// The middle of the hand in the hand's frame: where a fist closes (m).

@@ -44,6 +44,8 @@ pub(super) enum Grip {
 pub(super) struct Place {
     pub on: Anchor,
     pub offset: Rigid,
+    /// Turned about the vertical in any way.
+    pub any_turn: bool,
 }
 
 /// What a place is seen from.
@@ -160,7 +162,7 @@ impl Names<'_> {
     }
 
     fn place(&self, p: &PlaceEntry) -> Result<Place, String> {
-        let offset = placed(p.at, p.turn_deg);
+        let offset = placed(p.at, p.turn_deg.unwrap_or_default());
         if !offset.is_valid() {
             return Err("to: expected finite numbers".into());
         }
@@ -172,7 +174,7 @@ impl Names<'_> {
             }
             Some(name) => Anchor::Thing(self.thing(name)?),
         };
-        Ok(Place { on, offset })
+        Ok(Place { on, offset, any_turn: p.turn_deg.is_none() })
     }
 }
 
