@@ -139,7 +139,11 @@ pub fn run(args: &Args) -> Outcome {
     if args.variants > 1 {
         report.variants = variants(&found);
     }
-    if args.json { output::json(&report)? } else { print(&report)? }
+    if args.json {
+        output::json(&report)?
+    } else {
+        print(&report)?
+    }
     if let Some(fault) = fault {
         return fail(format!("{fault}; nothing was written. Try another --seed, or a larger clearance_m"));
     }
@@ -254,10 +258,13 @@ fn save(clip: &Clip, actor: &ActorClip, path: &Path) -> Outcome {
 fn print(r: &Report) -> Outcome {
     let mut rows: Vec<(&str, String)> = Vec::new();
     for t in &r.tasks {
-        rows.push((if t.solved { "done" } else { "not done" }, match &t.why {
-            Some(why) => format!("{}: {why}", t.name),
-            None => t.name.clone(),
-        }));
+        rows.push((
+            if t.solved { "done" } else { "not done" },
+            match &t.why {
+                Some(why) => format!("{}: {why}", t.name),
+                None => t.name.clone(),
+            },
+        ));
     }
     rows.push((
         "planned",

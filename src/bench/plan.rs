@@ -5,8 +5,8 @@ mod scenes;
 
 use crate::args::{Outcome, fail};
 use crate::{keys, output, plan};
-use schemars::JsonSchema;
 use scenes::{SCENES, Scene};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::error::Error;
 use std::path::Path;
@@ -191,7 +191,8 @@ fn figures(name: &str, samples: &[Sample], recheck_violations: usize, ik: &ik::F
         all.get((share * all.len() as f64) as usize).or(all.last()).copied()
     };
     let (checks, seconds) = samples.iter().fold((0, 0.0), |(c, s), x| (c + x.checks, s + x.total_s));
-    let distances: Vec<f64> = samples.windows(2).filter_map(|w| distance(w[0].clip.as_ref()?, w[1].clip.as_ref()?)).collect();
+    let distances: Vec<f64> =
+        samples.windows(2).filter_map(|w| distance(w[0].clip.as_ref()?, w[1].clip.as_ref()?)).collect();
     let known = SCENES.iter().find(|(n, _)| *n == name);
     Figures {
         scene: name.into(),
@@ -208,8 +209,7 @@ fn figures(name: &str, samples: &[Sample], recheck_violations: usize, ik: &ik::F
         ik_ns: ik.ns,
         ik_error_max_m: ik.error_max_m,
         ik_solved_fraction: ik.solved_fraction,
-        variants_distance_rad: (!distances.is_empty())
-            .then(|| distances.iter().sum::<f64>() / distances.len() as f64),
+        variants_distance_rad: (!distances.is_empty()).then(|| distances.iter().sum::<f64>() / distances.len() as f64),
         paper_s: known.and_then(|(_, s)| *s),
     }
 }

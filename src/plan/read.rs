@@ -49,7 +49,9 @@ fn synthetic(set: &str, name: Option<&str>, rate_hz: f64) -> Result<ActorClip, B
     let Some(i) = found else {
         let (name, meant) = (name.unwrap_or_default(), did_you_mean(name.unwrap_or_default(), names()));
         let some: Vec<&str> = names().take(4).collect();
-        return Err(format!("the set `{}` has no clip `{name}`, but such as {}.{meant}", set.name(), some.join(", ")).into());
+        return Err(
+            format!("the set `{}` has no clip `{name}`, but such as {}.{meant}", set.name(), some.join(", ")).into()
+        );
     };
     Ok(ActorClip { clip: made.clips[i].clone(), skeleton: made.skeleton })
 }
@@ -67,7 +69,12 @@ fn cut(whole: ActorClip, from_s: f64, to_s: Option<f64>) -> Result<ActorClip, Bo
         return Ok(ActorClip { clip, skeleton });
     }
     let roots = clip.root_positions[first..=last].to_vec();
-    let mut part = Clip::new(&clip.name, clip.rate_hz, roots, clip.rotations[first * NUM_JOINTS..(last + 1) * NUM_JOINTS].to_vec());
+    let mut part = Clip::new(
+        &clip.name,
+        clip.rate_hz,
+        roots,
+        clip.rotations[first * NUM_JOINTS..(last + 1) * NUM_JOINTS].to_vec(),
+    );
     part.contacts = clip.contacts.get(first..=last).map_or_else(Vec::new, <[_]>::to_vec);
     part.source.clone_from(&clip.source);
     Ok(ActorClip { clip: part, skeleton })

@@ -54,7 +54,8 @@ fn changed(outcome: &TaskOutcome, who: usize) -> [f64; 2] {
     let end_s = (before.num_frames() - 1) as f64 / before.rate_hz;
     match (frames.clone().find(differs), frames.rev().find(differs)) {
         (Some(first), Some(last)) => {
-            [first as f64 / before.rate_hz - AROUND_S, last as f64 / before.rate_hz + AROUND_S].map(|t| t.clamp(0.0, end_s))
+            [first as f64 / before.rate_hz - AROUND_S, last as f64 / before.rate_hz + AROUND_S]
+                .map(|t| t.clamp(0.0, end_s))
         }
         _ => [0.0, end_s],
     }
@@ -68,7 +69,13 @@ fn heading(outcome: &TaskOutcome, who: usize) -> f32 {
 }
 
 /// Everybody and everything at a time.
-fn moment(task: &Task, clips: &[ActorClip], outcome: &TaskOutcome, [who, when]: [usize; 2], time_s: f64) -> WorldMoment {
+fn moment(
+    task: &Task,
+    clips: &[ActorClip],
+    outcome: &TaskOutcome,
+    [who, when]: [usize; 2],
+    time_s: f64,
+) -> WorldMoment {
     let figure = |i: usize| {
         let clip = &outcome.clips[i][when];
         let frame = ((time_s * clip.rate_hz).round() as usize).min(clip.num_frames() - 1);
@@ -93,9 +100,7 @@ fn solid(shape: &Shape, at: &Rigid) -> Solid {
     let turn: Quat = at.rotation.as_quat();
     let point = |p: glam::DVec3| -> Vec3 { at.point(p).as_vec3() };
     match shape {
-        Shape::Round { core, radius } => {
-            Solid::Bar { from: point(core.a), to: point(core.b), radius: *radius as f32 }
-        }
+        Shape::Round { core, radius } => Solid::Bar { from: point(core.a), to: point(core.b), radius: *radius as f32 },
         Shape::Cuboid { half } => Solid::Box { centre: at.position.as_vec3(), rotation: turn, half: half.as_vec3() },
         Shape::Mesh(mesh) => {
             let placed = mesh.corners().iter().map(|t| t.map(|c| point(c.as_dvec3())));

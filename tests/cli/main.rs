@@ -8,6 +8,7 @@ mod files;
 mod folders;
 mod keys;
 mod numbers;
+mod plan;
 mod refusals;
 mod scenario;
 mod scene;
@@ -20,7 +21,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 /// Every subcommand.
-const COMMANDS: [&str; 18] = [
+const COMMANDS: [&str; 19] = [
     "demo",
     "synth",
     "build",
@@ -31,6 +32,7 @@ const COMMANDS: [&str; 18] = [
     "check",
     "run",
     "explain",
+    "plan",
     "bench",
     "export",
     "view",

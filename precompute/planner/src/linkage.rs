@@ -8,7 +8,9 @@ use throng_core::{Joint, Skeleton};
 pub const MAX_JOINTS: usize = 4;
 
 /// An arm or a leg.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Limb {
     /// Shoulder, elbow, wrist.

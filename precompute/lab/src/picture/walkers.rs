@@ -116,7 +116,8 @@ fn moments(record: &PathsRecord) -> Option<Picture> {
     let all = (0..num).flat_map(|w| starts.clone().map(move |s| (w, s)));
     let (who, from) = all.max_by(|a, b| range(a.0, a.1).total_cmp(&range(b.0, b.1)))?;
     let looks = record.looks[from..].iter().take(span);
-    let moment = |(t, _, p): &(f32, Vec<f32>, Vec<[glam::Vec3; 22]>)| WorldMoment::of(*t, Figure::from_positions(&p[who]));
+    let moment =
+        |(t, _, p): &(f32, Vec<f32>, Vec<[glam::Vec3; 22]>)| WorldMoment::of(*t, Figure::from_positions(&p[who]));
     let moments: Vec<WorldMoment> = looks.clone().map(moment).collect();
     let speeds: Vec<f32> = looks.map(|(_, s, _)| s[who]).collect();
     let (first, last) = (record.looks[from].2[who], record.looks[(from + span).min(record.looks.len()) - 1].2[who]);

@@ -170,9 +170,7 @@ fn planned(
     let budget = Budget { rate_hz: clip.rate_hz, ..config.budget };
     let outcome = planner.plan(&problem, &config.plan, &budget);
     match (outcome.why, planner.motion()) {
-        (None, Some(motion)) => {
-            Ok((with_motion(clip, 0.0, spec.linkage, &motion).map_err(misfit)?, outcome))
-        }
+        (None, Some(motion)) => Ok((with_motion(clip, 0.0, spec.linkage, &motion).map_err(misfit)?, outcome)),
         (why, _) => Err(NotReached::Unsolved { what, why: why.unwrap_or(Unsolved::Rate) }),
     }
 }

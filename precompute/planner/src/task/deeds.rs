@@ -5,7 +5,7 @@ use super::grips::{Goal, awkwardness, goals};
 use super::held::capsules;
 use super::run::nearest_of;
 use super::stage::{Pin, Stage, Stretch, Surroundings, Whereabouts, hand};
-use super::step::{Anchor, Place, Step};
+use super::step::{Anchor, Place, Receiver, Step};
 use crate::collide::Checker;
 use crate::correct::{CorrectConfig, NotCorrected, Span, correct};
 use crate::ik::Unreached;
@@ -55,9 +55,7 @@ pub(super) fn do_step(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig
     match (step.deed, step.object) {
         (Deed::Correct, _) => corrected(stage, step, &config),
         (_, None) => Err(Problems::new("there is no object")),
-        (Deed::Reach | Deed::Touch | Deed::Switch | Deed::Grab, Some(object)) => {
-            take(stage, step, object, &config)
-        }
+        (Deed::Reach | Deed::Touch | Deed::Switch | Deed::Grab, Some(object)) => take(stage, step, object, &config),
         (Deed::Carry | Deed::Drop | Deed::HandOver, Some(object)) => bring(stage, step, object, &config),
     }
 }
@@ -175,7 +173,9 @@ fn settled(stage: &Stage<'_>, object: usize, at_s: f64) -> Result<(), Problems> 
         return Ok(());
     }
     let name = &stage.task.things[object].name;
-    Err(Problems::new(format!("`{name}` changes hands at {last:.2} s: expected tasks of one object in the order of time")))
+    Err(Problems::new(format!(
+        "`{name}` changes hands at {last:.2} s: expected tasks of one object in the order of time"
+    )))
 }
 
 /// Brings what is held to a place; keeps it, lays it down or gives it away.
@@ -206,14 +206,7 @@ fn bring(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConf
         let taken = Step { character: who, limb, ..step.clone() };
         let hands = goals(&receiver.grips, &given.object, &stage.actors[who], limb, at_s);
         touch(stage, &taken, &name, true);
-        // The hand that gives is still there.
-        let giver = if who == step.character {
-            hand(step.limb).name().to_owned()
-        } else {
-            stage.task.characters[step.character].name.clone()
-        };
-        let window_s = Some([at_s - CONTACT_S, at_s + CONTACT_S]);
-        stage.contacts.push((who, limb, Allowed { part: Some(name.clone()), with: giver, window_s }));
+        meet(stage, step, receiver, &name);
         let then = |goal: &Goal| held(who, limb, goal);
         let change = Some(Change { thing: object, then: &then });
         plans.extend(go(stage, Visit::of(&taken), &hands, change, config)?.0);
@@ -221,8 +214,24 @@ fn bring(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConf
     Ok((plans, Vec::new()))
 }
 
+/// While something is handed over it may touch both hands.
+fn meet(stage: &mut Stage<'_>, step: &Step, receiver: &Receiver, object: &str) {
+    let window_s = Some([step.times_s[1] - CONTACT_S, step.times_s[1] + CONTACT_S]);
+    let both = [(step.character, step.limb), (receiver.character, receiver.limb)];
+    for ([(who, limb), (other, with)], is_one) in [both, [both[1], both[0]]].map(|b| (b, both[0].0 == both[1].0)) {
+        let with = if is_one { hand(with).name() } else { &stage.task.characters[other].name };
+        let contact = Allowed { part: Some(object.into()), with: with.into(), window_s };
+        stage.contacts.push((who, limb, contact));
+    }
+}
+
 /// How a thing is once it was let go.
-fn laid(stage: &Stage<'_>, to: &Place, object: usize, at_s: f64) -> Result<impl Fn(&Goal) -> Whereabouts + use<>, Problems> {
+fn laid(
+    stage: &Stage<'_>,
+    to: &Place,
+    object: usize,
+    at_s: f64,
+) -> Result<impl Fn(&Goal) -> Whereabouts + use<>, Problems> {
     if to.on == Anchor::Thing(object) {
         return Err(Problems::new("a thing cannot be laid on itself; choose another `on`"));
     }
@@ -314,12 +323,7 @@ fn go(
 }
 
 /// Goals that inverse kinematics reaches, the best first.
-fn reachable(
-    stage: &Stage<'_>,
-    visit: Visit,
-    hands: &[Goal],
-    there: &Surroundings,
-) -> Result<Vec<Goal>, Problems> {
+fn reachable(stage: &Stage<'_>, visit: Visit, hands: &[Goal], there: &Surroundings) -> Result<Vec<Goal>, Problems> {
     let Visit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
     let actor = &stage.actors[who];
     if !(from_s >= 0.0 && to_s <= actor.end_s() + 1e-6) {

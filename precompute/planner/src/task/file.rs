@@ -133,8 +133,8 @@ impl Task {
                 things.push(thing.map_err(|why| source.at(&key, format!("`{}`: {why}", o.name)))?);
             }
         }
-        let steps = steps(&file.tasks, &characters, &things)
-            .map_err(|(i, why)| source.at(&format!("tasks[{i}]"), why))?;
+        let steps =
+            steps(&file.tasks, &characters, &things).map_err(|(i, why)| source.at(&format!("tasks[{i}]"), why))?;
         let config = file.planner.config().map_err(|(key, why)| source.at(&format!("planner.{key}"), why))?;
         Ok(Self { characters, things, config, clearance_m: file.planner.clearance_m, steps })
     }
@@ -169,8 +169,7 @@ pub(super) fn placed(at: [f64; 3], turn_deg: [f64; 3]) -> Rigid {
 
 impl CharacterEntry {
     fn character(&self, folder: &Path) -> std::result::Result<Character, String> {
-        let placed =
-            Rigid { position: DVec3::from(self.at), rotation: about(DVec3::Y, self.heading_deg.to_radians()) };
+        let placed = Rigid { position: DVec3::from(self.at), rotation: about(DVec3::Y, self.heading_deg.to_radians()) };
         if !placed.is_valid() {
             return Err("expected finite numbers".into());
         }
@@ -289,4 +288,3 @@ impl PlannerEntry {
         Ok(config)
     }
 }
-

@@ -81,6 +81,8 @@ mod tests {
         let found = goals(&[grip], &object, &stage.actors[0], Limb::LeftArm, 0.5);
         let palm = palm(&s.skeleton, Limb::LeftArm);
         assert_eq!(found.len(), 70);
-        assert!(found.iter().all(|g| g.hand.is_valid() && g.hand.point(palm).distance(object.point(DVec3::Y * 0.1)) < 1e-9));
+        assert!(
+            found.iter().all(|g| g.hand.is_valid() && g.hand.point(palm).distance(object.point(DVec3::Y * 0.1)) < 1e-9)
+        );
     }
 }

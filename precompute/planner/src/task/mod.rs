@@ -15,5 +15,6 @@ mod step;
 mod tests;
 
 pub use file::{Character, ClipEntry, Start, Task, Thing};
+pub use obj::triangles as obj_triangles;
 pub use run::{Attachment, Done, Event, NoClips, TaskOutcome};
 pub use stage::ActorClip;

@@ -136,7 +136,8 @@ impl Actor {
     pub fn joint(&self, joint: Joint, time_s: f64) -> Rigid {
         let places = self.motion.places();
         let [from, to] = self.motion.window_s();
-        let at = ((time_s - from) / (to - from).max(1e-9) * (places.len() - 1) as f64).clamp(0.0, (places.len() - 1) as f64);
+        let at =
+            ((time_s - from) / (to - from).max(1e-9) * (places.len() - 1) as f64).clamp(0.0, (places.len() - 1) as f64);
         let i = (at + 1e-6) as usize;
         let next = (i + 1).min(places.len() - 1);
         places[i][joint.index()].lerp(&places[next][joint.index()], (at - i as f64).max(0.0))
@@ -266,9 +267,8 @@ impl<'a> Stage<'a> {
         }
         self.leave_to_others(who, limb, &mut out);
         let known = |a: &Allowed| {
-            let part = a.part.as_ref().is_none_or(|p| {
-                Joint::from_name(p).is_some() || out.held.iter().any(|h| h.name == *p)
-            });
+            let part =
+                a.part.as_ref().is_none_or(|p| Joint::from_name(p).is_some() || out.held.iter().any(|h| h.name == *p));
             let with = Joint::from_name(&a.with).is_some()
                 || out.solids.iter().any(|s| s.name == a.with)
                 || self.others(who).any(|(name, _)| *name == a.with);

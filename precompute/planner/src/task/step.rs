@@ -213,9 +213,9 @@ fn style(entries: &BTreeMap<String, StyleEntry>, limb: Limb) -> Result<Style, St
     let (mut out, linkage) = (Style::default(), Linkage::limb(limb));
     for (name, s) in entries {
         let joints = limb.joints().map(Joint::name);
-        let i = Joint::from_name(name).and_then(|j| linkage.position_of(j)).ok_or_else(|| {
-            format!("style: `{}` has no joint `{name}`; it has {}", limb.name(), joints.join(", "))
-        })?;
+        let i = Joint::from_name(name)
+            .and_then(|j| linkage.position_of(j))
+            .ok_or_else(|| format!("style: `{}` has no joint `{name}`; it has {}", limb.name(), joints.join(", ")))?;
         let radians = |[from, to]: [f64; 2]| {
             let is_range = from.is_finite() && to.is_finite() && from <= to;
             let wrong = || format!("style: {name}: expected two ascending angles (degrees), found {from} and {to}");

@@ -95,7 +95,8 @@ fn what_cannot_be_done_is_said_and_leaves_the_clip() {
     let again = grab.replace("at_s = 1.4", "at_s = 3.0").replace("[0.5, 2.3]", "[2.6, 3.3]");
     let twice = run(&TASK.replace("[planner]", &format!("{again}\n[planner]")), &s);
     assert!(why(&twice, 2).contains("held by main's left arm already"), "{}", why(&twice, 2));
-    let drop = "[[tasks]]\nlimb = \"left_arm\"\ndo = \"drop\"\nobject = \"cup\"\nat_s = 1.0\nwindow_s = [0.5, 1.5]\nto = {}\n";
+    let drop =
+        "[[tasks]]\nlimb = \"left_arm\"\ndo = \"drop\"\nobject = \"cup\"\nat_s = 1.0\nwindow_s = [0.5, 1.5]\nto = {}\n";
     let empty = run(&format!("{}{drop}[planner]\n", &TASK[..TASK.find("[[tasks]]").expect("tasks")]), &s);
     assert!(why(&empty, 0).contains("does not hold `cup`"), "{}", why(&empty, 0));
 }
@@ -147,7 +148,12 @@ fn a_cup_goes_from_hand_to_hand_and_is_laid_down() {
     assert!(outcome.is_solved(), "{:?}", outcome.done);
     assert_eq!(outcome.recheck.violations, []);
     let who: Vec<_> = outcome.attachments.iter().map(|a| (a.joint.as_deref(), a.on.as_deref(), a.from_s)).collect();
-    let expected = [(None, None, 0.0), (Some("left_hand"), None, 0.8), (Some("right_hand"), None, 2.0), (None, Some("table"), 3.6)];
+    let expected = [
+        (None, None, 0.0),
+        (Some("left_hand"), None, 0.8),
+        (Some("right_hand"), None, 2.0),
+        (None, Some("table"), 3.6),
+    ];
     assert_eq!(who, expected);
     // Where the cup is, hand by hand, it is where it was brought.
     let at = |t: f64| outcome.paths[1][1].at(t).position;

@@ -16,8 +16,8 @@ pub use document::{
     Accessor, Animation, Attributes, Buffer, BufferView, Channel, Document, Interpolation, Mesh, Node, Primitive,
     Sampler, SceneNodes, Skin, Sparse, SparsePart, Target, ViewExtensions, parse as document,
 };
-pub use mesh::{MAX_TRIANGLES, triangles};
 use glam::{DMat4, DQuat, DVec3, Mat4};
+pub use mesh::{MAX_TRIANGLES, triangles};
 use sampler::{Keys, Samplers};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
