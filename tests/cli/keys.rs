@@ -94,7 +94,6 @@ fn help_lists_exactly_the_keys_that_are_printed() {
     let quick = ["--characters", "8", "--threads", "1", "--seconds", "0.001", "--quality", "--pairs", "5"];
     check(&["bench", "bundle"], "JSON keys", &[&[bundle.as_str()], &quick[..]].concat());
     check(&["bench", "crowd"], "JSON keys", &["--scene", "lanes", "--agents", "20", "--seconds", "0.5"]);
-    check(&["bench", "plan"], "JSON keys", &["--scene", "table", "--seeds", "2", "--poses", "100"]);
     let (task, planned) = (concat!(env!("CARGO_MANIFEST_DIR"), "/data/tasks/arm-low.toml"), at(&folder, "arm.bvh"));
     check(&["plan"], "JSON keys", &[task, "--out", &planned, "--variants", "2"]);
     let circle = concat!(env!("CARGO_MANIFEST_DIR"), "/data/scenes/circle.toml");

@@ -13,6 +13,7 @@ mod stage;
 mod step;
 #[cfg(test)]
 mod tests;
+mod visit;
 
 pub use file::{Character, ClipEntry, Start, Task, Thing};
 pub use obj::triangles as obj_triangles;
