@@ -4,10 +4,11 @@ use super::file::{Start, Task};
 use super::held::capsules;
 use super::step::{Anchor, Place};
 use crate::body::BodyShape;
+use crate::correct::collisions;
 use crate::driven::Driven;
 use crate::limits::BodyLimits;
 use crate::linkage::{Limb, LimbPose, Linkage};
-use crate::problem::{Solid, State};
+use crate::problem::{Problem, Solid, State};
 use crate::rotation::{Rigid, about};
 use crate::setup::{Allowed, Held, Other, ProblemSpec};
 use crate::track::{Path as Motion, Track};
@@ -42,6 +43,8 @@ pub(super) struct Actor {
     pub limits: BodyLimits,
     pub shape: BodyShape,
     pub motion: Driven,
+    /// Upper arms and thighs that the clip itself presses deep into the trunk: flesh gives way.
+    pub pressed: Vec<(Limb, Allowed)>,
 }
 
 /// Where a thing is from a time on.
@@ -119,7 +122,34 @@ impl Actor {
         }
         let motion = driven(&clip, &skeleton);
         let (limits, shape) = (BodyLimits::built_in(&skeleton), BodyShape::fitted(&skeleton));
-        Self { before: clip.clone(), clip, skeleton, limits, shape, motion }
+        let mut actor = Self { before: clip.clone(), clip, skeleton, limits, shape, motion, pressed: Vec::new() };
+        actor.pressed = Limb::ALL.iter().flat_map(|l| actor.presses(*l)).collect();
+        actor
+    }
+
+    /// What the first segment of a limb is pressed into by the clip.
+    fn presses(&self, limb: Limb) -> Vec<(Limb, Allowed)> {
+        let mut allowed: Vec<Allowed> = Vec::new();
+        // Each look finds what is deepest: what lies behind it comes next.
+        for _ in 0..Joint::ALL.len() {
+            let spec = ProblemSpec { allowed: &allowed, ..self.spec(limb) };
+            let Ok(problem) = Problem::prepare(&spec) else { break };
+            let first = limb.joints()[0].name();
+            let found = collisions(&problem).into_iter().filter(|s| s.part == first);
+            let with: std::collections::BTreeSet<String> = found.map(|s| s.with).collect();
+            if with.is_empty() {
+                break;
+            }
+            allowed.extend(with.into_iter().map(|with| Allowed { part: Some(first.into()), with, window_s: None }));
+        }
+        allowed.into_iter().map(|a| (limb, a)).collect()
+    }
+
+    /// A limb alone, over the whole clip.
+    fn spec(&self, limb: Limb) -> ProblemSpec<'_> {
+        let linkage = Linkage::limb(limb);
+        let ends = [0.0, self.end_s()].map(|time_s| State { pose: self.motion.limb_pose(linkage, time_s), time_s });
+        ProblemSpec::new(&self.skeleton, linkage, &self.limits, &self.motion, &self.shape, ends)
     }
 
     /// Takes a changed clip.
@@ -265,6 +295,7 @@ impl<'a> Stage<'a> {
                 }
             }
         }
+        out.allowed.extend(self.actors[who].pressed.iter().filter(|(l, _)| *l == limb).map(|(_, a)| a.clone()));
         self.leave_to_others(who, limb, &mut out);
         let known = |a: &Allowed| {
             let part =
@@ -313,10 +344,7 @@ impl<'a> Stage<'a> {
         around: &'s Surroundings,
         others: &'s [Other<'s>],
     ) -> ProblemSpec<'s> {
-        let a = &self.actors[who];
-        let linkage = Linkage::limb(limb);
-        let ends = [0.0, a.end_s()].map(|time_s| State { pose: a.motion.limb_pose(linkage, time_s), time_s });
-        let spec = ProblemSpec::new(&a.skeleton, linkage, &a.limits, &a.motion, &a.shape, ends);
+        let spec = self.actors[who].spec(limb);
         let Surroundings { solids, held, allowed } = around;
         ProblemSpec { solids, held, allowed, others, clearance_m: self.task.clearance_m, ..spec }
     }

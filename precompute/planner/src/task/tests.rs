@@ -199,6 +199,29 @@ fn clips_that_do_not_fit_are_refused() {
 }
 
 #[test]
+fn an_upper_arm_that_the_clip_presses_into_the_chest_is_left_alone() {
+    let s = Somebody::standing();
+    let task = parse(TASK).expect("a task");
+    let mut clip = stand(&s);
+    // The arm hangs so steeply that it is in the trunk.
+    for frame in 0..clip.num_frames() {
+        clip.rotations[frame * NUM_JOINTS + throng_core::Joint::LeftUpperArm.index()] = Quat::from_rotation_z(-1.75);
+    }
+    let found = |pressed: bool| {
+        let clips = [ActorClip { clip: clip.clone(), skeleton: s.skeleton.clone() }];
+        let mut stage = stage::Stage::new(&task, &clips);
+        if !pressed {
+            stage.actors[0].pressed.clear();
+        }
+        let limb = crate::linkage::Limb::LeftArm;
+        let around = stage.around(0, limb, [0.0, 5.0]);
+        let problem = crate::problem::Problem::prepare(&stage.spec(0, limb, &around, &[])).expect("a problem");
+        crate::correct::collisions(&problem).iter().filter(|c| c.part == "left_upper_arm").count()
+    };
+    assert!(found(false) > 0 && found(true) == 0);
+}
+
+#[test]
 fn collisions_of_a_clip_name_limb_part_and_obstacle() {
     let s = Somebody::standing();
     let task = parse(TASK).expect("a task");
