@@ -5,6 +5,7 @@ mod bundle;
 pub mod crowd;
 mod motion;
 mod people;
+mod plan;
 mod scenario;
 mod steering;
 mod world;
@@ -13,7 +14,7 @@ use crate::args::Outcome;
 use crate::renamed;
 use std::ffi::OsString;
 
-/// Measure what a bundle, a world, blending or a crowd costs on this machine.
+/// Measure what a bundle, a world, blending, a crowd or plans of limbs cost on this machine.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -29,6 +30,7 @@ enum What {
     Crowd(crowd::Args),
     Steering(steering::Args),
     People(people::Args),
+    Plan(plan::Args),
     Scenario(scenario::Args),
     /// What once was a file.
     #[command(external_subcommand)]
@@ -44,6 +46,7 @@ pub fn run(args: &Args) -> Outcome {
         What::Crowd(a) => crowd::run(a),
         What::Steering(a) => steering::run(a),
         What::People(a) => people::run(a),
+        What::Plan(a) => plan::run(a),
         What::Scenario(a) => scenario::run(a),
         What::Other(words) => {
             let new = [(".throng", "bundle"), (".toml", "world")];

@@ -1,6 +1,7 @@
 //! `throng inspect`: what is in a motion file or bundle?
 
 mod environment;
+mod scene;
 
 use crate::args::{Outcome, ReadArgs, fail, is_bundle};
 use crate::{keys, output, progress};
@@ -31,6 +32,9 @@ pub struct Args {
     /// Draw the person at several moments in the inferred surroundings (PNG).
     #[arg(long, value_name = "FILE")]
     environment_png: Option<PathBuf>,
+    /// Find where the limbs of one clip collide with the scene of a task: part, obstacle, from when to when, how deep.
+    #[arg(long, value_name = "TASK")]
+    scene: Option<PathBuf>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -42,10 +46,14 @@ fn help() -> String {
     let bundle = keys::section::<BundleReport>("JSON keys (of a bundle)");
     let with = "JSON keys (with --environment-out or --environment-png)";
     let folder = keys::section::<FolderReport>("JSON keys (of several motion files or a folder)");
-    [clip, folder, bundle, keys::section::<environment::Report<'static>>(with)].join("\n")
+    let scene = keys::section::<scene::Report>("JSON keys (with --scene)");
+    [clip, folder, bundle, scene, keys::section::<environment::Report<'static>>(with)].join("\n")
 }
 
 pub fn run(args: &Args) -> Outcome {
+    if let Some(task) = &args.scene {
+        return scene::run(args, task);
+    }
     if args.environment_out.is_some() || args.environment_png.is_some() {
         return environment::run(args);
     }

@@ -13,6 +13,7 @@ mod export;
 mod inspect;
 mod keys;
 mod output;
+mod plan;
 mod progress;
 mod query;
 mod renamed;
@@ -48,6 +49,7 @@ enum Command {
     Check(check::Args),
     Run(run::Args),
     Explain(explain::Args),
+    Plan(plan::Args),
     Bench(bench::Args),
     Export(export::Args),
     View(view::Args),
@@ -74,6 +76,7 @@ fn main() -> ExitCode {
         Command::Check(a) => check::run(&a),
         Command::Run(a) => run::run(&a),
         Command::Explain(a) => explain::run(&a),
+        Command::Plan(a) => plan::run(&a),
         Command::Bench(a) => bench::run(&a),
         Command::Export(a) => export::run(&a),
         // The viewer prints its own errors; its exit code is passed on.

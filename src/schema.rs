@@ -2,10 +2,11 @@
 
 use crate::args::Outcome;
 use crate::output;
+use throng_planner::task::Task;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::run::scene_schema;
 
-/// Print a JSON schema of config or scene files.
+/// Print a JSON schema of config, scene or task files.
 #[derive(clap::Args)]
 pub struct Args {
     /// Of which files.
@@ -20,11 +21,14 @@ enum Of {
     Config,
     /// Scenes, see `throng run`.
     Scene,
+    /// Tasks of limbs, see `throng plan`.
+    Task,
 }
 
 pub fn run(args: &Args) -> Outcome {
     match args.of {
         Of::Config => output::json(&BuildConfig::json_schema()),
         Of::Scene => output::json(&scene_schema()),
+        Of::Task => output::json(&Task::json_schema()),
     }
 }

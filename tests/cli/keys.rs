@@ -94,6 +94,8 @@ fn help_lists_exactly_the_keys_that_are_printed() {
     let quick = ["--characters", "8", "--threads", "1", "--seconds", "0.001", "--quality", "--pairs", "5"];
     check(&["bench", "bundle"], "JSON keys", &[&[bundle.as_str()], &quick[..]].concat());
     check(&["bench", "crowd"], "JSON keys", &["--scene", "lanes", "--agents", "20", "--seconds", "0.5"]);
+    let (task, planned) = (concat!(env!("CARGO_MANIFEST_DIR"), "/data/tasks/arm-low.toml"), at(&folder, "arm.bvh"));
+    check(&["plan"], "JSON keys", &[task, "--out", &planned, "--variants", "2"]);
     let circle = concat!(env!("CARGO_MANIFEST_DIR"), "/data/scenes/circle.toml");
     check(&["soak"], "JSON keys", &[circle, "--seconds", "0", "--run-seconds", "0.5"]);
     check(&["selftest"], "JSON keys", &["--mutants", "1", "--no-cache"]);

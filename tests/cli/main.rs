@@ -9,6 +9,7 @@ mod files;
 mod folders;
 mod keys;
 mod numbers;
+mod plan;
 mod refusals;
 mod scenario;
 mod scene;
@@ -21,7 +22,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 /// Every subcommand.
-const COMMANDS: [&str; 18] = [
+const COMMANDS: [&str; 19] = [
     "demo",
     "synth",
     "build",
@@ -32,6 +33,7 @@ const COMMANDS: [&str; 18] = [
     "check",
     "run",
     "explain",
+    "plan",
     "bench",
     "export",
     "view",

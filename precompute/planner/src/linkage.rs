@@ -8,7 +8,9 @@ use throng_core::{Joint, Skeleton};
 pub const MAX_JOINTS: usize = 4;
 
 /// An arm or a leg.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Limb {
     /// Shoulder, elbow, wrist.
@@ -38,6 +40,11 @@ impl Limb {
     /// True for the arms.
     pub const fn is_arm(self) -> bool {
         matches!(self, Self::LeftArm | Self::RightArm)
+    }
+
+    /// True for joints that move with it: its own, and fingers and toes behind them.
+    pub fn moves(self, joint: Joint) -> bool {
+        std::iter::successors(Some(joint), |j| j.parent()).any(|j| self.joints().contains(&j))
     }
 
     /// The name in snake_case, as tasks write it.

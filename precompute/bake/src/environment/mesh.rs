@@ -1,52 +1,10 @@
-//! Triangles of glTF 2.0 files: positions and indices of triangle primitives, placed by the nodes of the scene.
+//! Triangles of glTF files, and the files beside them.
 
-use glam::{Mat4, Quat, Vec3};
 use std::path::{Path, PathBuf};
 use throng_base::file::read_file;
 use throng_motion::error::BuildError;
-use throng_motion::import::gltf::{self, Document, Node, Primitive, Reader};
-
-/// Most levels of nodes.
-const MAX_DEPTH: usize = 64;
-/// Most triangles of a file, each time that a node shows them counted.
-pub(super) const MAX_TRIANGLES: usize = 5_000_000;
-/// Most corners of them, of positions that no triangle uses too.
-const MAX_POSITIONS: usize = 3 * MAX_TRIANGLES;
-/// Most parts of meshes that nodes show.
-const MAX_PARTS: usize = 1_000_000;
-
-/// Coordinates are smaller than this (m).
-const MAX_POSITION: f32 = 1e6;
-
-/// Triangles, not lines or points.
-const TRIANGLES: u32 = 4;
-
-/// Reads the triangles of a `.glb` or `.gltf` file.
-///
-/// Nodes of the default scene are taken, or of the first one, or all without a parent where the file has no
-/// scene. Lines and points, skins, morph targets and materials are left out.
-///
-/// # Errors
-/// [`BuildError::Io`], or [`BuildError::Config`] with file and mesh, accessor or buffer.
-pub(super) fn read(path: &Path) -> Result<Vec<[Vec3; 3]>, BuildError> {
-    let fail = |what: String| BuildError::Config { message: format!("{}: {what}", path.display()) };
-    let bytes = read_file(path, "a mesh", gltf::MAX_BYTES)?;
-    let (document, binary) = gltf::document(&bytes).map_err(fail)?;
-    if let Some(extension) = document.extensions_required.first() {
-        let help = "export without compression and other required extensions";
-        return Err(fail(format!("extensionsRequired: `{extension}` is not supported; {help}")));
-    }
-    let reader = Reader::new(&document, binary, path)?;
-    let seen = vec![false; document.nodes.len()];
-    let mut scene = Scene { document: &document, reader, seen, positions: 0, parts: 0, out: Vec::new() };
-    for root in roots(&document).map_err(fail)? {
-        scene.node(root, Mat4::IDENTITY, 0).map_err(fail)?;
-    }
-    if scene.out.is_empty() {
-        return Err(fail("expected triangles in the scene's meshes, found none".into()));
-    }
-    Ok(scene.out)
-}
+use throng_motion::import::gltf;
+pub(super) use throng_motion::import::gltf::{MAX_TRIANGLES, triangles as read};
 
 /// The files beside a `.gltf` file that hold its numbers, as messages and provenance name them.
 ///
@@ -54,121 +12,6 @@ pub(super) fn read(path: &Path) -> Result<Vec<[Vec3; 3]>, BuildError> {
 /// As [`read`].
 pub(crate) fn buffer_files(path: &Path) -> Result<Vec<PathBuf>, BuildError> {
     Ok(gltf::buffer_files(&read_file(path, "a mesh", gltf::MAX_BYTES)?, path)?)
-}
-
-fn roots(document: &Document) -> Result<Vec<usize>, String> {
-    let scene = document.scene.unwrap_or(0);
-    match document.scenes.get(scene) {
-        Some(s) => Ok(s.nodes.clone()),
-        None if document.scene.is_some() => Err(format!("scene: there is no scene {scene}")),
-        None => {
-            let mut is_child = vec![false; document.nodes.len()];
-            for &c in document.nodes.iter().flat_map(|n| &n.children) {
-                if let Some(c) = is_child.get_mut(c) {
-                    *c = true;
-                }
-            }
-            Ok((0..is_child.len()).filter(|&i| !is_child[i]).collect())
-        }
-    }
-}
-
-/// A scene whose triangles are being collected.
-struct Scene<'a> {
-    document: &'a Document,
-    reader: Reader<'a>,
-    /// Nodes that were met.
-    seen: Vec<bool>,
-    /// Positions that were read, over all parts.
-    positions: usize,
-    /// Parts of meshes that were met.
-    parts: usize,
-    out: Vec<[Vec3; 3]>,
-}
-
-impl Scene<'_> {
-    fn node(&mut self, index: usize, outer: Mat4, depth: usize) -> Result<(), String> {
-        let node = self.document.nodes.get(index).ok_or_else(|| format!("nodes[{index}]: there is no such node"))?;
-        if depth > MAX_DEPTH {
-            return Err(format!("nodes[{index}]: expected at most {MAX_DEPTH} levels of nodes"));
-        }
-        if std::mem::replace(&mut self.seen[index], true) {
-            return Err(format!("nodes[{index}]: it is held more than once; nodes have one parent"));
-        }
-        let here = outer * transform(node).map_err(|e| format!("nodes[{index}].{e}"))?;
-        if let Some(m) = node.mesh {
-            let mesh =
-                self.document.meshes.get(m).ok_or_else(|| format!("nodes[{index}].mesh: there is no mesh {m}"))?;
-            for (i, primitive) in mesh.primitives.iter().enumerate() {
-                self.primitive(primitive, here).map_err(|e| format!("meshes[{m}].primitives[{i}]: {e}"))?;
-            }
-        }
-        node.children.iter().try_for_each(|&c| self.node(c, here, depth + 1))
-    }
-
-    fn primitive(&mut self, primitive: &Primitive, at: Mat4) -> Result<(), String> {
-        self.parts += 1;
-        if self.parts > MAX_PARTS {
-            return Err(format!("nodes may show {MAX_PARTS} parts of meshes at most; merge them"));
-        }
-        match primitive.mode.unwrap_or(TRIANGLES) {
-            TRIANGLES => {}
-            mode @ 5..=6 => {
-                return Err(format!("mode {mode}: expected separate triangles; export without strips and fans"));
-            }
-            _ => return Ok(()),
-        }
-        let Some(accessor) = primitive.attributes.position else {
-            return Err("expected an attribute POSITION, found none".into());
-        };
-        // Parts may share accessors, so that little text asks for much memory: count before anything is made.
-        let positions = self.reader.count(accessor)?;
-        self.positions = self.positions.saturating_add(positions);
-        let triangles = primitive.indices.map_or(Ok(positions), |i| self.reader.count(i))? / 3;
-        if self.positions > MAX_POSITIONS || triangles > MAX_TRIANGLES - self.out.len() {
-            return Err(format!(
-                "a file may have {MAX_TRIANGLES} triangles and {MAX_POSITIONS} positions at most, each node that shows a \
-                 mesh counted; export a simpler mesh"
-            ));
-        }
-        let numbers = self.reader.floats(accessor, "VEC3")?;
-        let points: Vec<Vec3> = numbers.chunks_exact(3).map(|p| at.transform_point3(Vec3::from_slice(p))).collect();
-        if let Some(i) = points.iter().position(|p| p.is_nan() || p.abs().max_element() >= MAX_POSITION) {
-            return Err(format!(
-                "accessors[{accessor}]: position {i} is not a moderate number of metres: {}",
-                points[i]
-            ));
-        }
-        let indices = match primitive.indices {
-            Some(i) => self.reader.indices(i)?,
-            None => (0..points.len() as u32).collect(),
-        };
-        for t in indices.chunks_exact(3) {
-            let corner = |k: usize| {
-                let i = t[k] as usize;
-                let known = points.len();
-                points.get(i).copied().ok_or_else(|| format!("index {i} of {known} positions: expected less"))
-            };
-            self.out.push([corner(0)?, corner(1)?, corner(2)?]);
-        }
-        Ok(())
-    }
-}
-
-/// A node's frame in its parent's.
-fn transform(node: &Node) -> Result<Mat4, String> {
-    let (m, key) = match node.matrix {
-        Some(m) => (Mat4::from_cols_array(&m), "matrix"),
-        None => {
-            let rotation = Quat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
-            let scale = Vec3::from(node.scale.unwrap_or([1.0; 3]));
-            let translation = Vec3::from(node.translation.unwrap_or([0.0; 3]));
-            // Exporters round: the length is made 1 again.
-            let m = Mat4::from_scale_rotation_translation(scale, rotation.normalize(), translation);
-            (m, "rotation")
-        }
-    };
-    if m.is_finite() { Ok(m) } else { Err(format!("{key}: expected finite numbers and a rotation other than 0")) }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! Each returns true where the bytes were accepted, and panics where what was accepted does harm.
 
 use super::{repair, snapshots};
-use glam::Quat;
+use glam::{DVec3, Quat};
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -11,7 +11,6 @@ use tempfile::TempDir;
 use throng_bake::config::BuildConfig;
 use throng_bake::environment::{EnvironmentFile, UnitSet, geometries};
 use throng_bake::stitch::WorldSource;
-use throng_motion::ImportError;
 use throng_motion::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
 use throng_motion::export::{Pose, TakeWriter};
 use throng_motion::import::profile::Profile;
@@ -20,6 +19,12 @@ use throng_motion::onto::Wearer;
 use throng_motion::progress::Silent;
 use throng_motion::resample::{ResampleConfig, resample};
 use throng_motion::retarget::{self, RetargetConfig};
+use throng_motion::{Clip, ImportError};
+use throng_planner::collide::EdgeCheck;
+use throng_planner::limits::{BodyLimits, Sampler, Style};
+use throng_planner::linkage::{Limb, LimbPose, Linkage};
+use throng_planner::shape::{Mesh, Segment};
+use throng_planner::task::{ActorClip, Task, obj_triangles};
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::simulation::{Scene, Simulation};
 use throng_runtime::{Bundle, NUM_JOINTS, Skeleton};
@@ -302,6 +307,51 @@ pub fn sidecar(data: &[u8]) -> bool {
 pub fn profile(data: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(data) else { return false };
     Profile::parse(text, Path::new("profile.toml")).is_ok()
+}
+
+/// A task of limbs: done for somebody who stands, with few samples.
+pub fn task(data: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(data) else { return false };
+    let Ok(mut task) = Task::parse(text, Path::new("fuzz/task.toml")) else { return false };
+    if task.characters.len() > 3 || task.num_steps() > STEPS || task.things.len() > FEW {
+        return true;
+    }
+    let skeleton = Skeleton::default();
+    let clip = Clip::new("stands", 30.0, vec![skeleton.offsets[0]; 75], vec![Quat::IDENTITY; 75 * NUM_JOINTS]);
+    let clips = vec![ActorClip { clip, skeleton }; task.characters.len()];
+    task.config.budget.draws = task.config.budget.draws.min(20);
+    task.config.budget.seconds = None;
+    task.config.plan.smooth.straighten = task.config.plan.smooth.straighten.min(5);
+    task.config.margin_most_s = task.config.margin_s;
+    task.config.plan.search.edge = EdgeCheck::Conservative;
+    if let Ok(outcome) = task.run(&clips, None) {
+        let clips = outcome.clips.iter().map(|[_, after]| after);
+        assert!(clips.flat_map(|c| &c.rotations).all(|q| q.is_finite()), "a pose that is not finite");
+    }
+    true
+}
+
+/// A mesh as OBJ: asked for distances.
+pub fn obj(data: &[u8]) -> bool {
+    let Ok(triangles) = obj_triangles(&String::from_utf8_lossy(data)) else { return false };
+    let Ok(mesh) = Mesh::new(triangles) else { return false };
+    let line = Segment::new(DVec3::ZERO, DVec3::ONE);
+    assert!(!mesh.distance(&line, 1e6).is_nan(), "a distance that is none");
+    true
+}
+
+/// Limits of joints: poses are drawn within them.
+pub fn limits(data: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(data) else { return false };
+    let Ok(limits) = BodyLimits::parse(text, Path::new("limits.toml"), &Skeleton::default()) else { return false };
+    let linkage = Linkage::limb(Limb::LeftArm);
+    if let Some(of_arm) = limits.of_linkage(linkage) {
+        let sampler = Sampler::new(linkage, of_arm, &LimbPose::REST, Style::default(), 10);
+        let mut rng = throng_planner::planner::seeded(1);
+        let finite = (0..20).all(|i| sampler.draw(&mut rng, i).0.iter().all(|q| q.is_finite()));
+        assert!(finite, "a pose that is not finite");
+    }
+    true
 }
 
 /// A snapshot of policy characters.

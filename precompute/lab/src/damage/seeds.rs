@@ -235,6 +235,26 @@ pub fn profile() -> Vec<Vec<u8>> {
     ])
 }
 
+/// Tasks of limbs, without meshes.
+pub fn task() -> Vec<Vec<u8>> {
+    texts(&[
+        include_str!("../../../../data/tasks/hat.toml"),
+        include_str!("../../../../data/tasks/together.toml"),
+        include_str!("../../../../data/tasks/arm-low.toml"),
+    ])
+}
+
+/// Meshes of triangles and of polygons.
+pub fn obj() -> Vec<Vec<u8>> {
+    let quads = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\nf -1 -2 -3\n";
+    texts(&[include_str!("../../../../data/tasks/ring.obj"), quads])
+}
+
+/// Limits of joints.
+pub fn limits() -> Vec<Vec<u8>> {
+    texts(&[include_str!("../../../../data/skeletons/throng.limits.toml")])
+}
+
 /// A snapshot of policy characters.
 pub fn of_policy() -> Vec<Vec<u8>> {
     vec![snapshots::good("policy")]

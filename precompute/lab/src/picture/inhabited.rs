@@ -3,7 +3,7 @@
 use super::canvas::Picture;
 use super::figure::{BodyColours, Figure};
 use super::sheet::sheet;
-use super::world::{WorldFigure, WorldLook, WorldStrip, WorldView, world_sheet, world_strip, world_units};
+use super::world::{WorldFigure, WorldLook, WorldMoment, WorldStrip, WorldView, world_sheet, world_strip, world_units};
 use crate::run::{Figures, Pose, WorldRecord};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -63,7 +63,7 @@ pub(super) fn inhabited_sheet(
         return overview;
     };
     let looks = record.looks[from..].iter().step_by(STRIDE).take(COLUMNS * ROWS);
-    let moments: Vec<(f32, Figure)> = looks.map(|(t, p)| (*t, Figure::from_positions(&p[who]))).collect();
+    let moments: Vec<WorldMoment> = looks.map(|(t, p)| WorldMoment::of(*t, Figure::from_positions(&p[who]))).collect();
     let strip = WorldStrip {
         title: &format!("Character {}", record.followed[who]),
         subtitle: "one moment every half a second",

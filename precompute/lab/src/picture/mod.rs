@@ -41,5 +41,5 @@ pub use scene::scene_sheet;
 pub use sheet::sheet;
 pub use strip::{PoseStrip, StripFrame, onion_skin, pose_strip};
 pub use trial::trial_sheet;
-pub use world::{WorldFigure, WorldLook, WorldStrip, WorldUnit, WorldView, unit_colour, world_sheet};
+pub use world::{WorldFigure, WorldLook, WorldMoment, WorldStrip, WorldUnit, WorldView, unit_colour, world_sheet};
 pub use world::{world_strip, world_units};

@@ -105,20 +105,21 @@ fn through_face(&[a, b, c]: &[Vec3; 3], origin: Vec3, direction: Vec3) -> Option
 
 /// Adds the pieces of a unit where it stands.
 pub(super) fn add_unit(unit: &UnitGeometry, at: Placement, colour: Colour, out: &mut Vec<Piece>) {
-    for solid in &unit.solids {
-        match solid {
-            environment::Solid::Box { centre, rotation, half } => {
-                let corners = Bounds { min: -*half, max: *half }.corners();
-                add_box(&corners.map(|c| at.transform_point(*centre + *rotation * c)), colour, out);
-            }
-            environment::Solid::Bar { from, to, radius } => {
-                let (a, b) = (at.transform_point(*from), at.transform_point(*to));
-                out.push(Piece::round(Solid::limb(a, b, *radius, *radius), colour));
-            }
-            environment::Solid::Mesh(triangles) => {
-                let placed = triangles.corners().iter().map(|t| t.map(|p| at.transform_point(p)));
-                out.extend(placed.map(|t| Piece::face(t, colour)));
-            }
+    unit.solids.iter().for_each(|solid| add_solid(solid, |p| at.transform_point(p), colour, out));
+}
+
+/// Adds the pieces of a solid; `at` puts its points into the world.
+pub(super) fn add_solid(solid: &environment::Solid, at: impl Fn(Vec3) -> Vec3, colour: Colour, out: &mut Vec<Piece>) {
+    match solid {
+        environment::Solid::Box { centre, rotation, half } => {
+            let corners = Bounds { min: -*half, max: *half }.corners();
+            add_box(&corners.map(|c| at(*centre + *rotation * c)), colour, out);
+        }
+        environment::Solid::Bar { from, to, radius } => {
+            out.push(Piece::round(Solid::limb(at(*from), at(*to), *radius, *radius), colour));
+        }
+        environment::Solid::Mesh(triangles) => {
+            out.extend(triangles.corners().iter().map(|t| Piece::face(t.map(&at), colour)));
         }
     }
 }

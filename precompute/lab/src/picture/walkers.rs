@@ -5,7 +5,7 @@ use super::canvas::Picture;
 use super::colour::{self, Colour};
 use super::figure::{BodyColours, Figure};
 use super::sheet::sheet;
-use super::world::{WorldFigure, WorldLook, WorldStrip, WorldView, world_sheet, world_strip};
+use super::world::{WorldFigure, WorldLook, WorldMoment, WorldStrip, WorldView, world_sheet, world_strip};
 use crate::run::{Figures, PathsRecord, Pose, StyleWalk, curve};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -116,7 +116,9 @@ fn moments(record: &PathsRecord) -> Option<Picture> {
     let all = (0..num).flat_map(|w| starts.clone().map(move |s| (w, s)));
     let (who, from) = all.max_by(|a, b| range(a.0, a.1).total_cmp(&range(b.0, b.1)))?;
     let looks = record.looks[from..].iter().take(span);
-    let moments: Vec<(f32, Figure)> = looks.clone().map(|(t, _, p)| (*t, Figure::from_positions(&p[who]))).collect();
+    let moment =
+        |(t, _, p): &(f32, Vec<f32>, Vec<[glam::Vec3; 22]>)| WorldMoment::of(*t, Figure::from_positions(&p[who]));
+    let moments: Vec<WorldMoment> = looks.clone().map(moment).collect();
     let speeds: Vec<f32> = looks.map(|(_, s, _)| s[who]).collect();
     let (first, last) = (record.looks[from].2[who], record.looks[(from + span).min(record.looks.len()) - 1].2[who]);
     let way = last[Joint::Hips.index()] - first[Joint::Hips.index()];

@@ -6,10 +6,10 @@ use super::colour::{self, Colour};
 use super::figure::{BodyColours, Figure, body};
 use super::furniture::{grid, header, nice_step, page_with_panel, scale_bar, tag};
 use super::paint::draw_pieces;
-use super::piece::{Piece, add_unit};
+use super::piece::{Piece, add_solid, add_unit};
 use super::text::{Align, TextStyle, draw_text};
 use glam::{Vec2, Vec3};
-use throng_bake::environment::{Bounds, PlacedGeometry, UnitGeometry};
+use throng_bake::environment::{Bounds, PlacedGeometry, Solid, UnitGeometry};
 use throng_runtime::Joint;
 use throng_runtime::patch::Placement;
 
@@ -104,6 +104,24 @@ pub fn world_sheet(view: &WorldView<'_>) -> Picture {
     page
 }
 
+/// A moment of a strip.
+#[derive(Clone, Debug)]
+pub struct WorldMoment {
+    /// (s)
+    pub time_s: f32,
+    /// Bodies; the hips of the first one are in the middle.
+    pub figures: Vec<WorldFigure>,
+    /// What is there in this moment, in the world.
+    pub solids: Vec<(Solid, Colour)>,
+}
+
+impl WorldMoment {
+    /// Of somebody alone.
+    pub fn of(time_s: f32, figure: Figure) -> Self {
+        Self { time_s, figures: vec![WorldFigure { figure, colours: BodyColours::default() }], solids: Vec::new() }
+    }
+}
+
 /// What [`world_strip`] draws.
 #[derive(Clone, Copy, Debug)]
 pub struct WorldStrip<'a> {
@@ -111,8 +129,8 @@ pub struct WorldStrip<'a> {
     pub title: &'a str,
     /// Second line.
     pub subtitle: &'a str,
-    /// Moments: time and body (s).
-    pub moments: &'a [(f32, Figure)],
+    /// Moments.
+    pub moments: &'a [WorldMoment],
     /// All that stands around.
     pub units: &'a [WorldUnit<'a>],
     /// Moments side by side (>= 1).
@@ -123,7 +141,7 @@ pub struct WorldStrip<'a> {
     pub from: (f32, f32),
 }
 
-/// Draws moments of one person's motion among units, row by row, the hips in the middle of each.
+/// Draws moments of one person's motion among units and others, row by row, the hips in the middle of each.
 pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
     let (width, edge, top, label) = (1600.0, 16.0, 84.0, 28.0);
     let columns = strip.columns.clamp(1, 40);
@@ -133,20 +151,20 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
     let mut page = Picture::new(width as u32, (top + rows as f32 * (height + label)) as u32 + 8, colour::PAPER);
     header(&mut page, 1.0, strip.title, strip.subtitle);
     let units = pieces(strip.units, &[]);
-    for (i, (time_s, figure)) in strip.moments.iter().enumerate() {
+    for (i, moment) in strip.moments.iter().enumerate() {
         let at = Vec2::new(edge + (i % columns) as f32 * cell, top + (i / columns) as f32 * (height + label));
         let area = Area::new(at.x, at.y, cell - 4.0, height);
         let mut panel = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
-        let focus = Some((figure.joint(Joint::Hips), strip.width_m));
+        let focus = moment.figures.first().map(|f| (f.figure.joint(Joint::Hips), strip.width_m));
         let look = WorldLook { heading: strip.from.0, elevation: strip.from.1, focus };
-        let body = WorldFigure { figure: *figure, colours: BodyColours::default() };
-        let pieces = [&units[..], &super::world::pieces(&[], &[body])].concat();
+        let mut pieces = [&units[..], &super::world::pieces(&[], &moment.figures)].concat();
+        moment.solids.iter().for_each(|(solid, tint)| add_solid(solid, |p| p, *tint, &mut pieces));
         let camera = camera(&look, area.size, &pieces);
         grid(&mut panel, &camera, 1.0, 0.7);
         draw_pieces(&mut panel, &camera, &pieces);
         page.draw_picture(&panel, (at.x as i32, at.y as i32));
         let style = TextStyle { size: 18.0, colour: colour::INK, align: Align::Centre, bold: false };
-        draw_text(&mut page, at + Vec2::new(0.5 * cell, height + 20.0), &format!("{time_s:.2} s"), style);
+        draw_text(&mut page, at + Vec2::new(0.5 * cell, height + 20.0), &format!("{:.2} s", moment.time_s), style);
     }
     page
 }

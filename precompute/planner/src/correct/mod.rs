@@ -27,12 +27,14 @@ pub struct CorrectConfig<'a> {
     pub margin_s: f64,
     /// Where no way is found the margin grows by half, up to this (s, >= margin_s).
     pub margin_most_s: f64,
+    /// Where is looked for collisions, and the limb may give way; all of the clip where `None` (s).
+    pub within_s: Option<[f64; 2]>,
 }
 
 impl Default for CorrectConfig<'_> {
     fn default() -> Self {
         let budget = Budget { draws: 3000, ..Budget::default() };
-        Self { plan: PlanConfig::default(), budget, margin_s: 0.4, margin_most_s: 2.0 }
+        Self { plan: PlanConfig::default(), budget, margin_s: 0.4, margin_most_s: 2.0, within_s: None }
     }
 }
 
@@ -108,16 +110,18 @@ pub fn correct(
 ) -> Result<(Clip, Vec<Corrected>), ProblemError> {
     let mut out = clip.clone();
     let last_s = (clip.num_frames().saturating_sub(1)) as f64 / clip.rate_hz;
-    let whole = Problem::prepare(&between(spec, spec.motion, [0.0, last_s]))?;
+    let [from_s, to_s] = config.within_s.unwrap_or([0.0, last_s]).map(|t| t.clamp(0.0, last_s));
+    let whole = Problem::prepare(&between(spec, spec.motion, [from_s, to_s]))?;
     let mut planner = Planner::new();
     let mut report = Vec::new();
-    let mut free_from_s = 0.0;
+    let mut free_from_s = from_s;
     for span in collisions(&whole) {
         if span.to_s <= free_from_s {
             // The plan before took it along.
             continue;
         }
-        let mut window = Window { clip, problem: &whole, linkage: spec.linkage, checker: Checker::default() };
+        let last = (to_s * clip.rate_hz + 1e-6) as usize;
+        let mut window = Window { clip, problem: &whole, linkage: spec.linkage, checker: Checker::default(), last };
         let mut margin_s = config.margin_s;
         let corrected = loop {
             let found = window.around(&span, margin_s, free_from_s).and_then(|window_s| {
@@ -173,14 +177,16 @@ struct Window<'a> {
     problem: &'a Problem,
     linkage: Linkage,
     checker: Checker,
+    /// Last frame that may be changed.
+    last: usize,
 }
 
 impl Window<'_> {
     /// A collision and a margin to either side, and on to the next frames that are free.
     fn around(&mut self, span: &Span, margin_s: f64, free_from_s: f64) -> Result<[f64; 2], NotCorrected> {
         let rate = self.clip.rate_hz;
-        let last = self.clip.num_frames() - 1;
-        let least = (free_from_s * rate).round() as usize;
+        let last = self.last;
+        let least = (free_from_s * rate - 1e-6).ceil() as usize;
         let [first_hit, last_hit] =
             [(span.from_s * rate).floor() as usize, ((span.to_s * rate).ceil() as usize).min(last)];
         if let Some(frame) = (first_hit..=last_hit).find(|f| self.is_planted(*f)) {

@@ -3,57 +3,39 @@
 #[cfg(test)]
 mod tests;
 
-use crate::clips::with_motion;
+use crate::clips::{Misfit, with_motion};
 use crate::collide::Checker;
 use crate::correct::CorrectConfig;
 use crate::ik::Unreached;
 use crate::linkage::LimbPose;
-use crate::planner::{Budget, Outcome, Planner, Unsolved};
-use crate::problem::{Problem, Solid, State};
+use crate::planner::{Budget, LimbMotion, Outcome, Planner, Unsolved};
+use crate::problem::{Problem, State};
 use crate::rotation::Rigid;
-use crate::setup::{Held, ProblemError, ProblemSpec};
-use crate::track::Path;
+use crate::setup::{ProblemError, ProblemSpec};
 use throng_motion::Clip;
 
 /// A target to reach in time.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach<'a> {
-    /// Where the object is, moving or not.
-    pub object: &'a Path,
-    /// Hand or foot in the object's frame, in the order in which they are tried.
-    pub grips: &'a [Rigid],
+    /// Where hand or foot may be at t_b, in the order in which they are tried.
+    pub targets: &'a [Rigid],
     /// When the limb leaves the clip, reaches and is back: t_a < t_b < t_c of the paper, taken to the nearest frames (s).
     pub times_s: [f64; 3],
-    /// The solid that is grasped, which is no obstacle on the way back; `None` for a touch.
-    pub grasped: Option<&'a str>,
-    /// What hand or foot carries on the way back.
-    pub carried: &'a [Held],
-}
-
-/// Something that hand or foot holds.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Attachment {
-    /// The solid.
-    pub object: String,
-    /// The joint that holds it.
-    pub joint: String,
-    /// From then on (s).
-    pub from_s: f64,
-    /// The object in the joint's frame.
-    pub offset: Rigid,
+    /// How long after t_b the limb keeps its pose, as seen from what carries it (s).
+    pub hold_s: f64,
+    /// What is around on the way back, where that is something else: what was grasped is in the hand.
+    pub back: Option<&'a ProblemSpec<'a>>,
 }
 
 /// What came of a reach.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reached {
-    /// Which grip.
-    pub grip: usize,
+    /// Which target.
+    pub target: usize,
     /// The times, on frames (s).
     pub times_s: [f64; 3],
     /// The plans there and back.
     pub outcomes: [Outcome; 2],
-    /// What is held from t_b on.
-    pub attachment: Option<Attachment>,
 }
 
 /// Why nothing was reached.
@@ -70,12 +52,20 @@ pub enum NotReached {
         /// Length of the clip (s).
         end_s: f64,
     },
-    /// No grip is within reach; of the nearest one.
-    #[error("no grip is reached at {time_s:.2} s: {why}")]
-    Grip {
+    /// It would be held for longer than there is time.
+    #[error("expected to hold for less than the {most_s:.2} s until the limb is back, found {hold_s} s")]
+    Hold {
+        /// (s)
+        hold_s: f64,
+        /// (s)
+        most_s: f64,
+    },
+    /// No target is within reach; of the nearest one.
+    #[error("not reached at {time_s:.2} s: {why}")]
+    Target {
         /// (s)
         time_s: f64,
-        /// Of the first grip that failed by least, or of the last one.
+        /// Of the first target that failed by least, or of the last one.
         why: Unreached<String>,
     },
     /// No problem to plan.
@@ -111,29 +101,27 @@ pub fn reach(
 ) -> Result<(Clip, Reached), NotReached> {
     let times_s = on_frames(clip, task.times_s)?;
     let [there_s, reach_s, back_s] = times_s;
+    let held_s = ((reach_s + task.hold_s) * clip.rate_hz).round() / clip.rate_hz;
+    if !(held_s >= reach_s && held_s < back_s) {
+        return Err(NotReached::Hold { hold_s: task.hold_s, most_s: back_s - reach_s });
+    }
     let present = |time_s: f64| State { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s };
-    let between = |init: State, goal: State| ProblemSpec { init, goal, admit_ends: true, ..spec.clone() };
-    let whole = Problem::prepare(&between(present(there_s), present(back_s)))?;
-    let (grip, pose) = reached(&whole, task, reach_s)?;
-    let held_pose = State { pose, time_s: reach_s };
+    let whole = Problem::prepare(&between(spec, present(there_s), present(back_s)))?;
+    let (target, pose) = reached(&whole, task, reach_s)?;
+    let at_target = State { pose, time_s: reach_s };
     let mut planner = Planner::new();
-    let there = between(present(there_s), held_pose);
+    let there = between(spec, present(there_s), at_target);
     let (out, first) = planned(clip, &mut planner, &there, config, "there")?;
-    let free: Vec<Solid> = spec.solids.iter().filter(|s| Some(s.name.as_str()) != task.grasped).cloned().collect();
-    let held: Vec<Held> = spec.held.iter().chain(task.carried).cloned().collect();
-    // What was grasped is no longer there to be touched.
-    let is_left = |a: &&crate::setup::Allowed| task.grasped.is_none_or(|g| a.with != g);
-    let allowed: Vec<_> = spec.allowed.iter().filter(is_left).cloned().collect();
-    let back = ProblemSpec { solids: &free, held: &held, allowed: &allowed, ..between(held_pose, present(back_s)) };
+    let kept = vec![pose; ((held_s - reach_s) * clip.rate_hz).round() as usize + 1];
+    let kept = LimbMotion { start_s: reach_s, step_s: 1.0 / clip.rate_hz, frames: &kept };
+    let out = with_motion(&out, 0.0, spec.linkage, &kept).map_err(misfit)?;
+    let back = between(task.back.unwrap_or(spec), State { time_s: held_s, ..at_target }, present(back_s));
     let (out, second) = planned(&out, &mut planner, &back, config, "back")?;
-    let joint = spec.linkage.joints()[spec.linkage.len() - 1];
-    let attachment = task.grasped.map(|object| Attachment {
-        object: object.into(),
-        joint: joint.name().into(),
-        from_s: reach_s,
-        offset: task.grips[grip].local(Rigid::IDENTITY),
-    });
-    Ok((out, Reached { grip, times_s, outcomes: [first, second], attachment }))
+    Ok((out, Reached { target, times_s, outcomes: [first, second] }))
+}
+
+fn between<'a>(spec: &ProblemSpec<'a>, init: State, goal: State) -> ProblemSpec<'a> {
+    ProblemSpec { init, goal, admit_ends: true, ..spec.clone() }
 }
 
 fn on_frames(clip: &Clip, times_s: [f64; 3]) -> Result<[f64; 3], NotReached> {
@@ -146,14 +134,13 @@ fn on_frames(clip: &Clip, times_s: [f64; 3]) -> Result<[f64; 3], NotReached> {
     Ok(frames.map(|f| f / clip.rate_hz))
 }
 
-/// The first grip that is reached, and the pose that does.
+/// The first target that is reached, and the pose that does.
 fn reached(problem: &Problem, task: &Reach<'_>, time_s: f64) -> Result<(usize, LimbPose), NotReached> {
     let mut checker = Checker::default();
-    let object = task.object.at(time_s);
     let present = problem.present_at(time_s);
     let mut nearest: Option<Unreached<String>> = None;
-    for (i, grip) in task.grips.iter().enumerate() {
-        match problem.reach(&mut checker, &object.then(*grip), time_s, &present) {
+    for (i, target) in task.targets.iter().enumerate() {
+        match problem.reach(&mut checker, target, time_s, &present) {
             Ok(pose) => return Ok((i, pose)),
             Err(why) => {
                 let is_nearer = match (&nearest, &why) {
@@ -169,7 +156,7 @@ fn reached(problem: &Problem, task: &Reach<'_>, time_s: f64) -> Result<(usize, L
         }
     }
     let why = nearest.unwrap_or(Unreached::OutOfReach { by_m: f64::INFINITY });
-    Err(NotReached::Grip { time_s, why })
+    Err(NotReached::Target { time_s, why })
 }
 
 fn planned(
@@ -183,11 +170,11 @@ fn planned(
     let budget = Budget { rate_hz: clip.rate_hz, ..config.budget };
     let outcome = planner.plan(&problem, &config.plan, &budget);
     match (outcome.why, planner.motion()) {
-        (None, Some(motion)) => {
-            let misfit =
-                |e: crate::clips::Misfit| ProblemError::Value { what: e.to_string(), expected: "the clip's frames" };
-            Ok((with_motion(clip, 0.0, spec.linkage, &motion).map_err(misfit)?, outcome))
-        }
+        (None, Some(motion)) => Ok((with_motion(clip, 0.0, spec.linkage, &motion).map_err(misfit)?, outcome)),
         (why, _) => Err(NotReached::Unsolved { what, why: why.unwrap_or(Unsolved::Rate) }),
     }
+}
+
+fn misfit(e: Misfit) -> ProblemError {
+    ProblemError::Value { what: e.to_string(), expected: "the clip's frames" }
 }

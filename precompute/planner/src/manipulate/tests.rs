@@ -1,9 +1,11 @@
 use super::*;
 use crate::driven::Driven;
+use crate::problem::Solid;
 use crate::rotation::{about, angle};
-use crate::setup::Allowed;
+use crate::setup::{Allowed, Held};
 use crate::shape::Shape;
 use crate::testing::Somebody;
+use crate::track::Path;
 use glam::{DVec3, Quat};
 use throng_core::{Joint, NUM_JOINTS};
 
@@ -41,26 +43,27 @@ fn a_moving_cup_is_grasped_in_its_moment_and_carried_away() {
     let spec = ProblemSpec::new(&s.skeleton, s.linkage, &s.limits, &motion, &s.shape, [state; 2]);
     let spec = ProblemSpec { solids: &solids, allowed: &allowed, ..spec };
     let unreachable = Rigid::at(DVec3::new(0.0, 0.0, 5.0));
-    let grips = [unreachable, grip()];
-    let carried = [Held {
+    let targets = [unreachable, object.at(1.4).then(grip())];
+    let held = [Held {
         name: "cup in hand".into(),
         core: crate::shape::Segment::new(DVec3::X * 0.1, DVec3::X * 0.1),
         radius: 0.04,
     }];
-    let task =
-        Reach { object: &object, grips: &grips, times_s: [0.5, 1.4, 2.3], grasped: Some("cup"), carried: &carried };
+    // What was grasped is in the hand.
+    let back = ProblemSpec { solids: &[], allowed: &[], held: &held, ..spec.clone() };
+    let task = Reach { targets: &targets, times_s: [0.5, 1.4, 2.3], hold_s: 0.2, back: Some(&back) };
     let (out, reached) = reach(&clip, &spec, &task, &CorrectConfig::default()).expect("reached");
-    assert_eq!(reached.grip, 1);
+    assert_eq!(reached.target, 1);
     let frame = (reached.times_s[1] * 30.0).round() as usize;
     let (at, turn) = out.joint_transforms(&s.skeleton, frame)[Joint::LeftHand.index()];
     let wanted = object.at(reached.times_s[1]).then(grip());
     assert!((at.as_dvec3() - wanted.position).length() < 1e-5);
     assert!(angle(turn.as_dquat().normalize(), wanted.rotation) < 1e-4);
-    let held = reached.attachment.expect("held");
-    assert_eq!((held.object.as_str(), held.joint.as_str()), ("cup", "left_hand"));
-    // Where the hand has it then, the cup is.
-    let hand = Rigid { position: at.as_dvec3(), rotation: turn.as_dquat().normalize() };
-    assert!((hand.then(held.offset).position - object.at(reached.times_s[1]).position).length() < 1e-4);
+    // It is kept for a while.
+    for f in frame..=frame + 6 {
+        assert_eq!(out.frame_rotations(f), out.frame_rotations(frame));
+    }
+    assert_ne!(out.frame_rotations(frame + 9), out.frame_rotations(frame));
     for f in (0..=15).chain(69..91) {
         assert_eq!(out.frame_rotations(f), clip.frame_rotations(f));
     }
@@ -74,19 +77,22 @@ fn what_is_out_of_reach_or_out_of_time_says_so() {
     let state = State { pose: motion.limb_pose(s.linkage, 0.0), time_s: 0.0 };
     let spec = ProblemSpec::new(&s.skeleton, s.linkage, &s.limits, &motion, &s.shape, [state; 2]);
     let tried = |object: &Path, times_s: [f64; 3]| {
-        let grips = [grip()];
-        let task = Reach { object, grips: &grips, times_s, grasped: None, carried: &[] };
+        let targets = [object.at(times_s[1]).then(grip())];
+        let task = Reach { targets: &targets, times_s, hold_s: 0.0, back: None };
         reach(&clip, &spec, &task, &CorrectConfig::default()).unwrap_err()
     };
     let far = Path::Still(Rigid::at(DVec3::new(0.2, 1.4, 0.8)));
     let e = tried(&far, [0.5, 1.4, 2.3]).to_string();
-    assert!(e.starts_with("no grip is reached at 1.40 s: out of reach by 0."), "{e}");
+    assert!(e.starts_with("not reached at 1.40 s: out of reach by 0."), "{e}");
     for times in [[0.5, 0.5, 2.0], [1.0, 0.5, 2.0], [0.5, 1.0, 9.0], [-1.0, 1.0, 2.0], [f64::NAN, 1.0, 2.0]] {
         assert!(matches!(tried(&cup(), times), NotReached::Times { .. }), "{times:?}");
     }
     let e = tried(&cup(), [1.3, 1.34, 2.0]);
     assert!(matches!(e, NotReached::Problem(ProblemError::TooLittleTime { least_s, .. }) if least_s > 0.03), "{e}");
-    let grips: [Rigid; 0] = [];
-    let none = Reach { object: &cup(), grips: &grips, times_s: [0.5, 1.0, 2.0], grasped: None, carried: &[] };
-    assert!(matches!(reach(&clip, &spec, &none, &CorrectConfig::default()), Err(NotReached::Grip { .. })));
+    let none = Reach { targets: &[], times_s: [0.5, 1.0, 2.0], hold_s: 0.0, back: None };
+    let asked = |task: &Reach<'_>| reach(&clip, &spec, task, &CorrectConfig::default());
+    assert!(matches!(asked(&none), Err(NotReached::Target { .. })));
+    for hold_s in [1.0, f64::NAN, -1.0] {
+        assert!(matches!(asked(&Reach { hold_s, ..none }), Err(NotReached::Hold { .. })), "{hold_s}");
+    }
 }

@@ -67,6 +67,11 @@ pub enum Unsolved {
     Rate,
 }
 
+/// The generator that a seed stands for.
+pub fn seeded(seed: u64) -> Pcg64Mcg {
+    Pcg64Mcg::seed_from_u64(seed)
+}
+
 /// What came of a plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
@@ -143,7 +148,7 @@ impl Planner {
             _ => None,
         };
         let grid = TimeGrid::new(problem.init.time_s, problem.goal.time_s, budget.rate_hz);
-        let mut rng = Pcg64Mcg::seed_from_u64(budget.seed);
+        let mut rng = seeded(budget.seed);
         let search = &mut self.search;
         let quest = Quest { problem, config: &config.search, grid, draws: budget.draws };
         let found = search.run(quest, &mut self.checker, &mut rng, keep_on);

@@ -5,7 +5,7 @@ use crate::body::{BodyCapsule, BodyShape};
 use crate::collide::Checker;
 use crate::driven::Driven;
 use crate::limits::JointLimits;
-use crate::linkage::{Chain, MAX_JOINTS};
+use crate::linkage::{Chain, Limb, MAX_JOINTS};
 use crate::problem::{BodyPart, PRESENT_STEP_S, Pair, Part, PlacedSolid, Problem, Solid, Target};
 use crate::shape::Segment;
 use crate::track::Track;
@@ -89,7 +89,8 @@ impl Problem {
 
     fn all_pairs(&self, spec: &ProblemSpec<'_>) -> Vec<Pair> {
         let others_bend = spec.others.iter().map(|o| o.motion.bend_m(|_| true)).fold(0.0, f64::max);
-        let own_bend = spec.motion.bend_m(|j| chain_link(&self.chain, j).is_none());
+        // What carries the limb goes with the trunk.
+        let own_bend = spec.motion.bend_m(|j| Limb::ALL.iter().all(|l| !l.moves(j)));
         let mut pairs = Vec::new();
         let targets = (0..self.solids.len()).map(Target::Solid).chain((0..self.bodies.len()).map(Target::Body));
         for target in targets {
@@ -98,7 +99,10 @@ impl Problem {
                     Target::Solid(s) => (self.solids[s].solid.name.as_str(), spec.clearance_m + own_bend),
                     Target::Body(b) => match &self.bodies[b].of {
                         Some(who) => (who.as_str(), spec.clearance_m + own_bend + others_bend),
-                        None => (self.bodies[b].joint.name(), 2.0 * own_bend - spec.self_press_m),
+                        None => {
+                            let joint = self.bodies[b].joint;
+                            (joint.name(), own_bend + spec.motion.bend_m(|j| j == joint) - spec.self_press_m)
+                        }
                     },
                 };
                 let allowance = spec.allowed.iter().find(|a| names(a, &part.name, with));

@@ -1,160 +1,79 @@
-//! `TASK.toml`.
+//! `TASK.toml`, checked.
 
-use super::obj;
+use super::entries::{CharacterEntry, PlannerEntry, ShapeEntry, TaskFile, ThingEntry};
+use super::mesh;
+use super::step::{Step, steps};
 use crate::collide::EdgeCheck;
 use crate::correct::CorrectConfig;
-use crate::linkage::Limb;
 use crate::planner::{Budget, PlanConfig};
-use crate::problem::Solid;
-use crate::rotation::{Rigid, exp};
-use crate::shape::{Mesh, Segment, Shape};
+use crate::rotation::{Rigid, about, exp};
+use crate::shape::{Segment, Shape};
 use crate::track::Path as Motion;
 use glam::DVec3;
-use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use throng_base::Result;
-use throng_base::file::{MAX_TEXT_BYTES, read_file};
-use throng_base::text::{Source, did_you_mean};
+use throng_base::text::Source;
+use throng_core::Joint;
 
-const HELP: &str = "A task has `clip`, `[[scene.obstacles]]`, `[[tasks]]` and `[planner]`.";
+pub use super::entries::ClipEntry;
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TaskFile {
-    clip: PathBuf,
-    #[serde(default)]
-    scene: SceneEntry,
-    tasks: Vec<TaskEntry>,
-    #[serde(default)]
-    planner: PlannerEntry,
+const HELP: &str = "A task has `clip`, `[[characters]]`, `[[scene.obstacles]]`, `[[scene.objects]]`, `[[tasks]]` and \
+                    `[planner]`; `throng schema --of task` lists every key.";
+/// Most characters, things or tasks of a file.
+const MOST: usize = 1000;
+
+/// Somebody of a task.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Character {
+    /// How tasks and messages call it.
+    pub name: String,
+    /// Its motion; a file is seen from the task's folder.
+    pub clip: ClipEntry,
+    /// By how much its motion is moved and turned.
+    pub placed: Rigid,
 }
 
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SceneEntry {
-    #[serde(default)]
-    obstacles: Vec<ObstacleEntry>,
+/// An obstacle or an object.
+#[derive(Clone, Debug)]
+pub struct Thing {
+    /// How tasks and messages call it.
+    pub name: String,
+    /// All of them in its frame.
+    pub shapes: Vec<Shape>,
+    /// Where it is until somebody takes it.
+    pub start: Start,
+    /// True where it can be taken.
+    pub is_object: bool,
 }
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ObstacleEntry {
-    name: String,
-    shape: ShapeEntry,
-    #[serde(default)]
-    at: [f64; 3],
-    #[serde(default)]
-    turn_deg: [f64; 3],
-    #[serde(default)]
-    keys: Vec<KeyEntry>,
+/// Where a thing is at first.
+#[derive(Clone, Debug)]
+pub enum Start {
+    /// By itself.
+    Path(Motion),
+    /// Carried by a joint of a character.
+    On {
+        /// Which character.
+        character: usize,
+        /// Its joint.
+        joint: Joint,
+        /// The thing in the joint's frame.
+        offset: Rigid,
+    },
 }
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-enum ShapeEntry {
-    Ball { radius: f64 },
-    Box { size: [f64; 3] },
-    Capsule { from: [f64; 3], to: [f64; 3], radius: f64 },
-    Mesh { file: PathBuf },
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct KeyEntry {
-    t_s: f64,
-    at: [f64; 3],
-    #[serde(default)]
-    turn_deg: [f64; 3],
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct GripEntry {
-    at: [f64; 3],
-    #[serde(default)]
-    turn_deg: [f64; 3],
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TaskEntry {
-    limb: Limb,
-    #[serde(rename = "do")]
-    deed: Deed,
-    object: Option<String>,
-    at_s: Option<f64>,
-    window_s: Option<[f64; 2]>,
-    #[serde(default)]
-    grips: Vec<GripEntry>,
-}
-
-/// What a limb has to do.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Deed {
-    /// Give way where it collides.
-    Correct,
-    /// Touch an object and come back.
-    Touch,
-    /// Take an object along.
-    Grab,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct PlannerEntry {
-    seed: u64,
-    draws: u32,
-    budget_s: Option<f64>,
-    epsilon_m: f64,
-    resolution_rad: Option<f64>,
-    clearance_m: f64,
-    straighten: u32,
-    round_s: f64,
-    blend_s: f64,
-}
-
-impl Default for PlannerEntry {
-    fn default() -> Self {
-        let (plan, budget) = (PlanConfig::default(), CorrectConfig::default().budget);
-        Self {
-            seed: budget.seed,
-            draws: budget.draws,
-            budget_s: None,
-            epsilon_m: plan.search.epsilon_m,
-            resolution_rad: None,
-            clearance_m: 0.005,
-            straighten: plan.smooth.straighten,
-            round_s: plan.smooth.round_s,
-            blend_s: plan.smooth.blend_s,
-        }
-    }
-}
-
-/// A task that was read: obstacles as solids, tasks in their order.
+/// A task that was read.
 #[derive(Clone, Debug)]
 pub struct Task {
-    /// The clip to change, from the file's folder.
-    pub clip: PathBuf,
-    /// What is around.
-    pub solids: Vec<Solid>,
+    /// Who is there: first the one whose clip it is about.
+    pub characters: Vec<Character>,
+    /// What is there.
+    pub things: Vec<Thing>,
     /// How plans are made; the rate of the budget is the clip's.
     pub config: CorrectConfig<'static>,
-    /// How far everything stays from solids (m).
+    /// How far everything stays from things (m).
     pub clearance_m: f64,
     pub(super) steps: Vec<Step>,
-}
-
-/// One thing to do.
-#[derive(Clone, Debug)]
-pub(super) struct Step {
-    pub limb: Limb,
-    pub deed: Deed,
-    /// Which solid.
-    pub object: Option<usize>,
-    pub times_s: [f64; 3],
-    pub grips: Vec<Rigid>,
 }
 
 impl Task {
@@ -166,7 +85,7 @@ impl Task {
         Self::of(&Source::read(path, "a task")?)
     }
 
-    /// Reads a task from its text; meshes and the clip are looked for beside `path`.
+    /// Reads a task from its text; meshes and clips are looked for beside `path`.
     ///
     /// # Errors
     /// As [`Task::read`].
@@ -174,93 +93,168 @@ impl Task {
         Self::of(&Source::new(text, path))
     }
 
+    /// The schema of task files.
+    pub fn json_schema() -> schemars::Schema {
+        schemars::schema_for!(TaskFile)
+    }
+
+    /// Number of things to do.
+    pub fn num_steps(&self) -> usize {
+        self.steps.len()
+    }
+
     fn of(source: &Source) -> Result<Self> {
         let file: TaskFile = source.parse(HELP)?;
         let folder = source.path().parent().unwrap_or(Path::new(""));
-        let mut solids: Vec<Solid> = Vec::new();
-        for (i, o) in file.scene.obstacles.iter().enumerate() {
-            let key = format!("scene.obstacles[{i}]");
-            if solids.iter().any(|s| s.name == o.name) {
-                return Err(source.at(&key, format!("there are two obstacles `{}`; rename one of them", o.name)));
-            }
-            solids.push(o.solid(folder).map_err(|why| source.at(&key, format!("`{}`: {why}", o.name)))?);
+        let numbers = [
+            ("characters", file.characters.len()),
+            ("scene.obstacles", file.scene.obstacles.len()),
+            ("scene.objects", file.scene.objects.len()),
+            ("tasks", file.tasks.len()),
+        ];
+        if let Some((key, n)) = numbers.into_iter().find(|(_, n)| *n > MOST) {
+            return Err(source.at(key, format!("expected {MOST} at most, found {n}")));
         }
-        let step = |(i, t): (usize, &TaskEntry)| t.step(&solids).map_err(|why| source.at(&format!("tasks[{i}]"), why));
-        let steps = file.tasks.iter().enumerate().map(step).collect::<Result<_>>()?;
+        let clip = clip(&file.clip, folder).map_err(|why| source.at("clip", why))?;
+        let mut names = vec![file.name.clone()];
+        let mut characters = vec![Character { name: file.name.clone(), clip, placed: Rigid::IDENTITY }];
+        for (i, c) in file.characters.iter().enumerate() {
+            let key = format!("characters[{i}]");
+            new_name(&mut names, &c.name).map_err(|why| source.at(&key, why))?;
+            characters.push(c.character(folder).map_err(|why| source.at(&key, why))?);
+        }
+        let mut things: Vec<Thing> = Vec::new();
+        let lists = [("obstacles", &file.scene.obstacles, false), ("objects", &file.scene.objects, true)];
+        for (list, entries, is_object) in lists {
+            for (i, o) in entries.iter().enumerate() {
+                let key = format!("scene.{list}[{i}]");
+                new_name(&mut names, &o.name).map_err(|why| source.at(&key, why))?;
+                let thing = o.thing(folder, &characters, is_object);
+                things.push(thing.map_err(|why| source.at(&key, format!("`{}`: {why}", o.name)))?);
+            }
+        }
+        let steps =
+            steps(&file.tasks, &characters, &things).map_err(|(i, why)| source.at(&format!("tasks[{i}]"), why))?;
         let config = file.planner.config().map_err(|(key, why)| source.at(&format!("planner.{key}"), why))?;
-        let clearance_m = file.planner.clearance_m;
-        Ok(Self { clip: folder.join(&file.clip), solids, config, clearance_m, steps })
+        Ok(Self { characters, things, config, clearance_m: file.planner.clearance_m, steps })
     }
 }
 
-fn placed(at: [f64; 3], turn_deg: [f64; 3]) -> Rigid {
+fn new_name(names: &mut Vec<String>, name: &str) -> std::result::Result<(), String> {
+    if name.is_empty() || name.contains(['.', '/', '\\']) || Joint::from_name(name).is_some() {
+        return Err(format!("expected a name without `.` and `/` that no joint has, found `{name}`"));
+    }
+    if names.iter().any(|n| n == name) {
+        return Err(format!("there are two of `{name}`; rename one of them"));
+    }
+    names.push(name.into());
+    Ok(())
+}
+
+fn clip(entry: &ClipEntry, folder: &Path) -> std::result::Result<ClipEntry, String> {
+    if entry.file.is_some() == entry.synth.is_some() || (entry.clip.is_some() && entry.synth.is_none()) {
+        return Err("expected `file`, or `synth` with or without `clip`".into());
+    }
+    let to_s = entry.to_s.unwrap_or(f64::INFINITY);
+    if !(entry.from_s >= 0.0 && entry.from_s < to_s) {
+        return Err(format!("expected 0 <= from_s < to_s, found {} and {to_s}", entry.from_s));
+    }
+    let file: Option<PathBuf> = entry.file.as_ref().map(|f| folder.join(f));
+    Ok(ClipEntry { file, ..entry.clone() })
+}
+
+pub(super) fn placed(at: [f64; 3], turn_deg: [f64; 3]) -> Rigid {
     Rigid { position: DVec3::from(at), rotation: exp(DVec3::from(turn_deg) * (std::f64::consts::PI / 180.0)) }
 }
 
-impl ObstacleEntry {
-    fn solid(&self, folder: &Path) -> std::result::Result<Solid, String> {
-        let shape = match &self.shape {
-            ShapeEntry::Ball { radius } => Shape::ball(*radius),
-            ShapeEntry::Box { size } => Shape::cuboid(DVec3::from(*size)),
-            ShapeEntry::Capsule { from, to, radius } => {
-                Shape::Round { core: Segment::new(DVec3::from(*from), DVec3::from(*to)), radius: *radius }
-            }
-            ShapeEntry::Mesh { file } => mesh(&folder.join(file))?,
-        };
-        if !shape.is_valid() {
+impl CharacterEntry {
+    fn character(&self, folder: &Path) -> std::result::Result<Character, String> {
+        let placed = Rigid { position: DVec3::from(self.at), rotation: about(DVec3::Y, self.heading_deg.to_radians()) };
+        if !placed.is_valid() {
+            return Err("expected finite numbers".into());
+        }
+        Ok(Character { name: self.name.clone(), clip: clip(&self.clip, folder)?, placed })
+    }
+}
+
+/// Character and joint of `CHARACTER.JOINT`.
+pub(super) fn joint_of(name: &str, characters: &[Character]) -> std::result::Result<(usize, Joint), String> {
+    let wrong = || {
+        let known: Vec<&str> = characters.iter().map(|c| c.name.as_str()).collect();
+        format!(
+            "expected CHARACTER.JOINT, such as `{}.right_hand`, found `{name}`; characters are {}",
+            known[0],
+            known.join(", ")
+        )
+    };
+    let (who, joint) = name.rsplit_once('.').ok_or_else(wrong)?;
+    let who = characters.iter().position(|c| c.name == who).ok_or_else(wrong)?;
+    Ok((who, Joint::from_name(joint).ok_or_else(wrong)?))
+}
+
+impl ThingEntry {
+    fn thing(&self, folder: &Path, characters: &[Character], is_object: bool) -> std::result::Result<Thing, String> {
+        let entries: Vec<&ShapeEntry> = self.shape.iter().chain(&self.shapes).collect();
+        if entries.is_empty() || entries.len() > MOST {
+            return Err(format!("expected `shape`, or 1 to {MOST} `shapes`"));
+        }
+        let shapes: Vec<Shape> = entries.iter().map(|s| s.shape(folder)).collect::<std::result::Result<_, _>>()?;
+        if !shapes.iter().all(Shape::is_valid) {
             return Err("expected finite numbers and positive sizes".into());
         }
-        let path = if self.keys.is_empty() {
-            Motion::Still(placed(self.at, self.turn_deg))
-        } else {
-            let keys: Vec<(f64, Rigid)> = self.keys.iter().map(|k| (k.t_s, placed(k.at, k.turn_deg))).collect();
-            Motion::keys(&keys)
+        let here = placed(self.at, self.turn_deg);
+        let keys: Vec<(f64, Rigid)> = self.keys.iter().map(|k| (k.t_s, placed(k.at, k.turn_deg))).collect();
+        let start = match (&self.attached_to, keys.is_empty()) {
+            (Some(_), _) if !is_object => return Err("obstacles are attached to nothing; list it in `objects`".into()),
+            (Some(_), false) => return Err("expected `keys` or `attached_to`, found both".into()),
+            (Some(name), true) => {
+                let (character, joint) = joint_of(name, characters)?;
+                Start::On { character, joint, offset: here }
+            }
+            (None, false) => Start::Path(Motion::keys(&keys)),
+            (None, true) => Start::Path(Motion::Still(here)),
         };
-        if !path.is_valid(0.0, 0.0) {
+        let is_valid = match &start {
+            Start::Path(path) => path.is_valid(0.0, 0.0),
+            Start::On { offset, .. } => offset.is_valid(),
+        };
+        if !is_valid {
             return Err("expected finite places, and keys whose times ascend".into());
         }
-        Ok(Solid { name: self.name.clone(), shape, path })
+        Ok(Thing { name: self.name.clone(), shapes, start, is_object })
     }
 }
 
-fn mesh(path: &Path) -> std::result::Result<Shape, String> {
-    if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
-        return Err(format!("{}: expected a mesh as OBJ; export it as that", path.display()));
-    }
-    let bytes = read_file(path, "a mesh", MAX_TEXT_BYTES).map_err(|e| e.to_string())?;
-    let text = String::from_utf8_lossy(&bytes);
-    let triangles = obj::triangles(&text).map_err(|(line, why)| format!("{}:{line}: {why}", path.display()))?;
-    let mesh = Mesh::new(triangles).map_err(|e| format!("{}: {e}", path.display()))?;
-    Ok(Shape::Mesh(Arc::new(mesh)))
-}
-
-impl TaskEntry {
-    fn step(&self, solids: &[Solid]) -> std::result::Result<Step, String> {
-        let find = |name: &String| {
-            let unknown = || {
-                let meant = did_you_mean(name, solids.iter().map(|s| s.name.as_str()));
-                format!("there is no object `{name}` among the obstacles.{meant}")
-            };
-            solids.iter().position(|s| s.name == *name).ok_or_else(unknown)
-        };
-        let object = self.object.as_ref().map(find).transpose()?;
-        let grips: Vec<Rigid> = self.grips.iter().map(|g| placed(g.at, g.turn_deg)).collect();
-        if grips.iter().any(|g| !g.is_valid()) {
-            return Err("grips: expected finite numbers".into());
-        }
-        let times_s = match (self.deed, self.at_s, self.window_s) {
-            (Deed::Correct, None, None) if object.is_none() && grips.is_empty() => [0.0; 3],
-            (Deed::Correct, ..) => {
-                return Err("`correct` needs nothing but `limb`: it finds collisions by itself".into());
+impl ShapeEntry {
+    fn shape(&self, folder: &Path) -> std::result::Result<Shape, String> {
+        Ok(match self {
+            Self::Ball { radius, at } => {
+                Shape::Round { core: Segment::new(DVec3::from(*at), DVec3::from(*at)), radius: *radius }
             }
-            (_, Some(at_s), Some([from, to])) if from < at_s && at_s < to => [from, at_s, to],
-            (_, Some(_), Some(_)) => return Err("expected `at_s` within `window_s`".into()),
-            _ => return Err("expected `at_s` and `window_s`, from when to when the limb leaves the clip".into()),
-        };
-        if self.deed != Deed::Correct && (object.is_none() || grips.is_empty()) {
-            return Err("expected `object` and `grips`, where the hand is as seen from the object".into());
+            Self::Box { size } => Shape::cuboid(DVec3::from(*size)),
+            Self::Capsule { from, to, radius } => {
+                Shape::Round { core: Segment::new(DVec3::from(*from), DVec3::from(*to)), radius: *radius }
+            }
+            Self::Mesh { file, unit_m, open } => mesh::read(&folder.join(file), *unit_m, *open)?,
+        })
+    }
+}
+
+impl Default for PlannerEntry {
+    fn default() -> Self {
+        let (plan, correct) = (PlanConfig::default(), CorrectConfig::default());
+        Self {
+            seed: correct.budget.seed,
+            draws: correct.budget.draws,
+            budget_s: None,
+            epsilon_m: plan.search.epsilon_m,
+            resolution_rad: None,
+            clearance_m: 0.005,
+            straighten: plan.smooth.straighten,
+            round_s: plan.smooth.round_s,
+            blend_s: plan.smooth.blend_s,
+            margin_s: correct.margin_s,
         }
-        Ok(Step { limb: self.limb, deed: self.deed, object, times_s, grips })
     }
 }
 
@@ -273,6 +267,7 @@ impl PlannerEntry {
             ("clearance_m", self.clearance_m, 0.0, 0.5),
             ("round_s", self.round_s, 0.0, 10.0),
             ("blend_s", self.blend_s, 0.0, 10.0),
+            ("margin_s", self.margin_s, 0.03, 10.0),
         ];
         for (key, value, least, most) in ranges {
             if !(least..=most).contains(&value) {
@@ -288,6 +283,8 @@ impl PlannerEntry {
         config.plan.smooth.straighten = self.straighten;
         config.plan.smooth.round_s = self.round_s;
         config.plan.smooth.blend_s = self.blend_s;
+        config.margin_s = self.margin_s;
+        config.margin_most_s = config.margin_most_s.max(self.margin_s);
         Ok(config)
     }
 }

@@ -1,10 +1,21 @@
-//! Tasks as files: what is around a clip, and what limbs have to do in it.
+//! Tasks as files: who and what is there, and what limbs have to do in it.
 
+mod check;
+mod deeds;
+mod entries;
 mod file;
+mod grips;
+mod held;
+mod mesh;
 mod obj;
 mod run;
+mod stage;
+mod step;
 #[cfg(test)]
 mod tests;
+mod visit;
 
-pub use file::Task;
-pub use run::{Done, TaskOutcome};
+pub use file::{Character, ClipEntry, Start, Task, Thing};
+pub use obj::triangles as obj_triangles;
+pub use run::{Attachment, Done, Event, NoClips, TaskOutcome};
+pub use stage::ActorClip;

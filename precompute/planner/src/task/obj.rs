@@ -9,7 +9,7 @@ const MAX_CORNERS: usize = 15_000_000;
 ///
 /// # Errors
 /// Number of the line (from 1), and what is wrong in it.
-pub(super) fn triangles(text: &str) -> Result<Vec<[Vec3; 3]>, (usize, String)> {
+pub fn triangles(text: &str) -> Result<Vec<[Vec3; 3]>, (usize, String)> {
     let (mut points, mut out) = (Vec::new(), Vec::new());
     for (i, line) in text.lines().enumerate() {
         let fail = |why: String| (i + 1, why);

@@ -1,112 +1,297 @@
 //! Does what a task says, one thing after the other.
 
-use super::file::{Deed, Step, Task};
-use crate::body::BodyShape;
-use crate::correct::{Corrected, correct};
-use crate::driven::Driven;
-use crate::limits::BodyLimits;
-use crate::linkage::{Limb, Linkage};
-use crate::manipulate::{Reach, Reached, reach};
-use crate::problem::{Solid, State};
-use crate::setup::{Allowed, ProblemSpec};
-use throng_core::Skeleton;
+use super::deeds::{Problems, do_step};
+use super::entries::Deed;
+use super::file::Task;
+use super::stage::{ActorClip, Stage, Whereabouts};
+use crate::correct::Span;
+use crate::linkage::Limb;
+use crate::planner::{Outcome, Unsolved};
+use crate::recheck::RecheckReport;
+use crate::track::Path;
+use serde::Serialize;
+use throng_core::Joint;
 use throng_motion::Clip;
-
-/// How long before it is reached and after a hand may touch what it reaches for (s).
-const CONTACT_S: f64 = 0.25;
 
 /// What came of one thing to do.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Done {
-    /// Every stretch in which the limb collided.
-    Corrected(Vec<Corrected>),
-    /// It was reached.
-    Reached(Box<Reached>),
-    /// It was not, and why.
-    Not(String),
+pub struct Done {
+    /// The task's name.
+    pub name: String,
+    /// Who did it.
+    pub character: usize,
+    /// With which limb.
+    pub limb: Limb,
+    /// Every plan that was made.
+    pub plans: Vec<Outcome>,
+    /// Where the clip collided, of corrections.
+    pub spans: Vec<Span>,
+    /// Why it was not done.
+    pub why: Option<String>,
+    /// How near it came where it was not done (m).
+    pub nearest_m: Option<f64>,
+}
+
+/// Where a thing is for a time: with a joint of somebody, on another thing, or by itself.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Attachment {
+    /// The thing.
+    pub object: String,
+    /// Who carries it.
+    pub character: Option<String>,
+    /// The joint that carries it.
+    pub joint: Option<String>,
+    /// The thing that it is on.
+    pub on: Option<String>,
+    /// From then on (s).
+    pub from_s: f64,
+    /// Until the next one, or to the end (s).
+    pub to_s: f64,
+    /// Seen from the joint or the thing, or from the world (m).
+    pub at: [f64; 3],
+    /// As a rotation vector (degrees).
+    pub turn_deg: [f64; 3],
+}
+
+/// Something that was touched or switched.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Event {
+    /// The thing.
+    pub object: String,
+    /// "touch" or "switch".
+    pub what: String,
+    /// Who did it.
+    pub character: String,
+    /// When (s).
+    pub at_s: f64,
 }
 
 /// What came of a task.
 #[derive(Clone, Debug)]
 pub struct TaskOutcome {
-    /// The clip with all that succeeded.
-    pub clip: Clip,
-    /// For each thing to do, in the file's order: the limb, and what came of it.
-    pub done: Vec<(Limb, Done)>,
+    /// Of every character: placed in the scene, before and after.
+    pub clips: Vec<[Clip; 2]>,
+    /// For each thing to do, in the file's order.
+    pub done: Vec<Done>,
+    /// Where things are that were taken or carried.
+    pub attachments: Vec<Attachment>,
+    /// What was touched and switched.
+    pub events: Vec<Event>,
+    /// What a check by other means found.
+    pub recheck: RecheckReport,
+    /// Where every thing is, by its number in the task, before and after: to be drawn.
+    pub paths: [Vec<Path>; 2],
 }
 
 impl TaskOutcome {
     /// True where everything was done.
     pub fn is_solved(&self) -> bool {
-        self.done.iter().all(|(_, done)| match done {
-            Done::Corrected(spans) => spans.iter().all(|c| c.outcome.is_ok()),
-            Done::Reached(_) => true,
-            Done::Not(_) => false,
-        })
+        self.done.iter().all(|d| d.why.is_none())
     }
+
+    /// How different the motion of another outcome of the same task is: the mean angle between the joints that either
+    /// changed, over the frames that either changed (rad).
+    pub fn distance_rad(&self, other: &Self) -> f64 {
+        let (mut sum, mut count) = (0.0, 0u32);
+        for ([before, a], [_, b]) in self.clips.iter().zip(&other.clips) {
+            for ((p, q), r) in a.rotations.iter().zip(&b.rotations).zip(&before.rotations) {
+                if p != r || q != r {
+                    sum += crate::rotation::angle(p.as_dquat().normalize(), q.as_dquat().normalize());
+                    count += 1;
+                }
+            }
+        }
+        if count > 0 { sum / f64::from(count) } else { 0.0 }
+    }
+}
+
+/// Clips that a task cannot use.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoClips {
+    /// Not one for each character.
+    #[error("expected {expected} clips, one for each character, found {found}")]
+    Number {
+        /// Characters.
+        expected: usize,
+        /// Clips.
+        found: usize,
+    },
+    /// Of another rate than the first one.
+    #[error("`{name}`: expected {expected_hz} frames a second, as the first clip has, found {found_hz}; resample it")]
+    Rate {
+        /// Whose.
+        name: String,
+        /// (Hz)
+        expected_hz: f64,
+        /// (Hz)
+        found_hz: f64,
+    },
+    /// Too short to be moved in.
+    #[error("`{name}`: expected a clip of two frames at least, found {found}")]
+    Short {
+        /// Whose.
+        name: String,
+        /// Frames.
+        found: usize,
+    },
 }
 
 impl Task {
-    /// Does everything in the file's order: what comes later sees the limbs as they were planned before. What cannot be done
-    /// leaves the clip as it was.
+    /// Does everything by its priority, and in the file's order where it is equal: what comes later sees the limbs as they
+    /// were planned before. What cannot be done is tried once more after all others, and leaves everything as it was.
     ///
-    /// - `clip`: on `skeleton`; its frame 0 is at time 0.
-    pub fn run(&self, clip: &Clip, skeleton: &Skeleton) -> TaskOutcome {
-        let limits = BodyLimits::built_in(skeleton);
-        let shape = BodyShape::fitted(skeleton);
-        let mut out = TaskOutcome { clip: clip.clone(), done: Vec::new() };
-        let mut solids = self.solids.clone();
-        for step in &self.steps {
-            let last_s = out.clip.num_frames().saturating_sub(1) as f64 / out.clip.rate_hz;
-            let motion = Driven::of_clip(&out.clip, skeleton, 0.0, last_s);
-            let linkage = Linkage::limb(step.limb);
-            let ends = [0.0, last_s].map(|time_s| State { pose: motion.limb_pose(linkage, time_s), time_s });
-            let spec = ProblemSpec::new(skeleton, linkage, &limits, &motion, &shape, ends);
-            let spec = ProblemSpec { solids: &solids, clearance_m: self.clearance_m, ..spec };
-            let done = match step.deed {
-                Deed::Correct => corrected(self, &mut out.clip, &spec),
-                Deed::Touch | Deed::Grab => reached(self, step, &mut out.clip, &spec),
-            };
-            if let (Deed::Grab, Done::Reached(_), Some(object)) = (step.deed, &done, step.object) {
-                // It is in the hand from then on, and no obstacle to what follows.
-                solids.retain(|s| s.name != self.solids[object].name);
+    /// - `clips`: one for each character, in the task's order; frame 0 is at time 0.
+    /// - `seed`: in place of the file's.
+    ///
+    /// # Errors
+    /// [`NoClips`].
+    pub fn run(&self, clips: &[ActorClip], seed: Option<u64>) -> Result<TaskOutcome, NoClips> {
+        self.check_clips(clips)?;
+        let mut stage = Stage::new(self, clips);
+        let paths_before = paths(&stage);
+        let mut config = self.config;
+        config.budget.seed = seed.unwrap_or(config.budget.seed);
+        let mut order: Vec<usize> = (0..self.steps.len()).collect();
+        order.sort_by_key(|i| self.steps[*i].priority);
+        let mut done: Vec<Option<Done>> = vec![None; self.steps.len()];
+        let mut failed = Vec::new();
+        for round in 0..2 {
+            for i in std::mem::take(if round == 0 { &mut order } else { &mut failed }) {
+                let one = attempt(&mut stage, i, &config);
+                if one.why.is_some() && round == 0 {
+                    failed.push(i);
+                }
+                done[i] = Some(one);
             }
-            out.done.push((step.limb, done));
         }
-        out
+        let recheck = super::check::check(&stage);
+        let attachments = attachments(&stage);
+        let done: Vec<Done> = done.into_iter().flatten().collect();
+        let events = events(self, &done);
+        let paths = [paths_before, paths(&stage)];
+        let clips = stage.actors.into_iter().map(|a| [a.before, a.clip]).collect();
+        Ok(TaskOutcome { clips, done, attachments, events, recheck, paths })
+    }
+
+    /// Where the limbs of a character collide with the scene: each limb, and stretches of its clip.
+    ///
+    /// # Errors
+    /// [`NoClips`]; problems that are none, as text.
+    pub fn collisions(&self, clips: &[ActorClip], who: usize) -> Result<Vec<(Limb, Span)>, Box<dyn std::error::Error>> {
+        self.check_clips(clips)?;
+        let stage = Stage::new(self, clips);
+        let mut out = Vec::new();
+        for limb in Limb::ALL {
+            let around = stage.around(who, limb, [0.0, stage.actors[who].end_s()]);
+            let others = stage.other_bodies(who);
+            let problem = crate::problem::Problem::prepare(&stage.spec(who, limb, &around, &others))?;
+            out.extend(crate::correct::collisions(&problem).into_iter().map(|span| (limb, span)));
+        }
+        Ok(out)
+    }
+
+    fn check_clips(&self, clips: &[ActorClip]) -> Result<(), NoClips> {
+        let (expected, found) = (self.characters.len(), clips.len());
+        if expected != found {
+            return Err(NoClips::Number { expected, found });
+        }
+        for (clip, who) in clips.iter().map(|c| &c.clip).zip(&self.characters) {
+            let (expected_hz, found_hz) = (clips[0].clip.rate_hz, clip.rate_hz);
+            if expected_hz != found_hz {
+                return Err(NoClips::Rate { name: who.name.clone(), expected_hz, found_hz });
+            }
+            if clip.num_frames() < 2 {
+                return Err(NoClips::Short { name: who.name.clone(), found: clip.num_frames() });
+            }
+        }
+        Ok(())
     }
 }
 
-fn corrected(task: &Task, clip: &mut Clip, spec: &ProblemSpec<'_>) -> Done {
-    match correct(clip, spec, &task.config) {
-        Ok((changed, spans)) => {
-            *clip = changed;
-            Done::Corrected(spans)
+/// Does a step, or leaves everything as it was.
+fn attempt(stage: &mut Stage<'_>, i: usize, config: &crate::correct::CorrectConfig<'_>) -> Done {
+    let step = &stage.task.steps[i];
+    let mut done = Done {
+        name: step.name.clone(),
+        character: step.character,
+        limb: step.limb,
+        plans: Vec::new(),
+        spans: Vec::new(),
+        why: None,
+        nearest_m: None,
+    };
+    let before = stage.clone();
+    match do_step(stage, step, config) {
+        Ok((plans, spans)) => (done.plans, done.spans) = (plans, spans),
+        Err(Problems { why, nearest_m, plans, spans, keep }) => {
+            if !keep {
+                *stage = before;
+            }
+            (done.why, done.nearest_m, done.plans, done.spans) = (Some(why), nearest_m, plans, spans);
         }
-        Err(e) => Done::Not(e.to_string()),
+    }
+    done
+}
+
+/// How near a search came (m).
+pub(super) fn nearest_of(why: &Unsolved) -> Option<f64> {
+    match why {
+        Unsolved::Spent { nearest_m, .. } => Some(*nearest_m),
+        Unsolved::Cancelled { .. } | Unsolved::Rate => None,
     }
 }
 
-fn reached(task: &Task, step: &Step, clip: &mut Clip, spec: &ProblemSpec<'_>) -> Done {
-    let Some(object) = step.object.map(|i| &task.solids[i]) else { return Done::Not("there is no object".into()) };
-    if !spec.solids.iter().any(|s: &Solid| s.name == object.name) {
-        return Done::Not(format!("`{}` is held already", object.name));
-    }
-    let at_s = step.times_s[1];
-    let [.., wrist_or_ankle] = step.limb.joints();
-    let allowed = [Allowed {
-        part: Some(wrist_or_ankle.name().into()),
-        with: object.name.clone(),
-        window_s: Some([at_s - CONTACT_S, at_s + CONTACT_S]),
-    }];
-    let spec = ProblemSpec { allowed: &allowed, ..spec.clone() };
-    let grasped = (step.deed == Deed::Grab).then_some(object.name.as_str());
-    let reach_for = Reach { object: &object.path, grips: &step.grips, times_s: step.times_s, grasped, carried: &[] };
-    match reach(clip, &spec, &reach_for, &task.config) {
-        Ok((changed, reached)) => {
-            *clip = changed;
-            Done::Reached(Box::new(reached))
+fn paths(stage: &Stage<'_>) -> Vec<Path> {
+    (0..stage.task.things.len()).map(|i| stage.path(i)).collect()
+}
+
+fn attachments(stage: &Stage<'_>) -> Vec<Attachment> {
+    let mut out = Vec::new();
+    for (thing, life) in stage.task.things.iter().zip(&stage.lives) {
+        if let [one] = &life[..]
+            && matches!(one.at, Whereabouts::Path(_))
+        {
+            continue;
         }
-        Err(e) => Done::Not(e.to_string()),
+        for (i, s) in life.iter().enumerate() {
+            let to_s = life.get(i + 1).map_or(stage.end_s(), |next| next.from_s);
+            let (on, place) = match &s.at {
+                Whereabouts::Path(path) => ([None, None, None], path.at(s.from_s.max(0.0))),
+                Whereabouts::On { character, joint, offset, .. } => {
+                    let who = stage.task.characters[*character].name.clone();
+                    ([Some(who), Some(Joint::name(*joint).into()), None], *offset)
+                }
+                Whereabouts::OnThing { thing, offset } => {
+                    ([None, None, Some(stage.task.things[*thing].name.clone())], *offset)
+                }
+            };
+            let [character, joint, on] = on;
+            let turn_deg = crate::rotation::log(place.rotation) * (180.0 / std::f64::consts::PI);
+            out.push(Attachment {
+                object: thing.name.clone(),
+                character,
+                joint,
+                on,
+                from_s: s.from_s.max(0.0),
+                to_s,
+                at: place.position.to_array(),
+                turn_deg: turn_deg.to_array(),
+            });
+        }
     }
+    out
+}
+
+fn events(task: &Task, done: &[Done]) -> Vec<Event> {
+    let all = task.steps.iter().zip(done).filter(|(_, d)| d.why.is_none());
+    let touches = all.filter(|(s, _)| matches!(s.deed, Deed::Touch | Deed::Switch));
+    let event = |(s, _): (&super::step::Step, &Done)| {
+        Some(Event {
+            object: task.things[s.object?].name.clone(),
+            what: s.deed.name().into(),
+            character: task.characters[s.character].name.clone(),
+            at_s: s.times_s[1],
+        })
+    };
+    touches.filter_map(event).collect()
 }

@@ -7,10 +7,10 @@ use throng_core::NUM_JOINTS;
 use throng_motion::Clip;
 
 /// A cup that moves past, and a ball that flies through the arm later.
-const TASK: &str = r#"
+pub const TASK: &str = r#"
 clip = "stand.bvh"
 
-[[scene.obstacles]]
+[[scene.objects]]
 name = "cup"
 shape = { ball = { radius = 0.04 } }
 keys = [{ t_s = 0.0, at = [0.1, 1.35, 0.42] }, { t_s = 3.0, at = [0.4, 1.35, 0.42] }]
@@ -40,11 +40,11 @@ do = "correct"
 seed = 3
 "#;
 
-fn parse(text: &str) -> Result<Task, String> {
+pub fn parse(text: &str) -> Result<Task, String> {
     Task::parse(text, Path::new("folder/t.toml")).map_err(|e| e.to_string())
 }
 
-fn stand(s: &Somebody) -> Clip {
+pub fn stand(s: &Somebody) -> Clip {
     let arm = s.pose(0.0, -0.7, 0.6);
     let mut row = vec![Quat::IDENTITY; NUM_JOINTS];
     for (i, j) in s.linkage.limb.joints().into_iter().enumerate() {
@@ -53,38 +53,184 @@ fn stand(s: &Somebody) -> Clip {
     Clip::new("stand", 30.0, vec![s.skeleton.offsets[0]; 151], row.repeat(151))
 }
 
+fn run(text: &str, s: &Somebody) -> TaskOutcome {
+    let task = parse(text).unwrap_or_else(|e| panic!("{e}"));
+    let clips = vec![ActorClip { clip: stand(s), skeleton: s.skeleton.clone() }; task.characters.len()];
+    task.run(&clips, None).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn why(outcome: &TaskOutcome, i: usize) -> &str {
+    outcome.done[i].why.as_deref().unwrap_or("it was done")
+}
+
 #[test]
 fn a_task_is_done_in_its_order() {
     let s = Somebody::standing();
     let task = parse(TASK).expect("a task");
-    assert_eq!(task.clip, Path::new("folder/stand.bvh"));
+    assert_eq!(task.characters[0].clip.file.as_deref(), Some(Path::new("folder/stand.bvh")));
     let clip = stand(&s);
-    let outcome = task.run(&clip, &s.skeleton);
+    let outcome = run(TASK, &s);
     assert!(outcome.is_solved(), "{:?}", outcome.done);
-    let [(_, Done::Reached(reached)), (_, Done::Corrected(spans))] = &outcome.done[..] else {
-        panic!("{:?}", outcome.done)
-    };
-    assert!(reached.attachment.is_some() && spans.len() == 1 && spans[0].span.with == "ball");
-    assert_ne!(outcome.clip.frame_rotations(40), clip.frame_rotations(40));
-    assert_eq!(outcome.clip.frame_rotations(80), clip.frame_rotations(80));
-    assert_eq!(outcome.clip, task.run(&clip, &s.skeleton).clip);
+    assert_eq!(outcome.recheck.violations, []);
+    assert_eq!(outcome.done[1].spans.len(), 1);
+    assert_eq!(outcome.done[1].spans[0].with, "ball");
+    let [cup_lay, held] = &outcome.attachments[..] else { panic!("{:?}", outcome.attachments) };
+    assert_eq!((cup_lay.to_s, held.from_s), (1.4, 1.4));
+    assert_eq!((held.character.as_deref(), held.joint.as_deref()), (Some("main"), Some("left_hand")));
+    let after = &outcome.clips[0][1];
+    assert_ne!(after.frame_rotations(40), clip.frame_rotations(40));
+    assert_eq!(after.frame_rotations(80), clip.frame_rotations(80));
+    assert_eq!(*after, run(TASK, &s).clips[0][1]);
 }
 
 #[test]
 fn what_cannot_be_done_is_said_and_leaves_the_clip() {
     let s = Somebody::standing();
-    let clip = stand(&s);
-    let far = parse(&TASK.replace("0.42] }", "0.9] }")).expect("a task").run(&clip, &s.skeleton);
-    assert!(matches!(&far.done[0].1, Done::Not(why) if why.contains("out of reach by 0.")), "{:?}", far.done);
-    assert!(!far.is_solved());
-    let late = parse(&TASK.replace("at_s = 1.4", "at_s = 7.4").replace("[0.5, 2.3]", "[7.0, 8.0]")).expect("a task");
-    assert!(
-        matches!(&late.run(&clip, &s.skeleton).done[0].1, Done::Not(why) if why.contains("within the clip's 0 to 5.00 s"))
-    );
+    let far = run(&TASK.replace("0.42] }", "0.9] }"), &s);
+    assert!(why(&far, 0).contains("out of reach by 0.") && far.done[0].nearest_m.is_some_and(|m| m > 0.1));
+    assert!(!far.is_solved() && far.recheck.violations.is_empty() && far.attachments.is_empty());
+    let late = run(&TASK.replace("at_s = 1.4", "at_s = 7.4").replace("[0.5, 2.3]", "[7.0, 8.0]"), &s);
+    assert!(why(&late, 0).contains("within the clip's 0 to 5.00 s"), "{}", why(&late, 0));
     let grab = &TASK[TASK.find("[[tasks]]").expect("tasks")..TASK.rfind("[[tasks]]").expect("tasks")];
-    let twice = parse(&format!("{TASK}\n").replace("[planner]", &format!("{}\n[planner]", grab.replace("1.4", "1.5"))));
-    let twice = twice.expect("a task").run(&clip, &s.skeleton);
-    assert!(matches!(&twice.done[2].1, Done::Not(why) if why.contains("held already")), "{:?}", twice.done);
+    let again = grab.replace("at_s = 1.4", "at_s = 3.0").replace("[0.5, 2.3]", "[2.6, 3.3]");
+    let twice = run(&TASK.replace("[planner]", &format!("{again}\n[planner]")), &s);
+    assert!(why(&twice, 2).contains("held by main's left arm already"), "{}", why(&twice, 2));
+    let drop =
+        "[[tasks]]\nlimb = \"left_arm\"\ndo = \"drop\"\nobject = \"cup\"\nat_s = 1.0\nwindow_s = [0.5, 1.5]\nto = {}\n";
+    let empty = run(&format!("{}{drop}[planner]\n", &TASK[..TASK.find("[[tasks]]").expect("tasks")]), &s);
+    assert!(why(&empty, 0).contains("does not hold `cup`"), "{}", why(&empty, 0));
+}
+
+/// A cup that is taken, laid down, taken by the other hand and handed back.
+const ERRANDS: &str = r#"
+clip = "stand.bvh"
+
+[[scene.obstacles]]
+name = "table"
+shape = { box = { size = [1.2, 0.02, 0.2] } }
+at = [0.0, 0.98, 0.5]
+
+[[scene.objects]]
+name = "cup"
+shape = { capsule = { from = [0.0, -0.07, 0.0], to = [0.0, 0.07, 0.0], radius = 0.03 } }
+at = [0.3, 1.09, 0.45]
+
+[[tasks]]
+limb = "left_arm"
+do = "grab"
+object = "cup"
+at_s = 0.8
+window_s = [0.1, 1.4]
+grips = [{ at = [0.0, -0.04, 0.0] }]
+
+[[tasks]]
+limb = "left_arm"
+do = "hand_over"
+object = "cup"
+to = { at = [0.0, 1.4, 0.45] }
+receiver = { limb = "right_arm", grips = [{ at = [0.0, 0.05, 0.0] }] }
+at_s = 2.0
+window_s = [1.4, 2.8]
+
+[[tasks]]
+limb = "right_arm"
+do = "drop"
+object = "cup"
+to = { on = "table", at = [-0.3, 0.11, -0.05] }
+at_s = 3.6
+window_s = [2.8, 4.4]
+"#;
+
+#[test]
+fn a_cup_goes_from_hand_to_hand_and_is_laid_down() {
+    let s = Somebody::standing();
+    let outcome = run(ERRANDS, &s);
+    assert!(outcome.is_solved(), "{:?}", outcome.done);
+    assert_eq!(outcome.recheck.violations, []);
+    let who: Vec<_> = outcome.attachments.iter().map(|a| (a.joint.as_deref(), a.on.as_deref(), a.from_s)).collect();
+    let expected = [
+        (None, None, 0.0),
+        (Some("left_hand"), None, 0.8),
+        (Some("right_hand"), None, 2.0),
+        (None, Some("table"), 3.6),
+    ];
+    assert_eq!(who, expected);
+    // Where the cup is, hand by hand, it is where it was brought.
+    let at = |t: f64| outcome.paths[1][1].at(t).position;
+    assert!(at(2.0).distance(glam::DVec3::new(0.0, 1.4, 0.45)) < 1e-4, "{}", at(2.0));
+    assert!(at(4.9).distance(glam::DVec3::new(-0.3, 1.09, 0.45)) < 1e-9, "{}", at(4.9));
+    // What was planned earlier is not undone by what comes later.
+    let busy = run(&ERRANDS.replace("[1.4, 2.8]", "[0.5, 2.8]"), &s);
+    assert!(why(&busy, 1).contains("has to be elsewhere at 0.80 s"), "{}", why(&busy, 1));
+}
+
+#[test]
+fn a_failed_task_is_tried_again_after_the_others() {
+    let s = Somebody::standing();
+    // The second task of the file comes first, and needs what the first one does.
+    let text = ERRANDS.replace("do = \"grab\"", "do = \"grab\"\npriority = 1");
+    let outcome = run(&text, &s);
+    assert!(outcome.is_solved(), "{:?}", outcome.done);
+    assert_eq!(outcome.done[0].name, "left_arm grab cup");
+}
+
+#[test]
+fn seeds_differ_and_one_seed_does_not() {
+    let s = Somebody::standing();
+    let task = parse(TASK).expect("a task");
+    let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
+    let of = |seed: u64| task.run(&clips, Some(seed)).expect("clips");
+    let (a, b) = (of(1), of(2));
+    assert_eq!(a.distance_rad(&of(1)), 0.0);
+    assert!(a.distance_rad(&b) > 0.0 && (a.distance_rad(&b) - b.distance_rad(&a)).abs() < 1e-12);
+}
+
+#[test]
+fn clips_that_do_not_fit_are_refused() {
+    let s = Somebody::standing();
+    let task = parse(&format!("{TASK}\n[[characters]]\nname = \"Bo\"\nclip = \"b.bvh\"\n")).expect("a task");
+    let one = ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() };
+    let fast = ActorClip { clip: Clip { rate_hz: 60.0, ..one.clip.clone() }, ..one.clone() };
+    assert!(matches!(task.run(std::slice::from_ref(&one), None), Err(NoClips::Number { expected: 2, found: 1 })));
+    assert!(matches!(task.run(&[one.clone(), fast], None), Err(NoClips::Rate { .. })));
+    let short = Clip::new("s", 30.0, vec![glam::Vec3::Y], vec![Quat::IDENTITY; NUM_JOINTS]);
+    let short = ActorClip { clip: short, ..one.clone() };
+    assert!(matches!(task.run(&[one, short], None), Err(NoClips::Short { .. })));
+}
+
+#[test]
+fn an_upper_arm_that_the_clip_presses_into_the_chest_is_left_alone() {
+    let s = Somebody::standing();
+    let task = parse(TASK).expect("a task");
+    let mut clip = stand(&s);
+    // The arm hangs so steeply that it is in the trunk.
+    for frame in 0..clip.num_frames() {
+        clip.rotations[frame * NUM_JOINTS + throng_core::Joint::LeftUpperArm.index()] = Quat::from_rotation_z(-1.75);
+    }
+    let found = |pressed: bool| {
+        let clips = [ActorClip { clip: clip.clone(), skeleton: s.skeleton.clone() }];
+        let mut stage = stage::Stage::new(&task, &clips);
+        if !pressed {
+            stage.actors[0].pressed.clear();
+        }
+        let limb = crate::linkage::Limb::LeftArm;
+        let around = stage.around(0, limb, [0.0, 5.0]);
+        let problem = crate::problem::Problem::prepare(&stage.spec(0, limb, &around, &[])).expect("a problem");
+        crate::correct::collisions(&problem).iter().filter(|c| c.part == "left_upper_arm").count()
+    };
+    assert!(found(false) > 0 && found(true) == 0);
+}
+
+#[test]
+fn collisions_of_a_clip_name_limb_part_and_obstacle() {
+    let s = Somebody::standing();
+    let task = parse(TASK).expect("a task");
+    let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
+    let found = task.collisions(&clips, 0).expect("a scene");
+    let [(limb, span)] = &found[..] else { panic!("{found:?}") };
+    assert_eq!((*limb, span.with.as_str()), (crate::linkage::Limb::LeftArm, "ball"));
+    // The ball is nearest at 3.8 s.
+    assert!(span.from_s < 3.8 && 3.8 < span.to_s && span.to_s - span.from_s < 0.4 && span.depth_m > 0.01, "{span:?}");
 }
 
 #[test]
@@ -97,12 +243,24 @@ fn faults_name_their_line() {
         ("radius = 0.06", "radius = -0.06", "positive sizes"),
         ("radius = 0.06", "radius = nan", "positive sizes"),
         ("t_s = 3.8", "t_s = 3.1", "times ascend"),
-        ("name = \"ball\"", "name = \"cup\"", "two obstacles `cup`"),
+        ("name = \"ball\"", "name = \"cup\"", "two of `cup`"),
         ("{ ball = { radius = 0.06 } }", "{ mesh = { file = \"a.obj\" } }", "a.obj"),
-        ("{ ball = { radius = 0.06 } }", "{ mesh = { file = \"a.stl\" } }", "expected a mesh as OBJ"),
+        ("{ ball = { radius = 0.06 } }", "{ mesh = { file = \"a.stl\" } }", "expected a mesh as OBJ, glTF or GLB"),
         ("seed = 3", "epsilon_m = 0.0", "expected 0.01 to 10"),
         ("seed = 3", "sed = 3", "Did you mean `seed`?"),
-        ("grips = [{ at = [0.0, 0.0, -0.09], turn_deg = [0.0, -83.0, 0.0] }]", "", "expected `object` and `grips`"),
+        ("clip = \"stand.bvh\"", "clip = {}", "expected `file`, or `synth`"),
+        ("clip = \"stand.bvh\"", "clip = { synth = \"walk\", from_s = 2.0, to_s = 1.0 }", "0 <= from_s < to_s"),
+        ("clip = \"stand.bvh\"", "clip = 3", "expected a motion file, or a table"),
+        ("limb = \"left_arm\"", "limb = \"left_leg\"", "feet hold nothing"),
+        ("limb = \"left_arm\"", "character = \"Bo\"\nlimb = \"left_arm\"", "no character `Bo`"),
+        ("object = \"cup\"", "object = \"ball\"", "is an obstacle, which stays"),
+        ("object = \"cup\"", "object = \"cup\"\nto = {}", "needs no `to`"),
+        ("do = \"grab\"", "do = \"drop\"", "expected `to`"),
+        ("do = \"grab\"", "do = \"grab\"\ncontacts = [\"cap\"]", "Did you mean `cup`?"),
+        ("do = \"grab\"", "do = \"grab\"\nstyle = { left_shin = {} }", "has no joint `left_shin`"),
+        ("name = \"ball\"", "name = \"ball\"\nattached_to = \"main.head\"", "list it in `objects`"),
+        ("name = \"cup\"", "name = \"cup\"\nattached_to = \"main.hat\"", "expected `keys` or `attached_to`"),
+        ("grips = [{ at = [0.0, 0.0, -0.09], turn_deg = [0.0, -83.0, 0.0] }]", "", "expected `grips`"),
     ];
     for (from, to, why) in cases {
         let e = parse(&TASK.replacen(from, to, 1)).expect_err(why);
@@ -129,13 +287,46 @@ fn objects_are_read_as_their_format_says() {
     }
 }
 
+/// A cube of twelve triangles as OBJ.
+const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
+                    f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+#[test]
+fn meshes_are_closed_or_said_to_be_open() {
+    let cube = obj::triangles(CUBE).expect("triangles");
+    assert_eq!((cube.len(), mesh::open_edges(&cube)), (12, 0));
+    assert_eq!(mesh::open_edges(&cube[1..]), 3);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("cube.obj");
+    let read = |text: &str, unit_m: f64, open: bool| {
+        std::fs::write(&path, text).expect("a file");
+        mesh::read(&path, unit_m, open)
+    };
+    let size = |shape: crate::shape::Shape| shape.ball_around().1 * 2.0;
+    let diagonal = size(read(CUBE, 0.01, false).expect("a mesh"));
+    assert!((diagonal - 0.03f64.sqrt() * 0.1).abs() < 1e-6, "{diagonal}");
+    let holed = CUBE.replace("f 4 1 5 8\n", "");
+    let e = read(&holed, 1.0, false).unwrap_err();
+    assert!(e.contains("cube.obj: 4 edges") && e.contains("open = true"), "{e}");
+    assert!(read(&holed, 1.0, true).is_ok());
+    for (text, unit_m, why) in [
+        ("", 1.0, "no triangles"),
+        (CUBE, 0.0, "positive `unit_m`"),
+        (CUBE, f64::NAN, "positive `unit_m`"),
+        ("v 0 0 nan\n", 1.0, "cube.obj:1: expected `v x y z`"),
+    ] {
+        let e = read(text, unit_m, true).unwrap_err();
+        assert!(e.contains(why), "{e}");
+    }
+}
+
 proptest! {
     #[test]
     fn damaged_tasks_and_objects_do_no_harm(cut in 0usize..1000, with in "[\\[\\]{}=\\-0-9a-z./ \"\\n]{0,4}", skip in 0usize..8) {
         let cut = cut % TASK.len();
         let text = format!("{}{with}{}", &TASK[..cut], &TASK[(cut + skip).min(TASK.len())..]);
         if let Ok(task) = parse(&text) {
-            prop_assert!(task.solids.iter().all(|s| s.shape.is_valid()));
+            prop_assert!(task.things.iter().flat_map(|t| &t.shapes).all(|s| s.is_valid()));
         }
         let _ = obj::triangles(&text);
         let _ = obj::triangles(&format!("v 0 0 0\nv 1 {with} 0\nf {with} {cut} -{skip}\n"));

@@ -77,7 +77,10 @@ fn broken_figures_and_empty_worlds_are_drawn_without_a_panic() {
     let strip = WorldStrip {
         title: "a",
         subtitle: "b",
-        moments: &[(0.0, figure), (0.1, Figure::from_positions(&Skeleton::default().rest_positions()))],
+        moments: &[
+            WorldMoment::of(0.0, figure),
+            WorldMoment::of(0.1, Figure::from_positions(&Skeleton::default().rest_positions())),
+        ],
         units: &[],
         columns: 2,
         width_m: 2.0,

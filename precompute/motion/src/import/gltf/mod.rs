@@ -4,6 +4,7 @@
 
 mod accessor;
 mod document;
+mod mesh;
 mod sampler;
 
 use super::nodes::{self, FALLBACK_HZ, Scene, Span, Transform, rate_of_keys};
@@ -17,6 +18,7 @@ pub use document::{
     Sampler, SceneNodes, Skin, Sparse, SparsePart, Target, ViewExtensions, parse as document,
 };
 use glam::{DMat4, DQuat, DVec3, Mat4};
+pub use mesh::{MAX_TRIANGLES, triangles};
 use sampler::{Keys, Samplers};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

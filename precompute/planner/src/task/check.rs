@@ -1,0 +1,145 @@
+//! The check of everything that a task did, by the means of [`crate::recheck`].
+
+use super::stage::{Actor, Planned, Stage, Whereabouts, hand};
+use crate::limits::JointLimits;
+use crate::linkage::Linkage;
+use crate::recheck::{OtherClip, Recheck, RecheckReport, Violation};
+use crate::rotation::{Rigid, angle};
+use crate::setup::Allowed;
+use throng_core::{Contacts, Joint};
+
+/// Grips and targets are kept by so much (m).
+const GRIP_M: f64 = 1e-4;
+/// And turned by so much at most (rad).
+const GRIP_RAD: f64 = 1e-3;
+/// Planted feet stay within this (m).
+const PLANTED_M: f64 = 1e-3;
+/// How deep parts may be in what they do not hold (m).
+const PENETRATION_M: f64 = 1e-3;
+
+/// Checks every limb that was planned, grips and targets, and that all else is as it was.
+pub(super) fn check(stage: &Stage<'_>) -> RecheckReport {
+    let mut report = RecheckReport::default();
+    for (who, actor) in stage.actors.iter().enumerate() {
+        let planned: Vec<&Planned> = stage.planned.iter().filter(|p| p.character == who).collect();
+        let spans: Vec<(Joint, [f64; 2])> =
+            planned.iter().flat_map(|p| p.limb.joints().map(|j| (j, p.window_s))).collect();
+        crate::recheck::unchanged(&actor.before, &actor.clip, &spans, &mut report);
+        for piece in pieces(stage, who) {
+            look(stage, who, actor, &piece, &mut report);
+        }
+        planted(actor, &mut report);
+    }
+    grips(stage, &mut report);
+    report
+}
+
+/// Windows of one limb that overlap become one, cut where the limb takes or lays down something.
+fn pieces(stage: &Stage<'_>, who: usize) -> Vec<Planned> {
+    let mut out: Vec<Planned> = Vec::new();
+    for limb in crate::linkage::Limb::ALL {
+        let of = |p: &&Planned| p.character == who && p.limb == limb;
+        let mut cuts: Vec<f64> = stage.planned.iter().filter(of).flat_map(|p| p.window_s).collect();
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+        for w in cuts.windows(2) {
+            let middle = 0.5 * (w[0] + w[1]);
+            let inside = |p: &&Planned| of(p) && p.window_s[0] < middle && middle < p.window_s[1];
+            if let Some(p) = stage.planned.iter().find(inside) {
+                out.push(Planned { window_s: [w[0], w[1]], ..p.clone() });
+            }
+        }
+    }
+    out
+}
+
+fn look(stage: &Stage<'_>, who: usize, actor: &Actor, piece: &Planned, report: &mut RecheckReport) {
+    let linkage = Linkage::limb(piece.limb);
+    let Some(limits) = actor.limits.of_linkage(linkage) else { return };
+    // What the clip does at the ends of any plan of the limb is admitted.
+    let ends = stage.planned.iter().filter(|p| p.character == who && p.limb == piece.limb).flat_map(|p| p.ends);
+    let admitted = |i: usize| ends.clone().fold(limits[i], |l: JointLimits, end| l.admitting(end.0[i]));
+    let planned: Vec<(Joint, JointLimits)> =
+        piece.limb.joints().into_iter().enumerate().map(|(i, j)| (j, admitted(i))).collect();
+    let mut around = stage.around(who, piece.limb, piece.window_s);
+    // Who may be touched, may touch.
+    let name = |i: usize| stage.task.characters[i].name.as_str();
+    let touched = stage.contacts.iter().filter(|(by, _, a)| *by != who && a.with == name(who));
+    around.allowed.extend(touched.map(|(by, _, a)| Allowed { part: None, with: name(*by).into(), ..a.clone() }));
+    let others: Vec<OtherClip<'_>> = (0..stage.actors.len())
+        .filter(|i| *i != who)
+        .map(|i| OtherClip {
+            name: &stage.task.characters[i].name,
+            clip: &stage.actors[i].clip,
+            skeleton: &stage.actors[i].skeleton,
+            capsules: &stage.actors[i].shape.capsules,
+        })
+        .collect();
+    let recheck = Recheck {
+        skeleton: &actor.skeleton,
+        before: &actor.before,
+        after: &actor.clip,
+        span_s: piece.window_s,
+        planned: &planned,
+        capsules: &actor.shape.capsules,
+        held: &around.held,
+        solids: &around.solids,
+        others: &others,
+        allowed: &around.allowed,
+        penetration_m: PENETRATION_M,
+        self_press_m: 0.02,
+    };
+    recheck.look_at_span(report);
+}
+
+/// Feet that stood, stand where they stood.
+fn planted(actor: &Actor, report: &mut RecheckReport) {
+    let feet = [(Joint::LeftFoot, Contacts::LEFT), (Joint::RightFoot, Contacts::RIGHT)];
+    for (frame, contacts) in actor.before.contacts.iter().enumerate() {
+        for (foot, _) in feet.into_iter().filter(|(_, mask)| contacts.any(*mask)) {
+            let [a, b] = [&actor.before, &actor.clip].map(|c| {
+                let all = c.joint_transforms(&actor.skeleton, frame);
+                all[foot.index()]
+            });
+            let moved = f64::from(a.0.distance(b.0));
+            if moved > PLANTED_M {
+                let what = format!("{} stands and moved by {moved:.4} m", foot.name());
+                report.violations.push(Violation { time_s: frame as f64 / actor.before.rate_hz, what });
+            }
+        }
+    }
+}
+
+/// Hands are at their targets, and things where they are taken, let go and passed on.
+fn grips(stage: &Stage<'_>, report: &mut RecheckReport) {
+    let mut compare = |time_s: f64, what: String, a: &Rigid, b: &Rigid| {
+        let (apart, turned) = (a.position.distance(b.position), angle(a.rotation, b.rotation));
+        if apart > GRIP_M || turned > GRIP_RAD {
+            let what = format!("{what} is off by {apart:.5} m and {turned:.4} rad");
+            report.violations.push(Violation { time_s, what });
+        }
+    };
+    for pin in &stage.pins {
+        let at = in_clip(&stage.actors[pin.character], hand(pin.limb), pin.time_s);
+        compare(pin.time_s, format!("{} at its target", hand(pin.limb).name()), &at, &pin.target);
+    }
+    for (thing, life) in stage.task.things.iter().zip(&stage.lives) {
+        for pair in life.windows(2) {
+            let time_s = pair[1].from_s;
+            let [a, b] = [&pair[0].at, &pair[1].at].map(|at| match at {
+                Whereabouts::On { character, joint, offset, .. } => {
+                    in_clip(&stage.actors[*character], *joint, time_s).then(*offset)
+                }
+                at => stage.place_in(at, time_s, 0),
+            });
+            compare(time_s, format!("`{}` as it changes hands", thing.name), &a, &b);
+        }
+    }
+}
+
+/// A joint by the clip's own kinematics, on the nearest frame.
+fn in_clip(actor: &Actor, joint: Joint, time_s: f64) -> Rigid {
+    let frame = ((time_s * actor.clip.rate_hz).round().max(0.0) as usize).min(actor.clip.num_frames() - 1);
+    let (at, turn) = actor.clip.joint_transforms(&actor.skeleton, frame)[joint.index()];
+    Rigid { position: at.as_dvec3(), rotation: turn.as_dquat().normalize() }
+}

@@ -1,0 +1,264 @@
+//! One step: a correction, or a limb that goes somewhere and comes back.
+
+use super::entries::Deed;
+use super::grips::{Goal, goals};
+use super::run::nearest_of;
+use super::stage::{Stage, Whereabouts, hand};
+use super::step::{Anchor, Place, Receiver, Step};
+use super::visit::{Change, Visit, beside, go};
+use crate::collide::Checker;
+use crate::correct::{CorrectConfig, NotCorrected, Span, correct};
+use crate::linkage::Limb;
+use crate::planner::Outcome;
+use crate::problem::Problem;
+use crate::rotation::Rigid;
+use crate::setup::Allowed;
+use throng_core::Joint;
+
+/// How long before it is reached and after a hand may touch what it reaches for (s).
+pub(super) const CONTACT_S: f64 = 0.25;
+/// What cannot be gone on with comes after everything else.
+const LATER: usize = 1 << 20;
+
+/// Why a step was not done.
+#[derive(Clone, Debug)]
+pub(super) struct Problems {
+    pub why: String,
+    pub nearest_m: Option<f64>,
+    pub plans: Vec<Outcome>,
+    pub spans: Vec<Span>,
+    /// What was planned is kept: some stretches of a correction.
+    pub keep: bool,
+}
+
+impl Problems {
+    pub fn new(why: impl Into<String>) -> Self {
+        Self { why: why.into(), nearest_m: None, plans: Vec::new(), spans: Vec::new(), keep: false }
+    }
+}
+
+type Did = Result<(Vec<Outcome>, Vec<Span>), Problems>;
+
+/// Does a step; what fails may leave a part of it done.
+pub(super) fn do_step(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> Did {
+    let mut config = *config;
+    config.plan.search.style = step.style;
+    // Everything happens on frames.
+    let rate = stage.actors[step.character].clip.rate_hz;
+    let step = &Step { times_s: step.times_s.map(|t| (t * rate).round() / rate), ..step.clone() };
+    match (step.deed, step.object) {
+        (Deed::Correct, _) => corrected(stage, step, &config),
+        (_, None) => Err(Problems::new("there is no object")),
+        (Deed::Reach | Deed::Touch | Deed::Switch | Deed::Grab, Some(object)) => take(stage, step, object, &config),
+        (Deed::Carry | Deed::Drop | Deed::HandOver, Some(object)) => bring(stage, step, object, &config),
+    }
+}
+
+/// Plans each stretch between the moments in which the limb has to be where it is.
+fn corrected(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> Did {
+    let (who, limb) = (step.character, step.limb);
+    let rate = stage.actors[who].clip.rate_hz;
+    let end_s = stage.actors[who].end_s();
+    let [from, _, to] = step.times_s.map(|t| t.clamp(0.0, end_s));
+    let pins = stage.pins.iter().filter(|p| p.character == who && p.limb == limb).map(|p| p.time_s);
+    let mut cuts: Vec<f64> = pins.filter(|t| from < *t && *t < to).chain([from, to]).collect();
+    cuts.sort_by(f64::total_cmp);
+    let (mut plans, mut spans, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
+    let mut nearest_m: Option<f64> = None;
+    for cut in cuts.windows(2).filter(|w| w[1] - w[0] > 0.5 / rate) {
+        let within = [cut[0], cut[1]];
+        let around = stage.around(who, limb, within);
+        let others = stage.other_bodies(who);
+        let spec = stage.spec(who, limb, &around, &others);
+        let config = CorrectConfig { within_s: Some(within), ..*config };
+        let (clip, found) =
+            correct(&stage.actors[who].clip, &spec, &config).map_err(|e| Problems::new(e.to_string()))?;
+        stage.actors[who].change(clip);
+        for one in found {
+            match one.outcome {
+                Ok(outcome) => {
+                    plans.push(outcome);
+                    stage.note(who, limb, one.window_s);
+                }
+                Err(e) => {
+                    if let NotCorrected::Unsolved { why, .. } = &e {
+                        nearest_m = nearest_of(why);
+                    }
+                    wrong.push(e.to_string());
+                }
+            }
+            spans.push(one.span);
+        }
+    }
+    if wrong.is_empty() {
+        return Ok((plans, spans));
+    }
+    Err(Problems { why: wrong.join("; "), nearest_m, plans, spans, keep: true })
+}
+
+/// Comes to an object, and takes it along if that is wanted.
+fn take(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConfig<'_>) -> Did {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let name = stage.task.things[object].name.clone();
+    if step.deed == Deed::Grab {
+        free_to_take(stage, step, object)?;
+    }
+    let place = stage.place(object, at_s);
+    let mut hands = goals(&step.grips, &place, &stage.actors[who], limb, at_s);
+    look_ahead(stage, step, object, &mut hands);
+    touch(stage, step, &name, step.deed != Deed::Reach);
+    let then = move |goal: &Goal| held(who, limb, goal);
+    let change = (step.deed == Deed::Grab).then_some(Change { thing: object, then: &then });
+    let (plans, _) = go(stage, Visit::of(step), &hands, change, config)?;
+    Ok((plans, Vec::new()))
+}
+
+/// Ranks grips lower from which the object cannot be brought where the limb's next task with it says.
+fn look_ahead(stage: &Stage<'_>, step: &Step, object: usize, hands: &mut [Goal]) {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let is_next = |s: &&Step| {
+        s.deed.holds() && (s.object, s.character, s.limb) == (Some(object), who, limb) && s.times_s[1] > at_s
+    };
+    let next = stage.task.steps.iter().filter(is_next).min_by(|a, b| a.times_s[1].total_cmp(&b.times_s[1]));
+    let Some((next, to)) = next.and_then(|n| Some((n, n.to?))) else { return };
+    let [from_s, then_s, _] = next.times_s;
+    let mut around = stage.around(who, limb, [from_s, then_s]);
+    let name = &stage.task.things[object].name;
+    around.solids.retain(|s| s.name != *name);
+    around.allowed.retain(|a| a.with != *name && a.part.as_ref() != Some(name));
+    let others = stage.other_bodies(who);
+    let spec = stage.spec(who, limb, &around, &others);
+    let Ok(problem) = Problem::prepare(&spec) else { return };
+    let mut checker = Checker::default();
+    let present = problem.present_at(then_s);
+    let places = stage.resolve(&to, then_s);
+    for goal in hands {
+        let grip = goal.object.local(goal.hand);
+        if !places.iter().any(|p| problem.reach(&mut checker, &p.then(grip), then_s, &present).is_ok()) {
+            goal.rank += LATER;
+        }
+    }
+}
+
+/// In the hand of a goal.
+fn held(character: usize, limb: Limb, goal: &Goal) -> Whereabouts {
+    let offset = goal.hand.local(goal.object);
+    Whereabouts::On { character, joint: hand(limb), offset, holder: Some(limb) }
+}
+
+fn free_to_take(stage: &Stage<'_>, step: &Step, object: usize) -> Result<(), Problems> {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let name = &stage.task.things[object].name;
+    if let Whereabouts::On { character, holder: Some(by), .. } = stage.stretch(object, at_s) {
+        let by = format!("{}'s {}", stage.task.characters[*character].name, by.name().replace('_', " "));
+        return Err(Problems::new(format!("`{name}` is held by {by} already; drop it first, or hand it over")));
+    }
+    if let Some((other, _)) = stage.held_by(who, limb, at_s) {
+        let other = &stage.task.things[other].name;
+        return Err(Problems::new(format!("the hand holds `{other}`; drop it first")));
+    }
+    settled(stage, object, at_s)
+}
+
+/// Nothing happens to it later: what was planned for later would not hold any more.
+fn settled(stage: &Stage<'_>, object: usize, at_s: f64) -> Result<(), Problems> {
+    let last = stage.lives[object].last().map_or(f64::NEG_INFINITY, |s| s.from_s);
+    if last < at_s {
+        return Ok(());
+    }
+    let name = &stage.task.things[object].name;
+    Err(Problems::new(format!(
+        "`{name}` changes hands at {last:.2} s: expected tasks of one object in the order of time"
+    )))
+}
+
+/// Brings what is held to a place; keeps it, lays it down or gives it away.
+fn bring(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConfig<'_>) -> Did {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let name = stage.task.things[object].name.clone();
+    let offset = match stage.held_by(who, limb, at_s) {
+        Some((held, offset)) if held == object => offset,
+        _ => {
+            let limb = limb.name().replace('_', " ");
+            return Err(Problems::new(format!("{limb} does not hold `{name}` at {at_s:.2} s; let it grab that first")));
+        }
+    };
+    let Some(to) = step.to else { return Err(Problems::new("there is no place to bring it to")) };
+    settled(stage, object, at_s)?;
+    let goal = |object: Rigid| Goal { rank: 0, hand: object.then(offset.local(Rigid::IDENTITY)), object };
+    let hands: Vec<Goal> = stage.resolve(&to, at_s).into_iter().map(goal).collect();
+    touch(stage, step, &name, true);
+    hands.iter().for_each(|goal| beside(stage, (who, limb), object, &goal.object, at_s));
+    let laid = laid(stage, &to, object, at_s)?;
+    let then = |goal: &Goal| laid(goal);
+    let change = (step.deed != Deed::Carry).then_some(Change { thing: object, then: &then });
+    let (mut plans, given) = go(stage, Visit::of(step), &hands, change, config)?;
+    if let (Deed::HandOver, Some(receiver)) = (step.deed, &step.receiver) {
+        // The receiver's grasp takes the place of its being laid down.
+        stage.lives[object].pop();
+        let (who, limb) = (receiver.character, receiver.limb);
+        let taken = Step { character: who, limb, ..step.clone() };
+        let hands = goals(&receiver.grips, &given.object, &stage.actors[who], limb, at_s);
+        touch(stage, &taken, &name, true);
+        meet(stage, step, receiver, &name);
+        let then = |goal: &Goal| held(who, limb, goal);
+        let change = Some(Change { thing: object, then: &then });
+        plans.extend(go(stage, Visit::of(&taken), &hands, change, config)?.0);
+    }
+    Ok((plans, Vec::new()))
+}
+
+/// While something is handed over it may touch both hands.
+fn meet(stage: &mut Stage<'_>, step: &Step, receiver: &Receiver, object: &str) {
+    let window_s = Some([step.times_s[1] - CONTACT_S, step.times_s[1] + CONTACT_S]);
+    let both = [(step.character, step.limb), (receiver.character, receiver.limb)];
+    for ([(who, limb), (other, with)], is_one) in [both, [both[1], both[0]]].map(|b| (b, both[0].0 == both[1].0)) {
+        let with = if is_one { hand(with).name() } else { &stage.task.characters[other].name };
+        let contact = Allowed { part: Some(object.into()), with: with.into(), window_s };
+        stage.contacts.push((who, limb, contact));
+    }
+}
+
+/// How a thing is once it was let go.
+fn laid(
+    stage: &Stage<'_>,
+    to: &Place,
+    object: usize,
+    at_s: f64,
+) -> Result<impl Fn(&Goal) -> Whereabouts + use<>, Problems> {
+    if to.on == Anchor::Thing(object) {
+        return Err(Problems::new("a thing cannot be laid on itself; choose another `on`"));
+    }
+    let mut holder = None;
+    if let Anchor::Joint(character, joint) = to.on {
+        holder = [Limb::LeftArm, Limb::RightArm].into_iter().find(|l| hand(*l) == joint);
+        if holder.is_some_and(|l| stage.held_by(character, l, at_s).is_some()) {
+            return Err(Problems::new("that hand holds something already"));
+        }
+    }
+    let (on, from) = (to.on, stage.base_of(to, at_s));
+    Ok(move |goal: &Goal| match on {
+        Anchor::World => Whereabouts::Path(crate::track::Path::Still(goal.object)),
+        Anchor::Thing(thing) => Whereabouts::OnThing { thing, offset: from.local(goal.object) },
+        Anchor::Joint(character, joint) => {
+            Whereabouts::On { character, joint, offset: from.local(goal.object), holder }
+        }
+    })
+}
+
+/// Notes what a limb, and what it holds, may touch around the moment of a step.
+fn touch(stage: &mut Stage<'_>, step: &Step, object: &str, with_object: bool) {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let window_s = Some([at_s - CONTACT_S, at_s + CONTACT_S]);
+    let parts = Joint::ALL.into_iter().filter(|j| limb.moves(*j) && !limb.joints()[..2].contains(j));
+    let mut add = |part: String, with: &str| {
+        stage.contacts.push((who, limb, Allowed { part: Some(part), with: with.into(), window_s }));
+    };
+    for part in parts {
+        if with_object {
+            add(part.name().into(), object);
+        }
+        step.contacts.iter().for_each(|c| add(part.name().into(), c));
+    }
+    step.contacts.iter().for_each(|c| add(object.into(), c));
+}

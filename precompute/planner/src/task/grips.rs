@@ -1,0 +1,88 @@
+//! Where a hand may be for a grip.
+
+use super::stage::{Actor, hand, palm};
+use super::step::Grip;
+use crate::linkage::{Chain, Limb, LimbPose, MAX_JOINTS};
+use crate::rotation::{Rigid, about, angle, between};
+use glam::{DQuat, DVec3};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+/// How far a hand that may be turned in any way tilts away from the line from the shoulder (rad).
+const TILTS: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
+/// How far it turns about itself (rad).
+const ROLLS: [f64; 7] = [0.0, FRAC_PI_4, -FRAC_PI_4, FRAC_PI_2, -FRAC_PI_2, 0.75 * PI, -0.75 * PI];
+
+/// A place for a hand, with the object where it is then.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Goal {
+    /// Goals of a lower rank are wanted more; of one rank, whichever pose looks best.
+    pub rank: usize,
+    pub hand: Rigid,
+    pub object: Rigid,
+}
+
+/// Hands for grips on something at `object`: each grip has its rank.
+pub(super) fn goals(grips: &[Grip], object: &Rigid, actor: &Actor, limb: Limb, time_s: f64) -> Vec<Goal> {
+    let mut out = Vec::new();
+    for (rank, grip) in grips.iter().enumerate() {
+        let hands = match grip {
+            Grip::Turned(wrist) => vec![object.then(*wrist)],
+            Grip::Any(middle) => any_turn(object.point(*middle), actor, limb, time_s),
+        };
+        out.extend(hands.into_iter().map(|hand| Goal { rank, hand, object: *object }));
+    }
+    out
+}
+
+/// How unlike people a pose of an arm is: how far the wrist is bent (rad), and how high the elbow is above the middle between
+/// shoulder and hand, in such measure that a hand's breadth counts as half a radian.
+pub(super) fn awkwardness(chain: &Chain, placed: &[Rigid; MAX_JOINTS], pose: &LimbPose) -> f64 {
+    if !chain.linkage.limb.is_arm() {
+        return 0.0;
+    }
+    let [shoulder, elbow, wrist, _] = placed.map(|p| p.position.y);
+    angle(pose.0[2], DQuat::IDENTITY) + 5.0 * (elbow - 0.5 * (shoulder + wrist))
+}
+
+/// The hand's middle somewhere, turned in many ways; the least turned first, as seen from the motion.
+fn any_turn(middle: DVec3, actor: &Actor, limb: Limb, time_s: f64) -> Vec<Rigid> {
+    let present = actor.joint(hand(limb), time_s).rotation;
+    let palm = palm(&actor.skeleton, limb);
+    let from = actor.joint(limb.joints()[0], time_s).position;
+    let ahead = (middle - from).normalize_or(DVec3::Z);
+    let straight = between(present * palm.normalize_or(DVec3::X), ahead) * present;
+    let side = ahead.cross(DVec3::Y).normalize_or(DVec3::X);
+    let up = side.cross(ahead);
+    let mut turns: Vec<DQuat> = Vec::new();
+    for tilt in TILTS {
+        for axis in [side, up] {
+            turns.extend(ROLLS.map(|roll| about(axis, tilt) * about(ahead, roll) * straight));
+        }
+    }
+    turns.sort_by(|a, b| angle(*a, present).total_cmp(&angle(*b, present)));
+    turns.into_iter().map(|rotation| Rigid { position: middle - rotation * palm, rotation }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::task::stage::ActorClip;
+    use crate::task::tests::{TASK, parse, stand};
+    use crate::testing::Somebody;
+
+    #[test]
+    fn the_middle_of_the_hand_comes_to_the_grip_whichever_way_it_is_turned() {
+        let s = Somebody::standing();
+        let task = parse(TASK).expect("a task");
+        let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
+        let stage = super::super::stage::Stage::new(&task, &clips);
+        let object = Rigid::at(DVec3::new(0.3, 1.3, 0.4));
+        let grip = Grip::Any(DVec3::Y * 0.1);
+        let found = goals(&[grip], &object, &stage.actors[0], Limb::LeftArm, 0.5);
+        let palm = palm(&s.skeleton, Limb::LeftArm);
+        assert_eq!(found.len(), 70);
+        assert!(
+            found.iter().all(|g| g.hand.is_valid() && g.hand.point(palm).distance(object.point(DVec3::Y * 0.1)) < 1e-9)
+        );
+    }
+}

@@ -1,0 +1,66 @@
+//! Meshes of tasks: OBJ and glTF files.
+
+use super::obj;
+use crate::shape::{Mesh, Shape};
+use glam::Vec3;
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+use throng_base::file::{MAX_TEXT_BYTES, read_file};
+use throng_motion::import::gltf;
+
+/// Reads a mesh.
+///
+/// - `unit_m`: metres that a unit of the file is.
+/// - `open`: surfaces with holes are taken, too.
+///
+/// # Errors
+/// File, and line of a text, what is wrong with it, and the way out.
+pub(super) fn read(path: &Path, unit_m: f64, open: bool) -> Result<Shape, String> {
+    let is = |e: &str| path.extension().is_some_and(|x| x.eq_ignore_ascii_case(e));
+    let mut triangles = if is("obj") {
+        let bytes = read_file(path, "a mesh", MAX_TEXT_BYTES).map_err(|e| e.to_string())?;
+        let text = String::from_utf8_lossy(&bytes);
+        obj::triangles(&text).map_err(|(line, why)| format!("{}:{line}: {why}", path.display()))?
+    } else if is("gltf") || is("glb") {
+        gltf::triangles(path).map_err(|e| e.to_string())?
+    } else {
+        return Err(format!("{}: expected a mesh as OBJ, glTF or GLB; export it as one of them", path.display()));
+    };
+    if !(unit_m > 0.0 && unit_m.is_finite()) {
+        return Err(format!("{}: expected a positive `unit_m`, found {unit_m}", path.display()));
+    }
+    for corner in triangles.iter_mut().flatten() {
+        *corner *= unit_m as f32;
+    }
+    let holes = if open { 0 } else { open_edges(&triangles) };
+    if holes > 0 {
+        return Err(format!(
+            "{}: {holes} edges belong to one triangle only: the surface has holes. Close it, or say `open = true`: nothing \
+             passes through it, but it has no inside",
+            path.display()
+        ));
+    }
+    let mesh = Mesh::new(triangles).map_err(|e| format!("{}: {e}", path.display()))?;
+    Ok(Shape::Mesh(Arc::new(mesh)))
+}
+
+/// Edges with an odd number of triangles; corners at the same place are one, triangles without an area do not count.
+pub(super) fn open_edges(triangles: &[[Vec3; 3]]) -> usize {
+    // Zero and minus zero are one place.
+    let key = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
+    let mut odd: HashMap<[[u32; 3]; 2], bool> = HashMap::new();
+    for t in triangles {
+        let corners = t.map(key);
+        if corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0] {
+            continue;
+        }
+        for k in 0..3 {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            let edge = if a < b { [a, b] } else { [b, a] };
+            let is_odd = odd.entry(edge).or_default();
+            *is_odd = !*is_odd;
+        }
+    }
+    odd.values().filter(|is_odd| **is_odd).count()
+}

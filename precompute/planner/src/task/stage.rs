@@ -1,0 +1,373 @@
+//! Who and what is there while a task is worked on: clips as they are by now, and where every thing is at every time.
+
+use super::file::{Start, Task};
+use super::held::capsules;
+use super::step::{Anchor, Place};
+use crate::body::BodyShape;
+use crate::correct::collisions;
+use crate::driven::Driven;
+use crate::limits::BodyLimits;
+use crate::linkage::{Limb, LimbPose, Linkage};
+use crate::problem::{Problem, Solid, State};
+use crate::rotation::{Rigid, about};
+use crate::setup::{Allowed, Held, Other, ProblemSpec};
+use crate::track::{Path as Motion, Track};
+use glam::{DVec3, Quat};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_motion::Clip;
+
+/// Ways in which something is turned upright where that is open.
+const NUM_TURNS: u32 = 24;
+/// Things that stand on one another, at most.
+const MAX_STACK: usize = 8;
+
+/// A clip and whose it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActorClip {
+    /// From time 0 on.
+    pub clip: Clip,
+    /// Proportions.
+    pub skeleton: Skeleton,
+}
+
+/// Somebody by now.
+#[derive(Clone, Debug)]
+pub(super) struct Actor {
+    /// The clip as it was, placed in the scene.
+    pub before: Clip,
+    /// With what was planned.
+    pub clip: Clip,
+    pub skeleton: Skeleton,
+    pub limits: BodyLimits,
+    pub shape: BodyShape,
+    pub motion: Driven,
+    /// Upper arms and thighs that the clip itself presses deep into the trunk: flesh gives way.
+    pub pressed: Vec<(Limb, Allowed)>,
+}
+
+/// Where a thing is from a time on.
+#[derive(Clone, Debug)]
+pub(super) struct Stretch {
+    pub from_s: f64,
+    pub at: Whereabouts,
+}
+
+/// How a thing moves.
+#[derive(Clone, Debug)]
+pub(super) enum Whereabouts {
+    Path(Motion),
+    /// With a joint; `holder` is the arm whose hand it is.
+    On {
+        character: usize,
+        joint: Joint,
+        offset: Rigid,
+        holder: Option<Limb>,
+    },
+    OnThing {
+        thing: usize,
+        offset: Rigid,
+    },
+}
+
+/// A limb that was planned.
+#[derive(Clone, Debug)]
+pub(super) struct Planned {
+    pub character: usize,
+    pub limb: Limb,
+    pub window_s: [f64; 2],
+    /// Poses at both ends.
+    pub ends: [LimbPose; 2],
+}
+
+/// Where hand or foot has to be at a time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pin {
+    pub character: usize,
+    pub limb: Limb,
+    pub time_s: f64,
+    pub target: Rigid,
+}
+
+/// All of it.
+#[derive(Clone, Debug)]
+pub(super) struct Stage<'a> {
+    pub task: &'a Task,
+    pub actors: Vec<Actor>,
+    /// Of every thing.
+    pub lives: Vec<Vec<Stretch>>,
+    /// What limbs may touch, because of what they do.
+    pub contacts: Vec<(usize, Limb, Allowed)>,
+    pub planned: Vec<Planned>,
+    pub pins: Vec<Pin>,
+}
+
+/// What is around a limb in a stretch of time.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Surroundings {
+    pub solids: Vec<Solid>,
+    pub held: Vec<Held>,
+    pub allowed: Vec<Allowed>,
+}
+
+impl Actor {
+    /// - `placed`: by how much the clip is moved and turned.
+    fn new(actor: &ActorClip, placed: &Rigid) -> Self {
+        let (mut clip, skeleton) = (actor.clip.clone(), actor.skeleton.clone());
+        if *placed != Rigid::IDENTITY {
+            let turn: Quat = placed.rotation.as_quat();
+            clip.root_positions.iter_mut().for_each(|p| *p = placed.point(p.as_dvec3()).as_vec3());
+            clip.rotations.iter_mut().step_by(NUM_JOINTS).for_each(|q| *q = (turn * *q).normalize());
+        }
+        let motion = driven(&clip, &skeleton);
+        let (limits, shape) = (BodyLimits::built_in(&skeleton), BodyShape::fitted(&skeleton));
+        let mut actor = Self { before: clip.clone(), clip, skeleton, limits, shape, motion, pressed: Vec::new() };
+        actor.pressed = Limb::ALL.iter().flat_map(|l| actor.presses(*l)).collect();
+        actor
+    }
+
+    /// What the first segment of a limb is pressed into by the clip.
+    fn presses(&self, limb: Limb) -> Vec<(Limb, Allowed)> {
+        let mut allowed: Vec<Allowed> = Vec::new();
+        // Each look finds what is deepest: what lies behind it comes next.
+        for _ in 0..Joint::ALL.len() {
+            let spec = ProblemSpec { allowed: &allowed, ..self.spec(limb) };
+            let Ok(problem) = Problem::prepare(&spec) else { break };
+            let first = limb.joints()[0].name();
+            let found = collisions(&problem).into_iter().filter(|s| s.part == first);
+            let with: std::collections::BTreeSet<String> = found.map(|s| s.with).collect();
+            if with.is_empty() {
+                break;
+            }
+            allowed.extend(with.into_iter().map(|with| Allowed { part: Some(first.into()), with, window_s: None }));
+        }
+        allowed.into_iter().map(|a| (limb, a)).collect()
+    }
+
+    /// A limb alone, over the whole clip.
+    fn spec(&self, limb: Limb) -> ProblemSpec<'_> {
+        let linkage = Linkage::limb(limb);
+        let ends = [0.0, self.end_s()].map(|time_s| State { pose: self.motion.limb_pose(linkage, time_s), time_s });
+        ProblemSpec::new(&self.skeleton, linkage, &self.limits, &self.motion, &self.shape, ends)
+    }
+
+    /// Takes a changed clip.
+    pub fn change(&mut self, clip: Clip) {
+        self.motion = driven(&clip, &self.skeleton);
+        self.clip = clip;
+    }
+
+    pub fn end_s(&self) -> f64 {
+        self.clip.num_frames().saturating_sub(1) as f64 / self.clip.rate_hz
+    }
+
+    /// Where a joint is.
+    pub fn joint(&self, joint: Joint, time_s: f64) -> Rigid {
+        let places = self.motion.places();
+        let [from, to] = self.motion.window_s();
+        let at =
+            ((time_s - from) / (to - from).max(1e-9) * (places.len() - 1) as f64).clamp(0.0, (places.len() - 1) as f64);
+        let i = (at + 1e-6) as usize;
+        let next = (i + 1).min(places.len() - 1);
+        places[i][joint.index()].lerp(&places[next][joint.index()], (at - i as f64).max(0.0))
+    }
+}
+
+fn driven(clip: &Clip, skeleton: &Skeleton) -> Driven {
+    Driven::of_clip(clip, skeleton, 0.0, clip.num_frames().saturating_sub(1) as f64 / clip.rate_hz)
+}
+
+impl<'a> Stage<'a> {
+    /// Everything as it is before anything was planned.
+    pub fn new(task: &'a Task, clips: &[ActorClip]) -> Self {
+        let actors = clips.iter().zip(&task.characters).map(|(c, who)| Actor::new(c, &who.placed)).collect();
+        let life = |start: &Start| {
+            let at = match start {
+                Start::Path(path) => Whereabouts::Path(path.clone()),
+                Start::On { character, joint, offset } => {
+                    let holder = [Limb::LeftArm, Limb::RightArm].into_iter().find(|l| hand(*l) == *joint);
+                    Whereabouts::On { character: *character, joint: *joint, offset: *offset, holder }
+                }
+            };
+            vec![Stretch { from_s: f64::NEG_INFINITY, at }]
+        };
+        let lives = task.things.iter().map(|t| life(&t.start)).collect();
+        Self { task, actors, lives, contacts: Vec::new(), planned: Vec::new(), pins: Vec::new() }
+    }
+
+    /// The last moment of anybody (s).
+    pub fn end_s(&self) -> f64 {
+        self.actors.iter().map(Actor::end_s).fold(0.0, f64::max)
+    }
+
+    /// How a thing moves at a time; at a change, as after it.
+    pub fn stretch(&self, thing: usize, time_s: f64) -> &Whereabouts {
+        let life = &self.lives[thing];
+        let i = life.iter().rposition(|s| s.from_s <= time_s + 1e-6).unwrap_or(0);
+        &life[i].at
+    }
+
+    /// Where a thing is.
+    pub fn place(&self, thing: usize, time_s: f64) -> Rigid {
+        self.place_in(self.stretch(thing, time_s), time_s, 0)
+    }
+
+    /// Where a thing of such a stretch is.
+    pub fn place_in(&self, at: &Whereabouts, time_s: f64, depth: usize) -> Rigid {
+        match at {
+            Whereabouts::Path(path) => path.at(time_s),
+            Whereabouts::On { character, joint, offset, .. } => {
+                self.actors[*character].joint(*joint, time_s).then(*offset)
+            }
+            Whereabouts::OnThing { thing, offset } if depth < MAX_STACK => {
+                self.place_in(self.stretch(*thing, time_s), time_s, depth + 1).then(*offset)
+            }
+            Whereabouts::OnThing { offset, .. } => *offset,
+        }
+    }
+
+    /// What a place is seen from.
+    pub fn base_of(&self, place: &Place, time_s: f64) -> Rigid {
+        match place.on {
+            Anchor::World => Rigid::IDENTITY,
+            Anchor::Thing(thing) => self.place(thing, time_s),
+            Anchor::Joint(who, joint) => self.actors[who].joint(joint, time_s),
+        }
+    }
+
+    /// Where a place is: once, or turned upright in many ways where its turn is open.
+    pub fn resolve(&self, place: &Place, time_s: f64) -> Vec<Rigid> {
+        let at = self.base_of(place, time_s).then(place.offset);
+        let turns = if place.any_turn { NUM_TURNS } else { 1 };
+        let turn = |k: u32| about(DVec3::Y, TAU * f64::from(k) / f64::from(turns));
+        (0..turns).map(|k| at.then(Rigid { position: DVec3::ZERO, rotation: turn(k) })).collect()
+    }
+
+    /// The thing in a hand at a time, and where it is seen from there.
+    pub fn held_by(&self, who: usize, limb: Limb, time_s: f64) -> Option<(usize, Rigid)> {
+        (0..self.lives.len()).find_map(|thing| match self.stretch(thing, time_s) {
+            Whereabouts::On { character, holder, offset, .. } if *character == who && *holder == Some(limb) => {
+                Some((thing, *offset))
+            }
+            _ => None,
+        })
+    }
+
+    /// The path of a thing over all of the task.
+    pub fn path(&self, thing: usize) -> Motion {
+        if let [Stretch { at: Whereabouts::Path(path), .. }] = &self.lives[thing][..] {
+            return path.clone();
+        }
+        let clock = self.actors[0].motion.clock();
+        let step_s = self.actors[0].motion.window_s()[1] / (self.actors[0].motion.places().len() - 1).max(1) as f64;
+        let count = (self.end_s() / step_s.max(1e-6)).ceil() as usize + 1;
+        let samples = (0..count).map(|i| self.place(thing, i as f64 * step_s)).collect();
+        Motion::Track(Arc::new(Track::rigid(clock, samples)))
+    }
+
+    /// What is around a limb, and what it may touch.
+    pub fn around(&self, who: usize, limb: Limb, [from_s, to_s]: [f64; 2]) -> Surroundings {
+        let mut out = Surroundings::default();
+        let middle = 0.5 * (from_s + to_s);
+        for (i, thing) in self.task.things.iter().enumerate() {
+            match self.stretch(i, middle) {
+                Whereabouts::On { character, holder, offset, .. } if *character == who && *holder == Some(limb) => {
+                    let all = thing.shapes.iter().flat_map(capsules);
+                    out.held.extend(all.map(|(core, radius)| Held {
+                        name: thing.name.clone(),
+                        core: core.map(|p| offset.point(p)),
+                        radius,
+                    }));
+                }
+                at => {
+                    let path = self.path(i);
+                    let solid = |s: &crate::shape::Shape| Solid {
+                        name: thing.name.clone(),
+                        shape: s.clone(),
+                        path: path.clone(),
+                    };
+                    out.solids.extend(thing.shapes.iter().map(solid));
+                    if matches!(at, Whereabouts::On { character, .. } if *character == who) {
+                        let driven = Joint::ALL.into_iter().filter(|j| !limb.moves(*j));
+                        out.allowed.extend(driven.map(|j| may(j, &thing.name)));
+                    }
+                }
+            }
+        }
+        out.allowed.extend(self.actors[who].pressed.iter().filter(|(l, _)| *l == limb).map(|(_, a)| a.clone()));
+        self.leave_to_others(who, limb, &mut out);
+        let known = |a: &Allowed| {
+            let part =
+                a.part.as_ref().is_none_or(|p| Joint::from_name(p).is_some() || out.held.iter().any(|h| h.name == *p));
+            let with = Joint::from_name(&a.with).is_some()
+                || out.solids.iter().any(|s| s.name == a.with)
+                || self.others(who).any(|(name, _)| *name == a.with);
+            part && with
+        };
+        let overlaps = |a: &Allowed| a.window_s.is_none_or(|[a, b]| a < to_s && b > from_s);
+        let own = self.contacts.iter().filter(|(w, l, a)| *w == who && *l == limb && overlaps(a)).map(|c| c.2.clone());
+        let allowed: Vec<Allowed> = own.chain(out.allowed.iter().cloned()).filter(known).collect();
+        out.allowed = allowed;
+        out
+    }
+
+    /// Limbs of the character that have tasks of their own are not this one's business.
+    fn leave_to_others(&self, who: usize, limb: Limb, out: &mut Surroundings) {
+        let receivers = self.task.steps.iter().filter_map(|s| s.receiver.as_ref()).map(|r| (r.character, r.limb));
+        let limbs = self.task.steps.iter().map(|s| (s.character, s.limb)).chain(receivers);
+        let mut others: Vec<Limb> = limbs.filter(|(w, l)| *w == who && *l != limb).map(|(_, l)| l).collect();
+        others.sort();
+        others.dedup();
+        let mut names: Vec<&str> = self.task.things.iter().map(|t| t.name.as_str()).collect();
+        names.extend(self.others(who).map(|(name, _)| name.as_str()));
+        for joint in Joint::ALL.into_iter().filter(|j| others.iter().any(|l| l.moves(*j))) {
+            out.allowed.extend(names.iter().map(|name| may(joint, name)));
+        }
+    }
+
+    fn others(&self, who: usize) -> impl Iterator<Item = (&String, &Actor)> {
+        let all = self.task.characters.iter().zip(&self.actors).enumerate();
+        all.filter(move |(i, _)| *i != who).map(|(_, (c, actor))| (&c.name, actor))
+    }
+
+    /// Everybody else.
+    pub fn other_bodies(&self, who: usize) -> Vec<Other<'_>> {
+        self.others(who).map(|(name, a)| Other { name, motion: &a.motion, shape: &a.shape }).collect()
+    }
+
+    /// A problem of a limb, without ends.
+    pub fn spec<'s>(
+        &'s self,
+        who: usize,
+        limb: Limb,
+        around: &'s Surroundings,
+        others: &'s [Other<'s>],
+    ) -> ProblemSpec<'s> {
+        let spec = self.actors[who].spec(limb);
+        let Surroundings { solids, held, allowed } = around;
+        ProblemSpec { solids, held, allowed, others, clearance_m: self.task.clearance_m, ..spec }
+    }
+
+    /// Notes that a limb was planned.
+    pub fn note(&mut self, character: usize, limb: Limb, window_s: [f64; 2]) {
+        let motion = &self.actors[character].motion;
+        let ends = window_s.map(|t| motion.limb_pose(Linkage::limb(limb), t));
+        self.planned.push(Planned { character, limb, window_s, ends });
+    }
+}
+
+fn may(joint: Joint, with: &str) -> Allowed {
+    Allowed { part: Some(joint.name().into()), with: with.into(), window_s: None }
+}
+
+/// The joint that holds things.
+pub(super) fn hand(limb: Limb) -> Joint {
+    limb.joints()[2]
+}
+
+/// The middle of the hand in the hand's frame: where a fist closes (m).
+pub(super) fn palm(skeleton: &Skeleton, limb: Limb) -> DVec3 {
+    let fore = skeleton.offsets[hand(limb).index()].as_dvec3();
+    0.3 * fore
+}

@@ -1,0 +1,233 @@
+//! One thing to do, checked.
+
+use super::entries::{Deed, GripEntry, PlaceEntry, StyleEntry, TaskEntry};
+use super::file::{Character, Thing, joint_of, placed};
+use crate::limits::{Interval, Style};
+use crate::linkage::{Limb, Linkage};
+use crate::rotation::Rigid;
+use glam::DVec3;
+use std::collections::BTreeMap;
+use throng_base::text::did_you_mean;
+use throng_core::Joint;
+
+/// One thing to do.
+#[derive(Clone, Debug)]
+pub(super) struct Step {
+    pub name: String,
+    pub character: usize,
+    pub limb: Limb,
+    pub deed: Deed,
+    /// Which thing.
+    pub object: Option<usize>,
+    /// Leaves the clip, reaches, is back (s); of corrections, where is looked.
+    pub times_s: [f64; 3],
+    pub hold_s: f64,
+    pub grips: Vec<Grip>,
+    pub to: Option<Place>,
+    pub receiver: Option<Receiver>,
+    pub contacts: Vec<String>,
+    pub priority: i32,
+    pub style: Style,
+}
+
+/// Where a hand holds an object, seen from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Grip {
+    /// The wrist, turned like that.
+    Turned(Rigid),
+    /// The middle of the hand, turned in any way (m).
+    Any(DVec3),
+}
+
+/// A place, seen from something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    pub on: Anchor,
+    pub offset: Rigid,
+    /// Turned about the vertical in any way.
+    pub any_turn: bool,
+}
+
+/// What a place is seen from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Anchor {
+    World,
+    Thing(usize),
+    Joint(usize, Joint),
+}
+
+/// Who takes over.
+#[derive(Clone, Debug)]
+pub(super) struct Receiver {
+    pub character: usize,
+    pub limb: Limb,
+    pub grips: Vec<Grip>,
+}
+
+/// Checks all tasks of a file; in an error, which one.
+pub(super) fn steps(
+    tasks: &[TaskEntry],
+    characters: &[Character],
+    things: &[Thing],
+) -> Result<Vec<Step>, (usize, String)> {
+    let scene = Names { characters, things };
+    tasks.iter().enumerate().map(|(i, t)| scene.step(t).map_err(|why| (i, why))).collect()
+}
+
+struct Names<'a> {
+    characters: &'a [Character],
+    things: &'a [Thing],
+}
+
+impl Names<'_> {
+    fn step(&self, t: &TaskEntry) -> Result<Step, String> {
+        let object = t.object.as_ref().map(|name| self.thing(name)).transpose()?;
+        let needs_object = t.deed != Deed::Correct;
+        let (is_grab, is_brought) = (t.deed == Deed::Grab, t.deed.holds());
+        let is_object = object.is_some_and(|o| self.things[o].is_object);
+        if needs_object != object.is_some() {
+            let expected = if needs_object { "expected `object`" } else { "`correct` needs no `object`" };
+            return Err(format!("{expected}; `{}` has `limb` and {expected}", t.deed.name()));
+        }
+        if (is_grab || is_brought) && !is_object {
+            let name = t.object.as_deref().unwrap_or_default();
+            return Err(format!("`{name}` is an obstacle, which stays; list it in `scene.objects`"));
+        }
+        if (is_grab || is_brought) && !t.limb.is_arm() {
+            return Err("feet hold nothing; expected `left_arm` or `right_arm`".into());
+        }
+        if is_brought != t.to.is_some() {
+            let need = if is_brought { "expected `to`, where the object is brought" } else { "needs no `to`" };
+            return Err(format!("`{}`: {need}", t.deed.name()));
+        }
+        if (t.deed == Deed::HandOver) != t.receiver.is_some() {
+            return Err("`hand_over`, and nothing else, has a `receiver`".into());
+        }
+        if is_brought || t.deed == Deed::Correct {
+            if !t.grips.is_empty() {
+                return Err(format!("`{}` needs no `grips`: the limb keeps the one it has", t.deed.name()));
+            }
+        } else if t.grips.is_empty() {
+            return Err("expected `grips`, where the hand is as seen from the object".into());
+        }
+        let contacts = t.contacts.iter().map(|c| self.contact(c)).collect::<Result<_, _>>()?;
+        let receiver = t.receiver.as_ref().map(|r| {
+            let who = r.character.as_deref().or(t.character.as_deref());
+            let receiver = Receiver { character: self.character(who)?, limb: r.limb, grips: grips(&r.grips)? };
+            if !r.limb.is_arm() || receiver.grips.is_empty() {
+                return Err("receiver: expected an arm and `grips`".to_owned());
+            }
+            Ok(receiver)
+        });
+        Ok(Step {
+            name: t.name.clone().unwrap_or_else(|| name_of(t)),
+            character: self.character(t.character.as_deref())?,
+            limb: t.limb,
+            deed: t.deed,
+            object,
+            times_s: times(t)?,
+            hold_s: t.hold_s,
+            grips: grips(&t.grips)?,
+            to: t.to.as_ref().map(|p| self.place(p)).transpose()?,
+            receiver: receiver.transpose()?,
+            contacts,
+            priority: t.priority,
+            style: style(&t.style, t.limb)?,
+        })
+    }
+
+    fn thing(&self, name: &str) -> Result<usize, String> {
+        self.things.iter().position(|t| t.name == name).ok_or_else(|| {
+            let meant = did_you_mean(name, self.things.iter().map(|t| t.name.as_str()));
+            format!("there is no object `{name}` in the scene.{meant}")
+        })
+    }
+
+    fn character(&self, name: Option<&str>) -> Result<usize, String> {
+        let Some(name) = name else { return Ok(0) };
+        self.characters.iter().position(|c| c.name == name).ok_or_else(|| {
+            let meant = did_you_mean(name, self.characters.iter().map(|c| c.name.as_str()));
+            format!("there is no character `{name}`.{meant}")
+        })
+    }
+
+    fn contact(&self, name: &String) -> Result<String, String> {
+        let others = self.characters.iter().map(|c| c.name.as_str());
+        let all: Vec<&str> =
+            self.things.iter().map(|t| t.name.as_str()).chain(others).chain(Joint::ALL.map(Joint::name)).collect();
+        if all.contains(&name.as_str()) {
+            return Ok(name.clone());
+        }
+        Err(format!("contacts: there is no `{name}`.{}", did_you_mean(name, all)))
+    }
+
+    fn place(&self, p: &PlaceEntry) -> Result<Place, String> {
+        let offset = placed(p.at, p.turn_deg.unwrap_or_default());
+        if !offset.is_valid() {
+            return Err("to: expected finite numbers".into());
+        }
+        let on = match &p.on {
+            None => Anchor::World,
+            Some(name) if name.contains('.') => {
+                let (character, joint) = joint_of(name, self.characters)?;
+                Anchor::Joint(character, joint)
+            }
+            Some(name) => Anchor::Thing(self.thing(name)?),
+        };
+        Ok(Place { on, offset, any_turn: p.turn_deg.is_none() })
+    }
+}
+
+fn name_of(t: &TaskEntry) -> String {
+    let words = [t.limb.name(), t.deed.name(), t.object.as_deref().unwrap_or_default()];
+    words.join(" ").trim_end().to_owned()
+}
+
+fn times(t: &TaskEntry) -> Result<[f64; 3], String> {
+    match (t.deed, t.at_s, t.window_s) {
+        (Deed::Correct, None, None) => Ok([0.0, 0.0, f64::INFINITY]),
+        (Deed::Correct, None, Some([from, to])) if from < to => Ok([from, from, to]),
+        (Deed::Correct, ..) => Err("`correct` finds collisions by itself: expected no `at_s`, and an ascending \
+                                    `window_s` or none"
+            .into()),
+        (_, Some(at_s), Some([from, to])) if from < at_s && at_s < to => Ok([from, at_s, to]),
+        (_, Some(_), Some(_)) => Err("expected `at_s` within `window_s`".into()),
+        _ => Err("expected `at_s` and `window_s`, from when to when the limb leaves the clip".into()),
+    }
+}
+
+fn grips(entries: &[GripEntry]) -> Result<Vec<Grip>, String> {
+    let one = |g: &GripEntry| match g.turn_deg {
+        Some(turn) => Grip::Turned(placed(g.at, turn)),
+        None => Grip::Any(DVec3::from(g.at)),
+    };
+    let all: Vec<Grip> = entries.iter().map(one).collect();
+    let is_valid = |g: &Grip| match g {
+        Grip::Turned(at) => at.is_valid(),
+        Grip::Any(at) => at.is_finite(),
+    };
+    if all.iter().all(is_valid) { Ok(all) } else { Err("grips: expected finite numbers".into()) }
+}
+
+fn style(entries: &BTreeMap<String, StyleEntry>, limb: Limb) -> Result<Style, String> {
+    let (mut out, linkage) = (Style::default(), Linkage::limb(limb));
+    for (name, s) in entries {
+        let joints = limb.joints().map(Joint::name);
+        let i = Joint::from_name(name)
+            .and_then(|j| linkage.position_of(j))
+            .ok_or_else(|| format!("style: `{}` has no joint `{name}`; it has {}", limb.name(), joints.join(", ")))?;
+        let radians = |[from, to]: [f64; 2]| {
+            let is_range = from.is_finite() && to.is_finite() && from <= to;
+            let wrong = || format!("style: {name}: expected two ascending angles (degrees), found {from} and {to}");
+            is_range.then(|| Interval::new(from.to_radians(), to.to_radians())).ok_or_else(wrong)
+        };
+        if let Some([first, second]) = s.swing_deg {
+            out.swing[i] = [Some(radians(first)?), Some(radians(second)?)];
+        }
+        if let Some(flexion) = s.flexion_deg {
+            out.swing[i][0] = Some(radians(flexion)?);
+        }
+        out.twist[i] = s.twist_deg.map(radians).transpose()?;
+    }
+    Ok(out)
+}

@@ -1,0 +1,179 @@
+//! A limb that leaves the clip, comes to a goal, and comes back.
+
+use super::deeds::{CONTACT_S, Problems};
+use super::grips::{Goal, awkwardness};
+use super::held::capsules;
+use super::run::nearest_of;
+use super::stage::{Pin, Stage, Stretch, Surroundings, Whereabouts};
+use super::step::Step;
+use crate::collide::Checker;
+use crate::correct::CorrectConfig;
+use crate::ik::Unreached;
+use crate::linkage::Limb;
+use crate::manipulate::{NotReached, Reach, reach};
+use crate::planner::Outcome;
+use crate::problem::{Problem, State};
+use crate::rotation::Rigid;
+use crate::setup::Allowed;
+
+/// What is so near to a thing carries it, or is beside it: they may touch when it is taken and laid down (m).
+const BESIDE_M: f64 = 0.02;
+/// Hands that are within reach and for which plans are tried, at most.
+const TRIES: usize = 6;
+
+/// A thing that changes hands when the goal is reached.
+#[derive(Clone, Copy)]
+pub(super) struct Change<'a> {
+    pub thing: usize,
+    /// How it goes on.
+    pub then: &'a dyn Fn(&Goal) -> Whereabouts,
+}
+
+/// Who comes where and when.
+#[derive(Clone, Copy)]
+pub(super) struct Visit {
+    pub who: usize,
+    pub limb: Limb,
+    pub times_s: [f64; 3],
+    pub hold_s: f64,
+}
+
+impl Visit {
+    pub fn of(step: &Step) -> Self {
+        Self { who: step.character, limb: step.limb, times_s: step.times_s, hold_s: step.hold_s }
+    }
+}
+
+/// A limb goes to the first of some targets for which there is a way there and back.
+pub(super) fn go(
+    stage: &mut Stage<'_>,
+    visit: Visit,
+    hands: &[Goal],
+    change: Option<Change<'_>>,
+    config: &CorrectConfig<'_>,
+) -> Result<(Vec<Outcome>, Goal), Problems> {
+    let Visit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
+    let busy = |p: &&Pin| p.character == who && p.limb == limb && p.time_s > from_s + 1e-6 && p.time_s < to_s - 1e-6;
+    if let Some(pin) = stage.pins.iter().find(busy) {
+        let t = pin.time_s;
+        return Err(Problems::new(format!("the limb has to be elsewhere at {t:.2} s; begin then, or end before")));
+    }
+    let there = stage.around(who, limb, [from_s, at_s]);
+    let within = reachable(stage, visit, hands, &there)?;
+    let before = stage.clone();
+    let mut wrong = None;
+    for goal in within.iter().take(TRIES) {
+        match plan(stage, visit, goal, change, &there, config) {
+            Ok(plans) => return Ok((plans, *goal)),
+            Err(e) => {
+                wrong.get_or_insert(e);
+                *stage = before.clone();
+            }
+        }
+    }
+    Err(wrong.unwrap_or_else(|| Problems::new("there is no grip")))
+}
+
+/// Goals that inverse kinematics reaches, the best first.
+fn reachable(stage: &Stage<'_>, visit: Visit, hands: &[Goal], there: &Surroundings) -> Result<Vec<Goal>, Problems> {
+    let Visit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
+    let actor = &stage.actors[who];
+    if !(from_s >= 0.0 && to_s <= actor.end_s() + 1e-6) {
+        let times = NotReached::Times { times_s: [from_s, at_s, to_s], end_s: actor.end_s() };
+        return Err(Problems::new(times.to_string()));
+    }
+    let others = stage.other_bodies(who);
+    let spec = stage.spec(who, limb, there, &others);
+    let ends = [from_s, to_s].map(|time_s| State { pose: actor.motion.limb_pose(spec.linkage, time_s), time_s });
+    let [init, goal] = ends;
+    let spec = crate::setup::ProblemSpec { init, goal, ..spec };
+    let problem = Problem::prepare(&spec).map_err(|e| Problems::new(e.to_string()))?;
+    let mut checker = Checker::default();
+    let present = problem.present_at(at_s);
+    let mut out: Vec<(f64, Goal)> = Vec::new();
+    let mut nearest: Option<(f64, Unreached<String>)> = None;
+    for goal in hands {
+        match problem.reach(&mut checker, &goal.hand, at_s, &present) {
+            Ok(pose) => {
+                let placed = problem.place(&State { pose, time_s: at_s });
+                out.push((awkwardness(problem.chain(), &placed, &pose), *goal));
+            }
+            Err(why) => {
+                // Blocked is nearer than out of limits, that is nearer than out of reach.
+                let far = match &why {
+                    Unreached::OutOfReach { by_m } => 100.0 + by_m,
+                    Unreached::OutOfLimits { by_rad, .. } => 10.0 + by_rad,
+                    Unreached::Blocked { .. } => 0.0,
+                };
+                if nearest.as_ref().is_none_or(|(least, _)| far < *least) {
+                    nearest = Some((far, why));
+                }
+            }
+        }
+    }
+    if let (true, Some((_, why))) = (out.is_empty(), nearest) {
+        let nearest_m = if let Unreached::OutOfReach { by_m } = &why { Some(*by_m) } else { None };
+        return Err(Problems { nearest_m, ..Problems::new(NotReached::Target { time_s: at_s, why }.to_string()) });
+    }
+    out.sort_by(|a, b| a.1.rank.cmp(&b.1.rank).then(a.0.total_cmp(&b.0)));
+    Ok(out.into_iter().map(|(_, goal)| goal).collect())
+}
+
+fn plan(
+    stage: &mut Stage<'_>,
+    visit: Visit,
+    goal: &Goal,
+    change: Option<Change<'_>>,
+    there: &Surroundings,
+    config: &CorrectConfig<'_>,
+) -> Result<Vec<Outcome>, Problems> {
+    let Visit { who, limb, times_s, hold_s } = visit;
+    let [from_s, at_s, to_s] = times_s;
+    if let Some(change) = change {
+        beside(stage, (who, limb), change.thing, &goal.object, at_s);
+        stage.lives[change.thing].push(Stretch { from_s: at_s, at: (change.then)(goal) });
+    }
+    let back = stage.around(who, limb, [at_s, to_s]);
+    let others = stage.other_bodies(who);
+    let spec = stage.spec(who, limb, there, &others);
+    let back_spec = stage.spec(who, limb, &back, &others);
+    let task = Reach { targets: std::slice::from_ref(&goal.hand), times_s, hold_s, back: Some(&back_spec) };
+    let (clip, reached) = reach(&stage.actors[who].clip, &spec, &task, config).map_err(|e| {
+        let nearest_m = match &e {
+            NotReached::Unsolved { why, .. } => nearest_of(why),
+            _ => None,
+        };
+        Problems { nearest_m, ..Problems::new(e.to_string()) }
+    })?;
+    stage.actors[who].change(clip);
+    stage.note(who, limb, [from_s, at_s]);
+    stage.note(who, limb, [at_s, to_s]);
+    stage.pins.push(Pin { character: who, limb, time_s: at_s, target: goal.hand });
+    Ok(reached.outcomes.to_vec())
+}
+
+/// What is beside a thing, or carries it, may touch it while it is taken or laid down.
+pub(super) fn beside(stage: &mut Stage<'_>, (who, limb): (usize, Limb), thing: usize, place: &Rigid, at_s: f64) {
+    let own: Vec<_> = stage.task.things[thing].shapes.iter().flat_map(capsules).collect();
+    let mut names = Vec::new();
+    for (i, other) in stage.task.things.iter().enumerate().filter(|(i, _)| *i != thing) {
+        let there = stage.place(i, at_s);
+        let is_near = other.shapes.iter().any(|shape| {
+            own.iter().any(|(core, radius)| {
+                let local = core.map(|p| there.local_point(place.point(p)));
+                shape.distance(&local, radius + BESIDE_M) < radius + BESIDE_M
+            })
+        });
+        if is_near {
+            names.push(other.name.clone());
+        }
+    }
+    let window_s = Some([at_s - CONTACT_S, at_s + CONTACT_S]);
+    let part = stage.task.things[thing].name.clone();
+    for with in names {
+        let contact = (who, limb, Allowed { part: Some(part.clone()), with, window_s });
+        if !stage.contacts.contains(&contact) {
+            stage.contacts.push(contact);
+        }
+    }
+}

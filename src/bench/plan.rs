@@ -1,0 +1,257 @@
+//! `throng bench plan`: what plans of limbs cost, and how often they succeed.
+
+mod ik;
+mod scenes;
+
+use crate::args::{Outcome, fail};
+use crate::{keys, output, plan};
+use scenes::{SCENES, Scene};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::error::Error;
+use std::path::Path;
+use throng_planner::clips::with_motion;
+use throng_planner::planner::{Budget, PlanConfig, Planner};
+use throng_planner::recheck::Recheck;
+use throng_planner::task::Task;
+use throng_precompute::Clip;
+use throng_precompute::config::BuildConfig;
+
+/// Measure plans of limbs: how often they succeed, what they take, how smooth they are.
+///
+/// Plans run on one core. Scenes: `table` (an arm from below a table to above it), `arm-static` (between shelves of 26 000
+/// triangles; without time), `spheres` (the same among 40 balls), `ring` (through a ring of 20 000 triangles that moves),
+/// `walk` (a walking arm past a post of 30 000 triangles).
+#[derive(clap::Args)]
+#[command(after_long_help = keys::of::<Report>())]
+pub struct Args {
+    /// Names of scenes, or task files; all scenes where absent.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    scene: Vec<String>,
+    /// Seeds for each scene.
+    #[arg(long, default_value_t = 100, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    seeds: u64,
+    /// Plans of each scene that are checked by other means.
+    #[arg(long, default_value_t = 10, value_name = "N", value_parser = clap::value_parser!(u64).range(0..=100_000))]
+    recheck: u64,
+    /// Poses that inverse kinematics is measured on.
+    #[arg(long, default_value_t = 100_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    poses: u32,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is printed.
+#[derive(Serialize, JsonSchema)]
+struct Report {
+    /// Every scene.
+    results: Vec<Figures>,
+}
+
+/// Figures of a scene.
+#[derive(Serialize, JsonSchema)]
+struct Figures {
+    /// Its name.
+    scene: String,
+    /// Share of the seeds with a plan.
+    success_rate: f64,
+    /// Until the first way, median of the seeds that have one (ms).
+    first_ms_median: Option<f64>,
+    /// The same, 95th percentile (ms).
+    first_ms_p95: Option<f64>,
+    /// With smoothing, median (ms).
+    total_ms_median: Option<f64>,
+    /// The same, 95th percentile (ms).
+    total_ms_p95: Option<f64>,
+    /// Looks a second within plans: one pose at one time against everything.
+    checks_per_second: f64,
+    /// Time of a plan over its looks (ns).
+    ns_per_check: f64,
+    /// How far joints turn, median (rad).
+    path_length_rad: Option<f64>,
+    /// Jerk after smoothing over that before, median.
+    jerk_ratio: Option<f64>,
+    /// What a check by other means found wrong in the plans that were checked.
+    recheck_violations: usize,
+    /// An inverse-kinematics solution of an arm from any pose, without collisions (ns).
+    ik_ns: f64,
+    /// How far hands were from their targets at most (m).
+    ik_error_max_m: f64,
+    /// Share of reachable targets that were reached.
+    ik_solved_fraction: f64,
+    /// Mean angle between the motions of two seeds, mean of neighbouring seeds (rad).
+    variants_distance_rad: Option<f64>,
+    /// What the paper gives for a scene like it (s).
+    paper_s: Option<f64>,
+}
+
+/// One plan, or all of a task.
+struct Sample {
+    first_s: f64,
+    total_s: f64,
+    checks: u64,
+    length_rad: f64,
+    jerk: [f64; 2],
+    clip: Option<Clip>,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let all = || SCENES.iter().map(|(name, _)| (*name).to_owned()).collect();
+    let names: Vec<String> = if args.scene.is_empty() { all() } else { args.scene.clone() };
+    let ik = ik::measure(args.poses);
+    let mut results = Vec::new();
+    for name in &names {
+        eprintln!("{name} ...");
+        let (samples, violations) = match scenes::scene(name)? {
+            Some(scene) => plans(&scene, args)?,
+            None if crate::args::is_toml(Path::new(name)) => tasks(Path::new(name), args)?,
+            None => {
+                let known = SCENES.map(|(name, _)| name).join(", ");
+                return fail(format!("there is no scene `{name}`; there are {known}, and task files (.toml)"));
+            }
+        };
+        results.push(figures(name, &samples, violations, &ik, args.seeds));
+    }
+    if args.json {
+        return output::json(&Report { results });
+    }
+    results.iter().try_for_each(print)
+}
+
+/// Plans a scene with every seed.
+fn plans(scene: &Scene, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Error>> {
+    let (problem, who) = (scene.problem()?, &scene.who);
+    let (mut planner, config) = (Planner::new(), PlanConfig::default());
+    let (mut samples, mut violations) = (Vec::new(), 0);
+    let joints = who.linkage.limb.joints();
+    let planned: Vec<_> = joints.into_iter().zip(*problem.limits()).collect();
+    let [init, goal] = scene.ends.map(|e| e.time_s);
+    for seed in 0..args.seeds {
+        let budget = Budget { seed, rate_hz: who.clip.rate_hz, ..Budget::default() };
+        let outcome = planner.plan(&problem, &config, &budget);
+        let Some(motion) = planner.motion().filter(|_| outcome.is_solved()) else { continue };
+        let after = with_motion(&who.clip, 0.0, who.linkage, &motion)?;
+        if seed < args.recheck {
+            let recheck = Recheck {
+                skeleton: &who.skeleton,
+                before: &who.clip,
+                after: &after,
+                span_s: [init, goal],
+                planned: &planned,
+                capsules: &who.shape.capsules,
+                held: &[],
+                solids: &scene.solids,
+                others: &[],
+                allowed: &scene.allowed,
+                penetration_m: 1e-3,
+                self_press_m: 0.02,
+            };
+            violations += recheck.run().violations.len();
+        }
+        samples.push(Sample {
+            first_s: outcome.first_solution_s,
+            total_s: outcome.total_s,
+            checks: outcome.checks,
+            length_rad: outcome.roughness[1].length_rad,
+            jerk: outcome.roughness.map(|r| r.jerk_rms),
+            clip: Some(after),
+        });
+    }
+    Ok((samples, violations))
+}
+
+/// Does a task with every seed.
+fn tasks(path: &Path, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Error>> {
+    let task = Task::read(path)?;
+    let clips = plan::read::clips(&task, &BuildConfig::of_motion("", Vec::new())?, None)?;
+    let (mut samples, mut violations) = (Vec::new(), 0);
+    for seed in 0..args.seeds {
+        let outcome = task.run(&clips, Some(seed))?;
+        violations += outcome.recheck.violations.len();
+        if outcome.is_solved() {
+            let r = plan::report(&outcome);
+            samples.push(Sample {
+                first_s: r.first_solution_s,
+                total_s: r.total_s,
+                checks: r.checks,
+                length_rad: r.path_length_rad,
+                jerk: [r.jerk_before, r.jerk_after],
+                clip: outcome.clips.into_iter().next().map(|[_, after]| after),
+            });
+        }
+    }
+    Ok((samples, violations))
+}
+
+fn figures(name: &str, samples: &[Sample], recheck_violations: usize, ik: &ik::Figures, seeds: u64) -> Figures {
+    let rank = |share: f64, f: &dyn Fn(&Sample) -> f64| {
+        let mut all: Vec<f64> = samples.iter().map(f).filter(|x| x.is_finite()).collect();
+        all.sort_by(f64::total_cmp);
+        all.get((share * all.len() as f64) as usize).or(all.last()).copied()
+    };
+    let (checks, seconds) = samples.iter().fold((0, 0.0), |(c, s), x| (c + x.checks, s + x.total_s));
+    let distances: Vec<f64> =
+        samples.windows(2).filter_map(|w| distance(w[0].clip.as_ref()?, w[1].clip.as_ref()?)).collect();
+    let known = SCENES.iter().find(|(n, _)| *n == name);
+    Figures {
+        scene: name.into(),
+        success_rate: samples.len() as f64 / seeds as f64,
+        first_ms_median: rank(0.5, &|s| 1e3 * s.first_s),
+        first_ms_p95: rank(0.95, &|s| 1e3 * s.first_s),
+        total_ms_median: rank(0.5, &|s| 1e3 * s.total_s),
+        total_ms_p95: rank(0.95, &|s| 1e3 * s.total_s),
+        checks_per_second: checks as f64 / f64::max(seconds, 1e-12),
+        ns_per_check: seconds * 1e9 / checks.max(1) as f64,
+        path_length_rad: rank(0.5, &|s| s.length_rad),
+        jerk_ratio: rank(0.5, &|s| s.jerk[1] / s.jerk[0]),
+        recheck_violations,
+        ik_ns: ik.ns,
+        ik_error_max_m: ik.error_max_m,
+        ik_solved_fraction: ik.solved_fraction,
+        variants_distance_rad: (!distances.is_empty()).then(|| distances.iter().sum::<f64>() / distances.len() as f64),
+        paper_s: known.and_then(|(_, s)| *s),
+    }
+}
+
+/// Mean angle between the joints of two clips where they differ; 0 where they are the same (rad).
+fn distance(a: &Clip, b: &Clip) -> Option<f64> {
+    let differ = a.rotations.iter().zip(&b.rotations).filter(|(p, q)| p != q);
+    let angles: Vec<f64> = differ.map(|(p, q)| f64::from(p.angle_between(*q))).collect();
+    (a.num_frames() == b.num_frames()).then(|| angles.iter().sum::<f64>() / angles.len().max(1) as f64)
+}
+
+fn print(f: &Figures) -> Outcome {
+    let ms = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.2}"));
+    output::table(&[
+        ("scene", format!("{}: {:.0} % of the seeds have a plan", f.scene, 100.0 * f.success_rate)),
+        (
+            "time",
+            format!(
+                "first way {} ms (95 %: {}), with smoothing {} ms (95 %: {}); {:.0} ns a look",
+                ms(f.first_ms_median),
+                ms(f.first_ms_p95),
+                ms(f.total_ms_median),
+                ms(f.total_ms_p95),
+                f.ns_per_check
+            ),
+        ),
+        (
+            "motion",
+            format!(
+                "{} rad, jerk {} of that before smoothing, {} rad from seed to seed; {} violations",
+                ms(f.path_length_rad),
+                ms(f.jerk_ratio),
+                ms(f.variants_distance_rad),
+                f.recheck_violations
+            ),
+        ),
+        (
+            "arm",
+            format!(
+                "{:.0} ns a solution of inverse kinematics, {:.2e} m off at most, {:.6} solved",
+                f.ik_ns, f.ik_error_max_m, f.ik_solved_fraction
+            ),
+        ),
+    ])
+}

@@ -1,0 +1,110 @@
+//! The picture of a plan: moments before and after, seen from two sides.
+
+use glam::{Quat, Vec3};
+use std::f32::consts::FRAC_PI_2;
+use throng_planner::rotation::Rigid;
+use throng_planner::shape::Shape;
+use throng_planner::task::{ActorClip, Task, TaskOutcome};
+use throng_precompute::environment::{Solid, Triangles};
+use throng_precompute::picture::{self, BodyColours, Colour, Figure, Picture, WorldFigure, WorldMoment, WorldStrip};
+
+/// Moments side by side.
+const COLUMNS: usize = 10;
+/// Width that each shows (m).
+const WIDTH_M: f32 = 2.0;
+/// Time that is shown before the first plan and after the last one (s).
+const AROUND_S: f64 = 0.15;
+/// Colours of things, by their number.
+const TINTS: [u32; 6] = [0xb08a4a, 0x5f8f56, 0x87609c, 0xb5653f, 0x4a8f9f, 0x8a8578];
+/// Colours of characters but the first.
+const OTHERS: [u32; 3] = [0x7d8aa0, 0x9a8fa0, 0x8fa08a];
+
+/// Draws the character of the first task.
+pub fn draw(task: &Task, clips: &[ActorClip], outcome: &TaskOutcome, title: &str) -> Picture {
+    let who = outcome.done.first().map_or(0, |d| d.character);
+    let clip = &outcome.clips[who][1];
+    let [from, to] = changed(outcome, who);
+    let ahead = heading(outcome, who);
+    let times: Vec<f64> = (0..COLUMNS)
+        .map(|i| from + (to - from) * i as f64 / (COLUMNS - 1) as f64)
+        .map(|t| (t * clip.rate_hz).round() / clip.rate_hz)
+        .collect();
+    let strip = |when: usize, [side, tilt]: [f32; 2], seen: &str| {
+        let moments: Vec<WorldMoment> = times.iter().map(|t| moment(task, clips, outcome, [who, when], *t)).collect();
+        picture::world_strip(&WorldStrip {
+            title: &format!("{title}: {}", ["before", "after"][when]),
+            subtitle: seen,
+            moments: &moments,
+            units: &[],
+            columns: COLUMNS,
+            width_m: WIDTH_M,
+            from: (ahead + side, tilt),
+        })
+    };
+    let looks = [([FRAC_PI_2, 0.1], "from the right side"), ([std::f32::consts::PI, 0.25], "from ahead")];
+    let all: Vec<Picture> = looks.iter().flat_map(|(look, seen)| [0, 1].map(|when| strip(when, *look, seen))).collect();
+    picture::sheet(&all.iter().collect::<Vec<_>>())
+}
+
+/// From the first to the last frame that differs, and a little more; all of the clip where none does (s).
+fn changed(outcome: &TaskOutcome, who: usize) -> [f64; 2] {
+    let [before, after] = &outcome.clips[who];
+    let differs = |f: &usize| before.frame_rotations(*f) != after.frame_rotations(*f);
+    let frames = 0..before.num_frames();
+    let end_s = (before.num_frames() - 1) as f64 / before.rate_hz;
+    match (frames.clone().find(differs), frames.rev().find(differs)) {
+        (Some(first), Some(last)) => {
+            [first as f64 / before.rate_hz - AROUND_S, last as f64 / before.rate_hz + AROUND_S]
+                .map(|t| t.clamp(0.0, end_s))
+        }
+        _ => [0.0, end_s],
+    }
+}
+
+/// Where the character faces in the middle of what is shown (rad).
+fn heading(outcome: &TaskOutcome, who: usize) -> f32 {
+    let clip = &outcome.clips[who][0];
+    let [from, to] = changed(outcome, who);
+    clip.planar(((0.5 * (from + to) * clip.rate_hz) as usize).min(clip.num_frames() - 1)).heading
+}
+
+/// Everybody and everything at a time.
+fn moment(
+    task: &Task,
+    clips: &[ActorClip],
+    outcome: &TaskOutcome,
+    [who, when]: [usize; 2],
+    time_s: f64,
+) -> WorldMoment {
+    let figure = |i: usize| {
+        let clip = &outcome.clips[i][when];
+        let frame = ((time_s * clip.rate_hz).round() as usize).min(clip.num_frames() - 1);
+        let skeleton = &clips[i].skeleton;
+        Figure::from_transforms(skeleton, &clip.joint_transforms(skeleton, frame))
+    };
+    let others = (0..outcome.clips.len()).filter(|i| *i != who).enumerate();
+    let mut figures = vec![WorldFigure { figure: figure(who), colours: BodyColours::default() }];
+    figures.extend(others.map(|(k, i)| WorldFigure {
+        figure: figure(i),
+        colours: BodyColours::plain(Colour::hex(OTHERS[k % OTHERS.len()])),
+    }));
+    let paths = &outcome.paths[when];
+    let solids = task.things.iter().zip(paths).enumerate().flat_map(|(i, (thing, path))| {
+        let at = path.at(time_s);
+        thing.shapes.iter().map(move |s| (solid(s, &at), Colour::hex(TINTS[i % TINTS.len()])))
+    });
+    WorldMoment { time_s: time_s as f32, figures, solids: solids.collect() }
+}
+
+fn solid(shape: &Shape, at: &Rigid) -> Solid {
+    let turn: Quat = at.rotation.as_quat();
+    let point = |p: glam::DVec3| -> Vec3 { at.point(p).as_vec3() };
+    match shape {
+        Shape::Round { core, radius } => Solid::Bar { from: point(core.a), to: point(core.b), radius: *radius as f32 },
+        Shape::Cuboid { half } => Solid::Box { centre: at.position.as_vec3(), rotation: turn, half: half.as_vec3() },
+        Shape::Mesh(mesh) => {
+            let placed = mesh.corners().iter().map(|t| t.map(|c| point(c.as_dvec3())));
+            Solid::Mesh(Triangles::new(placed.collect()))
+        }
+    }
+}
