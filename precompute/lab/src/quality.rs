@@ -296,7 +296,7 @@ mod tests {
 
     #[test]
     fn power_is_told_apart_by_frequency() {
-        let mut swings = |hz: f32| {
+        let swings = |hz: f32| {
             let mut swings = track(300, |_| Vec3::ZERO);
             for (i, p) in swings.positions.iter_mut().enumerate() {
                 p[Joint::RightHand.index()] = Vec3::X * (TAU * hz * i as f32 / 30.0).sin();

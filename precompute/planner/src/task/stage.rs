@@ -4,7 +4,7 @@ use super::file::{Start, Task};
 use super::held::capsules;
 use super::step::{Anchor, Place};
 use crate::body::BodyShape;
-use crate::correct::collisions;
+use crate::correct::{Span, collisions};
 use crate::driven::Driven;
 use crate::limits::BodyLimits;
 use crate::linkage::{Limb, LimbPose, Linkage};
@@ -22,6 +22,12 @@ use throng_motion::Clip;
 const NUM_TURNS: u32 = 24;
 /// Things that stand on one another, at most.
 const MAX_STACK: usize = 8;
+/// How often a clip is looked through for what a limb is in by itself.
+const MOST_LOOKS: usize = 64;
+/// What a limb is in by less stays so (m).
+const PRESS_M: f64 = 0.03;
+/// Room before and after (s).
+const PRESS_S: f64 = 0.1;
 
 /// A clip and whose it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +49,7 @@ pub(super) struct Actor {
     pub limits: BodyLimits,
     pub shape: BodyShape,
     pub motion: Driven,
-    /// Upper arms and thighs that the clip itself presses deep into the trunk: flesh gives way.
+    /// What limbs are in by the clip itself, and stay in.
     pub pressed: Vec<(Limb, Allowed)>,
 }
 
@@ -127,20 +133,33 @@ impl Actor {
         actor
     }
 
-    /// What the first segment of a limb is pressed into by the clip.
+    /// What a limb is in by the clip itself and stays in: an upper arm or thigh in the trunk, as flesh gives way; other parts where
+    /// they are hardly in it, or where the clip begins or ends so, as there is no free pose to come from.
     fn presses(&self, limb: Limb) -> Vec<(Limb, Allowed)> {
         let mut allowed: Vec<Allowed> = Vec::new();
+        let first = limb.joints()[0].name();
+        let end_s = self.end_s();
         // Each look finds what is deepest: what lies behind it comes next.
-        for _ in 0..Joint::ALL.len() {
+        for _ in 0..MOST_LOOKS {
             let spec = ProblemSpec { allowed: &allowed, ..self.spec(limb) };
             let Ok(problem) = Problem::prepare(&spec) else { break };
-            let first = limb.joints()[0].name();
-            let found = collisions(&problem).into_iter().filter(|s| s.part == first);
-            let with: std::collections::BTreeSet<String> = found.map(|s| s.with).collect();
-            if with.is_empty() {
+            let stays =
+                |s: &Span| s.part == first || s.depth_m < PRESS_M || s.from_s < PRESS_S || s.to_s > end_s - PRESS_S;
+            let before = allowed.clone();
+            for Span { from_s, to_s, part, with, .. } in collisions(&problem).into_iter().filter(stays) {
+                let window = (part != first).then_some([from_s - PRESS_S, to_s + PRESS_S]);
+                let part = Some(part);
+                match allowed.iter_mut().find(|a| a.part == part && a.with == with) {
+                    Some(known) => {
+                        let both = known.window_s.zip(window);
+                        known.window_s = both.map(|(a, b)| [a[0].min(b[0]), a[1].max(b[1])]);
+                    }
+                    None => allowed.push(Allowed { part, with, window_s: window }),
+                }
+            }
+            if allowed == before {
                 break;
             }
-            allowed.extend(with.into_iter().map(|with| Allowed { part: Some(first.into()), with, window_s: None }));
         }
         allowed.into_iter().map(|a| (limb, a)).collect()
     }

@@ -221,6 +221,35 @@ fn an_upper_arm_that_the_clip_presses_into_the_chest_is_left_alone() {
     assert!(found(false) > 0 && found(true) == 0);
 }
 
+/// Collisions of the left arm that a correction mends, in a clip whose left forearm turns by so much about the vertical.
+fn forearm_collisions(turn: impl Fn(usize) -> f32) -> Vec<crate::correct::Span> {
+    let s = Somebody::standing();
+    let task = parse(TASK).expect("a task");
+    let mut clip = stand(&s);
+    for frame in 0..clip.num_frames() {
+        let joint = |j: throng_core::Joint| frame * NUM_JOINTS + j.index();
+        clip.rotations[joint(throng_core::Joint::LeftForearm)] = Quat::from_rotation_y(turn(frame));
+    }
+    let clips = [ActorClip { clip, skeleton: s.skeleton.clone() }];
+    let stage = stage::Stage::new(&task, &clips);
+    let limb = crate::linkage::Limb::LeftArm;
+    let around = stage.around(0, limb, [0.0, 5.0]);
+    let problem = crate::problem::Problem::prepare(&stage.spec(0, limb, &around, &[])).expect("a problem");
+    crate::correct::collisions(&problem)
+}
+
+#[test]
+fn a_forearm_that_is_in_the_body_from_the_beginning_stays_there_until_the_clip_takes_it_out() {
+    // The arms are held out to the sides: turned back far enough, the forearm is in the chest.
+    let inside = -3.0;
+    let [early, late] = [|f: usize| f < 30, |f: usize| (60..90).contains(&f)];
+    let turned = |is_in: fn(usize) -> bool| forearm_collisions(move |f| if is_in(f) { inside } else { 0.0 });
+    assert!(!turned(late).is_empty(), "nothing is wrong with this clip");
+    assert_eq!(turned(early), []);
+    let again = turned(|f| f < 30 || (60..90).contains(&f));
+    assert!(again.iter().all(|s| s.from_s > 1.2) && !again.is_empty(), "{again:?}");
+}
+
 #[test]
 fn collisions_of_a_clip_name_limb_part_and_obstacle() {
     let s = Somebody::standing();

@@ -2,6 +2,7 @@ use super::super::geometry::with_triangles;
 use super::*;
 use crate::environment::UnitSet;
 use crate::patch::PatchConfig;
+use glam::Vec3;
 
 /// A square in the plane y = 0 as two triangles, moved by a node within a node.
 fn square(buffer: &str, indices: &str) -> String {
