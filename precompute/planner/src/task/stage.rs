@@ -138,15 +138,22 @@ impl Actor {
     fn presses(&self, limb: Limb) -> Vec<(Limb, Allowed)> {
         let mut allowed: Vec<Allowed> = Vec::new();
         let first = limb.joints()[0].name();
-        let end_s = self.end_s();
+        // From the beginning, and to the end.
+        let mut ends = [f64::NEG_INFINITY, f64::INFINITY];
         // Each look finds what is deepest: what lies behind it comes next.
         for _ in 0..MOST_LOOKS {
             let spec = ProblemSpec { allowed: &allowed, ..self.spec(limb) };
             let Ok(problem) = Problem::prepare(&spec) else { break };
-            let stays =
-                |s: &Span| s.part == first || s.depth_m < PRESS_M || s.from_s < PRESS_S || s.to_s > end_s - PRESS_S;
+            let found = collisions(&problem);
+            if allowed.is_empty() {
+                let reaches = |s: &&Span| [s.from_s < PRESS_S, s.to_s > self.end_s() - PRESS_S];
+                ends[0] = found.iter().filter(|s| reaches(s)[0]).fold(ends[0], |t, s| t.max(s.to_s + PRESS_S));
+                ends[1] = found.iter().filter(|s| reaches(s)[1]).fold(ends[1], |t, s| t.min(s.from_s - PRESS_S));
+            }
+            let at_an_end = |s: &Span| s.to_s < ends[0] || s.from_s > ends[1];
+            let stays = |s: &Span| s.part == first || s.depth_m < PRESS_M || at_an_end(s);
             let before = allowed.clone();
-            for Span { from_s, to_s, part, with, .. } in collisions(&problem).into_iter().filter(stays) {
+            for Span { from_s, to_s, part, with, .. } in found.into_iter().filter(stays) {
                 let window = (part != first).then_some([from_s - PRESS_S, to_s + PRESS_S]);
                 let part = Some(part);
                 match allowed.iter_mut().find(|a| a.part == part && a.with == with) {
