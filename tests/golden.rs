@@ -101,10 +101,10 @@ const ACTIONS: usize = 1346;
 const BLEND_SPEEDS: [f32; 5] = [0.551, 0.134, 1.175, 0.154, 1.167];
 /// Mean place of joints in model space, halfway between frames (m).
 const POSE: [(Joint, [f64; 3]); 4] = [
-    (Joint::Head, [0.0, 1.567451, 0.039276]),
-    (Joint::LeftHand, [0.246487, 0.898772, 0.08698]),
-    (Joint::RightHand, [-0.246488, 0.898771, 0.086967]),
-    (Joint::LeftToe, [0.097875, 0.034026, 0.085369]),
+    (Joint::Head, [0.0, 1.567446, 0.039274]),
+    (Joint::LeftHand, [0.246328, 0.898884, 0.086923]),
+    (Joint::RightHand, [-0.246330, 0.898883, 0.086910]),
+    (Joint::LeftToe, [0.097898, 0.034592, 0.085264]),
 ];
 /// Where the character comes in 2 s (m).
 const PLACE_AFTER_2_S: [f32; 3] = [0.4612, 0.0, 1.208];

@@ -290,8 +290,8 @@ mod tests {
             place.0 += place.1;
         }
         // The acceleration at a sample is that between it and its neighbours.
-        let ratio = figures(30.0, &Track { positions, changes: vec![51] }).change_acceleration_ratio;
-        assert!((ratio.unwrap_or_default() - 2.0).abs() < 0.11, "{ratio:?}");
+        let ratio = figures(30.0, &Track { positions, changes: vec![50] }).change_acceleration_ratio;
+        assert!((ratio.unwrap_or_default() - 2.0).abs() < 0.05, "{ratio:?}");
     }
 
     #[test]
