@@ -179,7 +179,9 @@ fn few(found: &[(u64, TaskOutcome)], args: &Args) -> Outcome {
 /// Sums up an outcome.
 pub fn report(outcome: &TaskOutcome) -> Report {
     let plans: Vec<_> = outcome.done.iter().flat_map(|d| &d.plans).collect();
-    let mean = |k: usize| plans.iter().map(|p| p.roughness[k].jerk_rms).sum::<f64>() / plans.len().max(1) as f64;
+    // From zero, as the sum of no numbers is the negative zero.
+    let sum = |of: &dyn Fn(&_) -> f64| plans.iter().map(of).fold(0.0, |sum, v| sum + v);
+    let mean = |k: usize| sum(&|p| p.roughness[k].jerk_rms) / plans.len().max(1) as f64;
     let finite = |x: f64| x.is_finite().then_some(x);
     let task = |d: &throng_planner::task::Done| TaskReport {
         name: d.name.clone(),
@@ -190,11 +192,11 @@ pub fn report(outcome: &TaskOutcome) -> Report {
     Report {
         solved: outcome.is_solved(),
         tasks: outcome.done.iter().map(task).collect(),
-        first_solution_s: plans.iter().map(|p| p.first_solution_s).sum(),
-        total_s: plans.iter().map(|p| p.total_s).sum(),
+        first_solution_s: sum(&|p| p.first_solution_s),
+        total_s: sum(&|p| p.total_s),
         nodes: plans.iter().map(|p| p.nodes).sum(),
         checks: plans.iter().map(|p| p.checks).sum(),
-        path_length_rad: plans.iter().map(|p| p.roughness[1].length_rad).sum(),
+        path_length_rad: sum(&|p| p.roughness[1].length_rad),
         jerk_before: mean(0),
         jerk_after: mean(1),
         clearance_min_m: finite(outcome.recheck.clearance_min_m),

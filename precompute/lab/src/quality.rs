@@ -130,7 +130,7 @@ impl QualityMeter {
         let hips = |i: usize| track.positions[i][Joint::Hips.index()];
         for (sums, step) in self.hips.iter_mut().zip([1, self.stride]) {
             let rate = self.frame_hz * (self.stride / step) as f32;
-            for i in (step..track.positions.len().saturating_sub(step)).step_by(1) {
+            for i in step..track.positions.len().saturating_sub(step) {
                 let a = (hips(i + step) - 2.0 * hips(i) + hips(i - step)) * rate * rate;
                 *sums = (sums.0 + f64::from(a.length_squared()), sums.1 + 1);
             }

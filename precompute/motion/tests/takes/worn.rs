@@ -1,7 +1,7 @@
 //! Characters of many makes wear a take: joints of the same body are where the motion has them.
 
 #[path = "../scenes/glb.rs"]
-#[allow(dead_code)]
+#[allow(dead_code, reason = "a part of it is enough here")]
 mod glb;
 #[path = "../rigs/rig.rs"]
 mod rig;
