@@ -91,7 +91,9 @@ impl Desk {
 impl Run for Desk {
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
         // SAFETY: the same pointer but for its lifetime; it is taken away before this call returns.
-        let part = Part(unsafe { std::mem::transmute::<*const (dyn Fn(usize) + Sync + '_), *const (dyn Fn(usize) + Sync)>(part) });
+        let part = Part(unsafe {
+            std::mem::transmute::<*const (dyn Fn(usize) + Sync + '_), *const (dyn Fn(usize) + Sync)>(part)
+        });
         let mut work = self.lock();
         (work.part, work.next, work.num_parts) = (Some(part), 0, num_parts);
         self.changed.notify_all();

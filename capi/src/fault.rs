@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use throng_runtime::format::FormatError;
 use throng_base::Error;
+use throng_runtime::format::FormatError;
 
 /// What a call returns. `throng_last_error` has the reason in words.
 #[repr(C)]

@@ -16,19 +16,20 @@ mod tables;
 pub use fault::{ThrongStatus, throng_last_error};
 pub use layout::{ThrongLayout, throng_layout_floats};
 pub use read::{
-    throng_simulation_events, throng_simulation_roots, throng_simulation_write_matrices, ThrongEvent, ThrongHappened,
-    ThrongRoot,
+    ThrongEvent, ThrongHappened, ThrongRoot, throng_simulation_events, throng_simulation_roots,
+    throng_simulation_write_matrices,
 };
 pub use scene::{
-    throng_characters_config_init, throng_characters_despawn, throng_characters_new, throng_characters_order,
-    throng_characters_place, throng_characters_progress, throng_characters_spawn, throng_simulation_free, throng_simulation_open,
-    throng_simulation_raise, ThrongCharactersConfig, ThrongId, ThrongProgress, ThrongSimulation,
+    ThrongCharactersConfig, ThrongId, ThrongProgress, ThrongSimulation, throng_characters_config_init,
+    throng_characters_despawn, throng_characters_new, throng_characters_order, throng_characters_place,
+    throng_characters_progress, throng_characters_spawn, throng_simulation_free, throng_simulation_open,
+    throng_simulation_raise,
 };
 pub use stage::{
     throng_simulation_announce, throng_simulation_count, throng_simulation_hash, throng_simulation_help,
     throng_simulation_restore, throng_simulation_save, throng_simulation_step, throng_simulation_time,
 };
 pub use tables::{
-    throng_bundle_from_memory, throng_bundle_free, throng_bundle_open, throng_bundle_policy, throng_bundle_skeleton,
-    throng_joint_name, ThrongBundle, ThrongJoint, THRONG_NUM_JOINTS,
+    THRONG_NUM_JOINTS, ThrongBundle, ThrongJoint, throng_bundle_free, throng_bundle_from_memory, throng_bundle_open,
+    throng_bundle_policy, throng_bundle_skeleton, throng_joint_name,
 };

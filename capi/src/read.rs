@@ -105,7 +105,9 @@ pub unsafe extern "C" fn throng_simulation_events(
     call(|| {
         with(simulation.handle, |stage, _| match stage {
             // SAFETY: promised by the caller.
-            Stage::Scene(scene) => unsafe { copy_records(scene.events().iter().map(of_scene), events, capacity, count) },
+            Stage::Scene(scene) => unsafe {
+                copy_records(scene.events().iter().map(of_scene), events, capacity, count)
+            },
             Stage::Characters { cast, time_s } => {
                 let all = cast.events().iter().map(|(id, blow)| ThrongEvent {
                     time_s: *time_s,

@@ -93,7 +93,8 @@ pub unsafe extern "C" fn throng_characters_new(
         let size = unsafe { (&raw const (*config).struct_size).read() };
         let expected = size_of::<ThrongCharactersConfig>();
         if size != expected {
-            let why = format!("`config.struct_size` is {size}, expected {expected}; call throng_characters_config_init");
+            let why =
+                format!("`config.struct_size` is {size}, expected {expected}; call throng_characters_config_init");
             return Err(Fault::new(ThrongStatus::Value, why));
         }
         // SAFETY: it has this size.
@@ -116,7 +117,10 @@ pub unsafe extern "C" fn throng_characters_new(
 /// # Safety
 /// `path` ends with a zero, `simulation` can be written.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn throng_simulation_open(path: *const c_char, simulation: *mut ThrongSimulation) -> ThrongStatus {
+pub unsafe extern "C" fn throng_simulation_open(
+    path: *const c_char,
+    simulation: *mut ThrongSimulation,
+) -> ThrongStatus {
     call(|| {
         check_pointer("simulation", simulation)?;
         // SAFETY: promised by the caller.
@@ -268,4 +272,3 @@ impl From<ThrongId> for Id {
         Self { index: id.index, generation: id.generation }
     }
 }
-

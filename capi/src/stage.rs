@@ -212,11 +212,15 @@ impl Stage {
         match self {
             Self::Scene(scene) => scene.restore(bytes)?,
             Self::Characters { cast, time_s } => {
-                let short = || Fault::new(ThrongStatus::Format, "this is no snapshot of these characters: it is cut short");
+                let short =
+                    || Fault::new(ThrongStatus::Format, "this is no snapshot of these characters: it is cut short");
                 let (time, rest) = bytes.split_first_chunk().ok_or_else(short)?;
                 let time = f64::from_le_bytes(*time);
                 if !(0.0..=1e12).contains(&time) {
-                    return Err(Fault::new(ThrongStatus::Format, format!("the snapshot's time is {time} s, expected 0 to 1e12")));
+                    return Err(Fault::new(
+                        ThrongStatus::Format,
+                        format!("the snapshot's time is {time} s, expected 0 to 1e12"),
+                    ));
                 }
                 cast.load(rest)?;
                 *time_s = time;

@@ -49,7 +49,11 @@ pub unsafe extern "C" fn throng_bundle_open(path: *const c_char, bundle: *mut Th
 /// # Safety
 /// `bytes` points to `size` bytes, `bundle` can be written.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn throng_bundle_from_memory(bytes: *const u8, size: usize, bundle: *mut ThrongBundle) -> ThrongStatus {
+pub unsafe extern "C" fn throng_bundle_from_memory(
+    bytes: *const u8,
+    size: usize,
+    bundle: *mut ThrongBundle,
+) -> ThrongStatus {
     call(|| {
         check_pointer("bundle", bundle)?;
         // SAFETY: promised by the caller.

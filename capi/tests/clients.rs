@@ -125,7 +125,7 @@ fn cpp_sees_what_rust_sees() {
     let path = scene.path().join("people.toml");
     let bundle_path = bundle().canonicalize().expect("it is there");
     let text = format!(
-        "bundle = {bundle_path:?}\n\n[[groups]]\nmotion = \"policy\"\ncount = 12\n\n[[groups]]\nmotion = \"none\"\ncount = 30\n\
+        "bundle = {bundle_path:?}\n\n[[groups]]\nmotion = \"policy\"\ncount = 12\nbehaviours = [{{ name = \"approach\" }}]\n\n[[groups]]\nmotion = \"none\"\ncount = 30\n\
          place = {{ block = {{ from = [-30.0, -5.0], to = [-20.0, 5.0] }} }}\n\
          goal = {{ area = {{ from = [20.0, -5.0], to = [30.0, 5.0] }} }}\n"
     );
