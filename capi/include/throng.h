@@ -176,6 +176,16 @@ typedef struct ThrongJoint {
 } ThrongJoint;
 
 /**
+ * Characters who move. One thread at a time may call with it; `throng_simulation_help` is for all.
+ */
+typedef struct ThrongSimulation {
+  /**
+   * Zero is none.
+   */
+  uint64_t handle;
+} ThrongSimulation;
+
+/**
  * How characters of a bundle move.
  */
 typedef struct ThrongCharactersConfig {
@@ -204,16 +214,6 @@ typedef struct ThrongCharactersConfig {
    */
   float half_life_s;
 } ThrongCharactersConfig;
-
-/**
- * Characters who move. One thread at a time may call with it; `throng_simulation_help` is for all.
- */
-typedef struct ThrongSimulation {
-  /**
-   * Zero is none.
-   */
-  uint64_t handle;
-} ThrongSimulation;
 
 /**
  * Names a character. Nobody else of its simulation ever has the same one. In scenes the index is its number, and the
@@ -348,96 +348,9 @@ enum ThrongStatus throng_bundle_skeleton(struct ThrongBundle bundle, struct Thro
 size_t throng_joint_name(uint32_t joint, char *buffer, size_t size);
 
 /**
- * Fills in the defaults: seed 1, 1000 characters who make way.
- *
- * @pre
- * `config` can be written.
- */
-enum ThrongStatus throng_characters_config_init(struct ThrongCharactersConfig *config);
-
-/**
- * Room for characters that policies of a bundle move; nobody is there yet.
- *
- * @pre
- * `config` points to as many bytes as its `struct_size` says, `simulation` can be written.
- */
-enum ThrongStatus throng_characters_new(struct ThrongBundle bundle,
-                                        const struct ThrongCharactersConfig *config,
-                                        struct ThrongSimulation *simulation);
-
-/**
- * Opens a scene file with its bundles and worlds, and puts everybody in place.
- *
- * @pre
- * `path` ends with a zero, `simulation` can be written.
- */
-enum ThrongStatus throng_simulation_open(const char *path, struct ThrongSimulation *simulation);
-
-/**
  * Frees a simulation; a call that another thread is in ends first.
  */
 enum ThrongStatus throng_simulation_free(struct ThrongSimulation simulation);
-
-/**
- * Lets an event of the scene happen now.
- *
- * @pre
- * `event` ends with a zero.
- */
-enum ThrongStatus throng_simulation_raise(struct ThrongSimulation simulation, const char *event);
-
-/**
- * Lets a character enter; it stands at (x, z) and looks along the heading. Its pose is there after the next step.
- *
- * @param heading about +Y from +Z (rad).
- *
- * @pre
- * `id` can be written.
- */
-enum ThrongStatus throng_characters_spawn(struct ThrongSimulation simulation,
-                                          float x,
-                                          float z,
-                                          float heading,
-                                          struct ThrongId *id);
-
-/**
- * Lets a character leave. The last one takes its row.
- */
-enum ThrongStatus throng_characters_despawn(struct ThrongSimulation simulation, struct ThrongId id);
-
-/**
- * Puts a character elsewhere at once.
- */
-enum ThrongStatus throng_characters_place(struct ThrongSimulation simulation,
-                                          struct ThrongId id,
-                                          float x,
-                                          float z,
-                                          float heading);
-
-/**
- * Tells a character what to do from now on: a policy of the bundle, and the target in the world that it is about.
- *
- * @param policy see `throng_bundle_policy`.
- */
-enum ThrongStatus throng_characters_order(struct ThrongSimulation simulation,
-                                          struct ThrongId id,
-                                          uint32_t policy,
-                                          float x,
-                                          float y,
-                                          float z);
-
-/**
- * How far a character has come with its order.
- *
- * @param left_m what is left of its way where it is going, else 0 (m).
- *
- * @pre
- * `progress` and `left_m` can be written.
- */
-enum ThrongStatus throng_characters_progress(struct ThrongSimulation simulation,
-                                             struct ThrongId id,
-                                             enum ThrongProgress *progress,
-                                             float *left_m);
 
 /**
  * Moves everybody on. Works on this thread, and on those that help where the step was announced.
@@ -503,6 +416,93 @@ enum ThrongStatus throng_simulation_save(struct ThrongSimulation simulation,
  * `bytes` points to `size` bytes.
  */
 enum ThrongStatus throng_simulation_restore(struct ThrongSimulation simulation, const uint8_t *bytes, size_t size);
+
+/**
+ * Fills in the defaults: seed 1, 1000 characters who make way.
+ *
+ * @pre
+ * `config` can be written.
+ */
+enum ThrongStatus throng_characters_config_init(struct ThrongCharactersConfig *config);
+
+/**
+ * Room for characters that policies of a bundle move; nobody is there yet.
+ *
+ * @pre
+ * `config` points to as many bytes as its `struct_size` says, `simulation` can be written.
+ */
+enum ThrongStatus throng_characters_new(struct ThrongBundle bundle,
+                                        const struct ThrongCharactersConfig *config,
+                                        struct ThrongSimulation *simulation);
+
+/**
+ * Opens a scene file with its bundles and worlds, and puts everybody in place.
+ *
+ * @pre
+ * `path` ends with a zero, `simulation` can be written.
+ */
+enum ThrongStatus throng_simulation_open(const char *path, struct ThrongSimulation *simulation);
+
+/**
+ * Lets an event of the scene happen now.
+ *
+ * @pre
+ * `event` ends with a zero.
+ */
+enum ThrongStatus throng_simulation_raise(struct ThrongSimulation simulation, const char *event);
+
+/**
+ * Lets a character enter; it stands at (x, z) and looks along the heading. Its pose is there after the next step.
+ *
+ * @param heading about +Y from +Z (rad).
+ *
+ * @pre
+ * `id` can be written.
+ */
+enum ThrongStatus throng_characters_spawn(struct ThrongSimulation simulation,
+                                          float x,
+                                          float z,
+                                          float heading,
+                                          struct ThrongId *id);
+
+/**
+ * Lets a character leave. The last one takes its row.
+ */
+enum ThrongStatus throng_characters_despawn(struct ThrongSimulation simulation, struct ThrongId id);
+
+/**
+ * Puts a character elsewhere at once.
+ */
+enum ThrongStatus throng_characters_place(struct ThrongSimulation simulation,
+                                          struct ThrongId id,
+                                          float x,
+                                          float z,
+                                          float heading);
+
+/**
+ * Tells a character what to do from now on: a policy of the bundle, and the target in the world that it is about.
+ *
+ * @param policy see `throng_bundle_policy`.
+ */
+enum ThrongStatus throng_characters_order(struct ThrongSimulation simulation,
+                                          struct ThrongId id,
+                                          uint32_t policy,
+                                          float x,
+                                          float y,
+                                          float z);
+
+/**
+ * How far a character has come with its order.
+ *
+ * @param left_m what is left of its way where it is going, else 0 (m).
+ *
+ * @pre
+ * `progress` and `left_m` can be written.
+ */
+enum ThrongStatus throng_characters_progress(struct ThrongSimulation simulation,
+                                             struct ThrongId id,
+                                             enum ThrongProgress *progress,
+                                             float *left_m);
 
 /**
  * Floats of one matrix: 12 or 16; 0 for a layout that does not exist.

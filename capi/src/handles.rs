@@ -1,28 +1,21 @@
 //! What handles stand for. Numbers are never given again, so that a freed one is known as such.
 
-use crate::desk::Desk;
 use crate::fault::{Fault, ThrongStatus};
-use crate::stage::Stage;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, RwLock, TryLockError};
-use throng_runtime::Bundle;
-
-/// A simulation, and where other threads help with its steps.
-pub struct Entry {
-    pub stage: Mutex<Stage>,
-    pub desk: Desk,
-}
+use std::sync::{PoisonError, RwLock};
 
 /// All of a kind that there are, by their numbers.
 pub struct Handles<T>(RwLock<BTreeMap<u64, T>>);
 
-pub static BUNDLES: Handles<Bundle> = Handles(RwLock::new(BTreeMap::new()));
-pub static SIMULATIONS: Handles<Arc<Entry>> = Handles(RwLock::new(BTreeMap::new()));
 /// The next number; 0 is nobody's.
 static NEXT: AtomicU64 = AtomicU64::new(1);
 
 impl<T: Clone> Handles<T> {
+    pub const fn new() -> Self {
+        Self(RwLock::new(BTreeMap::new()))
+    }
+
     pub fn add(&self, value: T) -> u64 {
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
         self.0.write().unwrap_or_else(PoisonError::into_inner).insert(number, value);
@@ -44,18 +37,4 @@ impl<T: Clone> Handles<T> {
 fn gone(what: &str, number: u64) -> Fault {
     let why = if number == 0 { "it was never made" } else { "it was freed, or is of another kind" };
     Fault::new(ThrongStatus::Handle, format!("there is no {what} with handle {number}: {why}"))
-}
-
-/// Works on a simulation that no other thread is using.
-pub fn with<R>(number: u64, work: impl FnOnce(&mut Stage, &Desk) -> Result<R, Fault>) -> Result<R, Fault> {
-    let entry = SIMULATIONS.get("simulation", number)?;
-    let mut stage = entry.stage.try_lock().map_err(|e| match e {
-        TryLockError::WouldBlock => {
-            Fault::new(ThrongStatus::Busy, "another thread is in a call with this simulation; wait for it")
-        }
-        TryLockError::Poisoned(_) => {
-            Fault::new(ThrongStatus::Panic, "a call with this simulation failed half way; free it and make it anew")
-        }
-    })?;
-    work(&mut stage, &entry.desk)
 }

@@ -20,14 +20,14 @@ pub use read::{
     throng_simulation_write_matrices,
 };
 pub use scene::{
-    ThrongCharactersConfig, ThrongId, ThrongProgress, ThrongSimulation, throng_characters_config_init,
-    throng_characters_despawn, throng_characters_new, throng_characters_order, throng_characters_place,
-    throng_characters_progress, throng_characters_spawn, throng_simulation_free, throng_simulation_open,
-    throng_simulation_raise,
+    ThrongCharactersConfig, ThrongId, ThrongProgress, throng_characters_config_init, throng_characters_despawn,
+    throng_characters_new, throng_characters_order, throng_characters_place, throng_characters_progress,
+    throng_characters_spawn, throng_simulation_open, throng_simulation_raise,
 };
 pub use stage::{
-    throng_simulation_announce, throng_simulation_count, throng_simulation_hash, throng_simulation_help,
-    throng_simulation_restore, throng_simulation_save, throng_simulation_step, throng_simulation_time,
+    ThrongSimulation, throng_simulation_announce, throng_simulation_count, throng_simulation_free,
+    throng_simulation_hash, throng_simulation_help, throng_simulation_restore, throng_simulation_save,
+    throng_simulation_step, throng_simulation_time,
 };
 pub use tables::{
     THRONG_NUM_JOINTS, ThrongBundle, ThrongJoint, throng_bundle_free, throng_bundle_from_memory, throng_bundle_open,

@@ -1,10 +1,9 @@
 //! Where characters are, how they stand, and what happened to them.
 
 use crate::fault::{Fault, ThrongStatus, call, check_pointer, copy_records};
-use crate::handles::with;
 use crate::layout::{floats, named, place, write};
-use crate::scene::{ThrongId, ThrongSimulation};
-use crate::stage::Stage;
+use crate::scene::ThrongId;
+use crate::stage::{Stage, ThrongSimulation, with};
 use throng_base::Id;
 use throng_runtime::simulation::Happened;
 use throng_runtime::{Cast, Mat3x4, NUM_JOINTS, Planar};
@@ -163,7 +162,7 @@ pub unsafe extern "C" fn throng_simulation_write_matrices(
                 return Ok(());
             }
             check_pointer("matrices", matrices)?;
-            if stride % 4 != 0 || stride < 4 * length {
+            if !stride.is_multiple_of(4) || stride < 4 * length {
                 let why = format!("`stride` is {stride} bytes, expected a multiple of 4, {} or more", 4 * length);
                 return Err(Fault::new(ThrongStatus::Value, why));
             }

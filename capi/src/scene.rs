@@ -1,24 +1,13 @@
 //! Simulations: a scene file, or characters of one bundle who come, go and are told what to do.
 
-use crate::desk::Desk;
 use crate::fault::{Fault, ThrongStatus, call, check_pointer, text, write};
-use crate::handles::{BUNDLES, Entry, SIMULATIONS, with};
-use crate::stage::Stage;
-use crate::tables::ThrongBundle;
+use crate::stage::{Stage, ThrongSimulation, keep, with};
+use crate::tables::{BUNDLES, ThrongBundle};
 use std::ffi::c_char;
-use std::sync::{Arc, Mutex};
 use throng_base::Id;
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, Choice, Order, PolicyCharacters, Spawn};
 use throng_runtime::simulation::{Scene, Simulation};
 use throng_runtime::{Cast, Planar, Status};
-
-/// Characters who move. One thread at a time may call with it; `throng_simulation_help` is for all.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct ThrongSimulation {
-    /// Zero is none.
-    pub handle: u64,
-}
 
 /// Names a character. Nobody else of its simulation ever has the same one. In scenes the index is its number, and the
 /// generation 0.
@@ -131,20 +120,6 @@ pub unsafe extern "C" fn throng_simulation_open(
     })
 }
 
-/// # Safety
-/// `to` can be written.
-unsafe fn keep(stage: Stage, to: *mut ThrongSimulation) -> Result<(), Fault> {
-    let entry = Entry { stage: Mutex::new(stage), desk: Desk::default() };
-    // SAFETY: promised by the caller.
-    unsafe { write("simulation", to, ThrongSimulation { handle: SIMULATIONS.add(Arc::new(entry)) }) }
-}
-
-/// Frees a simulation; a call that another thread is in ends first.
-#[unsafe(no_mangle)]
-pub extern "C" fn throng_simulation_free(simulation: ThrongSimulation) -> ThrongStatus {
-    call(|| SIMULATIONS.remove("simulation", simulation.handle))
-}
-
 /// Lets an event of the scene happen now.
 ///
 /// # Safety
@@ -154,7 +129,7 @@ pub unsafe extern "C" fn throng_simulation_raise(simulation: ThrongSimulation, e
     call(|| {
         // SAFETY: promised by the caller.
         let event = unsafe { text("event", event) }?;
-        with(simulation.handle, |stage, _| Ok(stage.scene()?.raise(event)?))
+        with(simulation.handle, |stage, _| stage.scene()?.raise(event).map_err(Fault::from))
     })
 }
 
@@ -184,7 +159,7 @@ pub unsafe extern "C" fn throng_characters_spawn(
 /// Lets a character leave. The last one takes its row.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_characters_despawn(simulation: ThrongSimulation, id: ThrongId) -> ThrongStatus {
-    call(|| with(simulation.handle, |stage, _| Ok(stage.cast()?.despawn(id.into())?)))
+    call(|| with(simulation.handle, |stage, _| stage.cast()?.despawn(id.into()).map_err(Fault::from)))
 }
 
 /// Puts a character elsewhere at once.
@@ -196,7 +171,11 @@ pub extern "C" fn throng_characters_place(
     z: f32,
     heading: f32,
 ) -> ThrongStatus {
-    call(|| with(simulation.handle, |stage, _| Ok(stage.cast()?.place(id.into(), Planar::new(x, z, heading))?)))
+    call(|| {
+        with(simulation.handle, |stage, _| {
+            stage.cast()?.place(id.into(), Planar::new(x, z, heading)).map_err(Fault::from)
+        })
+    })
 }
 
 /// Tells a character what to do from now on: a policy of the bundle, and the target in the world that it is about.
@@ -212,7 +191,7 @@ pub extern "C" fn throng_characters_order(
     z: f32,
 ) -> ThrongStatus {
     let order = Order::aim(policy as usize, glam::Vec3::new(x, y, z));
-    call(|| with(simulation.handle, |stage, _| Ok(stage.cast()?.order(id.into(), order)?)))
+    call(|| with(simulation.handle, |stage, _| stage.cast()?.order(id.into(), order).map_err(Fault::from)))
 }
 
 /// How far a character has come with its order.

@@ -2,12 +2,28 @@
 
 use crate::desk::Desk;
 use crate::fault::{Fault, ThrongStatus, call, copy_records, slice, write};
-use crate::handles::{SIMULATIONS, with};
-use crate::scene::ThrongSimulation;
+use crate::handles::Handles;
+use std::sync::{Arc, Mutex, TryLockError};
 use throng_base::{Inline, Run};
 use throng_runtime::Cast;
 use throng_runtime::characters::PolicyCharacters;
 use throng_runtime::simulation::Simulation;
+
+/// Characters who move. One thread at a time may call with it; `throng_simulation_help` is for all.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct ThrongSimulation {
+    /// Zero is none.
+    pub handle: u64,
+}
+
+/// A simulation, and where other threads help with its steps.
+struct Entry {
+    stage: Mutex<Stage>,
+    desk: Desk,
+}
+
+static SIMULATIONS: Handles<Arc<Entry>> = Handles::new();
 
 /// What a simulation is made of.
 pub enum Stage {
@@ -54,6 +70,34 @@ fn unsupported(why: &str) -> Fault {
     Fault::new(ThrongStatus::Unsupported, why)
 }
 
+/// # Safety
+/// `to` can be written.
+pub unsafe fn keep(stage: Stage, to: *mut ThrongSimulation) -> Result<(), Fault> {
+    let entry = Entry { stage: Mutex::new(stage), desk: Desk::default() };
+    // SAFETY: promised by the caller.
+    unsafe { write("simulation", to, ThrongSimulation { handle: SIMULATIONS.add(Arc::new(entry)) }) }
+}
+
+/// Works on a simulation that no other thread is using.
+pub fn with<R>(number: u64, work: impl FnOnce(&mut Stage, &Desk) -> Result<R, Fault>) -> Result<R, Fault> {
+    let entry = SIMULATIONS.get("simulation", number)?;
+    let mut stage = entry.stage.try_lock().map_err(|e| match e {
+        TryLockError::WouldBlock => {
+            Fault::new(ThrongStatus::Busy, "another thread is in a call with this simulation; wait for it")
+        }
+        TryLockError::Poisoned(_) => {
+            Fault::new(ThrongStatus::Panic, "a call with this simulation failed half way; free it and make it anew")
+        }
+    })?;
+    work(&mut stage, &entry.desk)
+}
+
+/// Frees a simulation; a call that another thread is in ends first.
+#[unsafe(no_mangle)]
+pub extern "C" fn throng_simulation_free(simulation: ThrongSimulation) -> ThrongStatus {
+    call(|| SIMULATIONS.remove("simulation", simulation.handle))
+}
+
 /// Moves everybody on. Works on this thread, and on those that help where the step was announced.
 ///
 /// @param dt_s 0 to 1 (s).
@@ -79,14 +123,22 @@ pub extern "C" fn throng_simulation_step(simulation: ThrongSimulation, dt_s: f64
 /// result of the step does not depend on how many there are, nor on when they come.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_announce(simulation: ThrongSimulation) -> ThrongStatus {
-    call(|| with(simulation.handle, |_, desk| Ok(desk.announce())))
+    call(|| {
+        with(simulation.handle, |_, desk| {
+            desk.announce();
+            Ok(())
+        })
+    })
 }
 
 /// Works for a step that was announced, until it is over; returns at once where none is. For jobs of the application's
 /// own threads, as many at a time as it likes.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_help(simulation: ThrongSimulation) -> ThrongStatus {
-    call(|| Ok(SIMULATIONS.get("simulation", simulation.handle)?.desk.help()))
+    call(|| {
+        SIMULATIONS.get("simulation", simulation.handle)?.desk.help();
+        Ok(())
+    })
 }
 
 /// How many characters there are, those of a scene who have left included.

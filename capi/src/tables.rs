@@ -1,7 +1,7 @@
 //! Bundles: opened, looked into, freed.
 
 use crate::fault::{Fault, ThrongStatus, call, check_pointer, copy_text, slice, text, write};
-use crate::handles::BUNDLES;
+use crate::handles::Handles;
 use std::ffi::c_char;
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::{Bundle, Joint, NUM_JOINTS};
@@ -27,6 +27,9 @@ pub struct ThrongJoint {
     /// From its parent (m; X left, Y up, Z forward).
     pub offset: [f32; 3],
 }
+
+/// Those that are open.
+pub static BUNDLES: Handles<Bundle> = Handles::new();
 
 /// Opens a bundle file. What happens to the file afterwards does not matter.
 ///
