@@ -68,18 +68,19 @@ fn nearest(shown: Option<&[Mat3x4; NUM_JOINTS]>, poses: &[[Mat3x4; NUM_JOINTS]])
 
 /// What is shown differs from the new pose by offsets, which decay.
 fn ease(characters: &mut Characters, at: usize, shown: &[Mat3x4; NUM_JOINTS], pose: &[Mat3x4; NUM_JOINTS]) {
-    let (block, lane) = characters.lane_mut(at);
+    let (block, body, lane) = characters.lane_mut(at);
+    body.awake = 1;
     let local = |pose: &[Mat3x4; NUM_JOINTS], j: usize| match j {
         0 => pose[0].rotation(),
         _ => pose[PARENTS[j]].rotation().inverse() * pose[j].rotation(),
     };
     for j in 0..NUM_JOINTS {
         let offset = (local(shown, j) * local(pose, j).inverse()).normalize();
-        encode(&mut block.offsets.rotation[j], lane, ROTATION_CODES, parameters(offset));
-        encode(&mut block.offsets.rotation_velocity[j], lane, 1.0, Vec3::ZERO);
+        encode(&mut body.offsets.rotation[j], lane, ROTATION_CODES, parameters(offset));
+        encode(&mut body.offsets.rotation_velocity[j], lane, 1.0, Vec3::ZERO);
     }
-    set(&mut block.offsets.root, lane, shown[0].translation() - pose[0].translation());
-    set(&mut block.offsets.root_velocity, lane, Vec3::ZERO);
+    set(&mut body.offsets.root, lane, shown[0].translation() - pose[0].translation());
+    set(&mut body.offsets.root_velocity, lane, Vec3::ZERO);
     block.age_s[lane] = 0.0;
 }
 

@@ -1,5 +1,6 @@
 //! State of eight characters, laid out so that one load fetches a value of all eight.
 
+use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::pace;
 use super::reaction::Reaction;
@@ -8,6 +9,7 @@ use crate::graph::MotionSegment;
 use crate::planar::{Planar, wrap_angle};
 use crate::pose::{FootLock, Lane, Lane3, get, planar, set};
 use crate::skeleton::NUM_JOINTS;
+use bytemuck::Zeroable;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::simd::{LANES, Lanes, V};
@@ -48,7 +50,7 @@ pub(crate) fn load_codes<F: Lanes>(v: &Code3) -> V<F> {
 ///
 /// Rotation offsets are modified Rodrigues parameters, applied on the parent's side; their velocities are per second.
 /// Both are kept as short integers, which halves what a step reads.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Offsets {
     pub rotation: [Code3; NUM_JOINTS],
@@ -111,10 +113,43 @@ pub(crate) struct Block {
     pub choice_root: Lane3,
     /// Contacts at the last step.
     pub contacts: [Contacts; LANES],
+    /// Frame row that the last transition left, and the one that it went to.
+    pub change: [[u32; LANES]; 2],
+}
+
+/// What eight characters differ by from what they play. Only blocks that are posed have one that counts.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, Zeroable)]
+#[repr(C, align(64))]
+pub(crate) struct Body {
+    /// 1 from the first pose on, 0 where the block is not posed: then feet and offsets count for nothing.
+    pub awake: u32,
     /// Left, right.
     pub feet: [FootLock; 2],
     pub offsets: Offsets,
     pub reaction: Reaction,
+}
+
+impl Body {
+    pub const ZERO: Self =
+        Self { awake: 0, feet: [FootLock::ZERO; 2], offsets: Offsets::ZERO, reaction: Reaction::ZERO };
+
+    /// Frees a lane. Memory that was never written stays so.
+    pub fn clear(&mut self, lane: usize) {
+        if self.awake == 1 || self.reaction.active[lane] != 0.0 {
+            self.take(lane, &Self::ZERO, 0);
+        }
+    }
+
+    /// Takes the value of one lane of another, which may be asleep.
+    pub fn take_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
+        match from.awake {
+            1 => self.take(lane, from, from_lane),
+            _ => {
+                self.clear(lane);
+                self.reaction.take(lane, &from.reaction, from_lane);
+            }
+        }
+    }
 }
 
 impl Block {
@@ -139,9 +174,7 @@ impl Block {
         choice_state: [NO_STATE; LANES],
         choice_root: [[0.0; LANES]; 3],
         contacts: [Contacts::NONE; LANES],
-        feet: [FootLock::ZERO; 2],
-        offsets: Offsets::ZERO,
-        reaction: Reaction::ZERO,
+        change: [[0; LANES]; 2],
     };
 
     /// Planar root of one lane at the last step.
@@ -186,6 +219,12 @@ impl Block {
         let whole = motion_set.graph.segments[segment as usize].displacement();
         self.set_choice_root(lane, root.compose(whole.inverse()));
         set(&mut self.root, lane, Vec3::new(root.x, root.z, root.heading));
+    }
+
+    /// Notes a transition from one frame row to another.
+    pub fn set_change(&mut self, lane: usize, from: u32, to: u32) {
+        self.change[0][lane] = from;
+        self.change[1][lane] = to;
     }
 
     /// Plays a segment of the motion graph, which stands on the ground; time is left as it is.

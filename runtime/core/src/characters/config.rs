@@ -41,6 +41,8 @@ pub struct CharactersConfig {
     pub avoid: Option<AvoidConfig>,
     /// Also write local transforms.
     pub local_transforms: bool,
+    /// Also write an [`super::Instance`] of everybody.
+    pub instances: bool,
     /// Also measure where the time of a step goes, see [`super::Characters::times`].
     pub timed: bool,
 }
@@ -57,6 +59,7 @@ impl Default for CharactersConfig {
             bend_rad_per_m: 0.0,
             avoid: None,
             local_transforms: false,
+            instances: false,
             timed: false,
         }
     }

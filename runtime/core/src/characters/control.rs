@@ -2,7 +2,7 @@
 
 use super::avoid::Plan;
 use super::bent;
-use super::block::{Block, LAID, NO_STATE};
+use super::block::{Block, Body, LAID, NO_STATE};
 use super::blow::PassedHits;
 use super::motion_set::MotionSet;
 use super::order::Order;
@@ -82,7 +82,7 @@ struct Pending {
 /// - `passed`: takes the hits that new segments begin with.
 /// - `asked`: of all characters.
 pub(crate) fn choose(
-    blocks: &mut [Block],
+    (blocks, bodies): (&mut [Block], &mut [Body]),
     passed: &mut PassedHits,
     first: usize,
     count: usize,
@@ -115,7 +115,7 @@ pub(crate) fn choose(
             continue;
         }
         select(&mut pending, blocks, motion_set, config);
-        apply(&pending, blocks, passed, first, motion_set, config);
+        apply(&pending, (blocks, bodies), passed, first, motion_set, config);
     }
 }
 
@@ -197,7 +197,7 @@ fn select(pending: &mut Pending, blocks: &[Block], motion_set: &MotionSet, confi
 /// Starts the chosen segments.
 fn apply(
     pending: &Pending,
-    blocks: &mut [Block],
+    (blocks, bodies): (&mut [Block], &mut [Body]),
     passed: &mut PassedHits,
     first: usize,
     motion_set: &MotionSet,
@@ -217,13 +217,14 @@ fn apply(
         let plan = Plan { segment, pace: pace::NORMAL, bend };
         let left = b.time[lane] - b.length[lane] as f32;
         let begin_it = Begin { at: first + character, state, root: pending.roots[i], plan, left };
-        if let Some(change) = begin(b, &begin_it, passed, motion_set) {
+        let change = begin(b, &begin_it, passed, motion_set);
+        if let Some(change) = change.filter(|_| bodies[character / LANES].awake == 1) {
             changes[num_changes] = Change { character: character as u32, ..change };
             num_changes += 1;
         }
     }
     for group in changes[..num_changes].chunks(LANES) {
-        transition::start(group, motion_set, config.half_life_s, blocks);
+        transition::start(group, motion_set, config.half_life_s, bodies);
     }
 }
 
@@ -271,6 +272,7 @@ pub(crate) fn begin(b: &mut Block, begin: &Begin, passed: &mut PassedHits, motio
     let left_s = begin.left / motion_set.rate_hz;
     let age_s = b.age_s[lane] - left_s;
     b.age_s[lane] = left_s;
+    b.set_change(lane, from, new.start);
     Some(Change { from, to: new.start, age_s, ..Change::default() })
 }
 
@@ -282,7 +284,7 @@ pub(crate) fn draw(b: &Block, lane: usize, config: &CharactersConfig) -> f32 {
 
 /// Starts a segment now, from where the character stands (segment exists).
 pub(crate) fn play(
-    blocks: &mut [Block],
+    (blocks, bodies): (&mut [Block], &mut [Body]),
     character: usize,
     segment: u32,
     motion_set: &MotionSet,
@@ -300,7 +302,10 @@ pub(crate) fn play(
     b.time[lane] = 0.0;
     b.age_s[lane] = 0.0;
     b.choice_state[lane] = NO_STATE;
-    transition::start(&[change], motion_set, config.half_life_s, blocks);
+    b.set_change(lane, from, new.start);
+    if bodies[character / LANES].awake == 1 {
+        transition::start(&[change], motion_set, config.half_life_s, bodies);
+    }
 }
 
 /// How fast an action is bent so that it ends nearer to facing the target, within the limit (rad/frame).

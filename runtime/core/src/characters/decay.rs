@@ -1,11 +1,11 @@
 //! The offsets of the last transition, which decay as critically damped springs do.
 
-use super::block::{Block, ROTATION_CODES, VELOCITY_CODES, load_codes};
+use super::block::{Block, Body, ROTATION_CODES, VELOCITY_CODES, load_codes};
 use crate::pose::{LanePose, load};
 use throng_base::simd::{Functions, Lanes, Q, V};
 
 /// Past this many half-lives an offset is below a four-hundredth of what it was and is no longer applied.
-const HALF_LIVES_KEPT: f32 = 6.0;
+pub(super) const HALF_LIVES_KEPT: f32 = 6.0;
 
 /// Coefficients of a critically damped spring that has run for `age_s`: the offset is `position * x + velocity * v`.
 ///
@@ -55,7 +55,7 @@ fn settled<F: Lanes>(block: &Block, half_life_s: f32) -> bool {
 
 /// Adds the decaying offsets of the last transition.
 #[inline(always)]
-pub(crate) fn add_offsets<F: Lanes>(pose: &mut LanePose<F>, block: &Block, half_life_s: f32) {
+pub(crate) fn add_offsets<F: Lanes>(pose: &mut LanePose<F>, block: &Block, body: &Body, half_life_s: f32) {
     if settled::<F>(block, half_life_s) {
         return;
     }
@@ -65,7 +65,7 @@ pub(crate) fn add_offsets<F: Lanes>(pose: &mut LanePose<F>, block: &Block, half_
     let (kept, zero) = (F::splat(HALF_LIVES_KEPT * half_life_s), F::splat(0.0));
     decay.position = F::select_lt(kept, age, zero, decay.position);
     decay.velocity = F::select_lt(kept, age, zero, decay.velocity);
-    let o = &block.offsets;
+    let o = &body.offsets;
     pose.root = pose.root + decay.apply(load(&o.root), load(&o.root_velocity));
     let decay = Decay {
         position: decay.position * F::splat(1.0 / ROTATION_CODES),

@@ -1,6 +1,6 @@
 //! Moving one character from block to block.
 
-use super::block::{Block, Offsets};
+use super::block::{Block, Body, Offsets};
 use super::reaction::{Reaction, Spring};
 use crate::contacts::Contacts;
 use crate::pose::FootLock;
@@ -63,6 +63,20 @@ fields!(Offsets { rotation, rotation_velocity, root, root_velocity });
 fields!(FootLock { correction, ankle, toe, heel_down, toe_down });
 fields!(Spring { place, velocity, force });
 fields!(Reaction { active, trunk, head });
+impl Lanewise for Body {
+    fn take(&mut self, lane: usize, from: &Self, from_lane: usize) {
+        let Self { awake: _, feet, offsets, reaction } = self;
+        feet.take(lane, &from.feet, from_lane);
+        offsets.take(lane, &from.offsets, from_lane);
+        reaction.take(lane, &from.reaction, from_lane);
+    }
+
+    fn is_near(&self, lane: usize) -> bool {
+        let Self { awake, feet, offsets, reaction } = self;
+        *awake <= 1 && feet.is_near(lane) && offsets.is_near(lane) && reaction.is_near(lane)
+    }
+}
+
 fields!(Block {
     name,
     segment,
@@ -84,7 +98,5 @@ fields!(Block {
     choice_state,
     choice_root,
     contacts,
-    feet,
-    offsets,
-    reaction
+    change
 });

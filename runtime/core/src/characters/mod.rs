@@ -9,6 +9,7 @@ mod blow;
 mod config;
 mod control;
 mod decay;
+mod detail;
 mod lanes;
 #[cfg(any(test, feature = "made-up"))]
 pub mod made_up;
@@ -35,12 +36,14 @@ use crate::skeleton::{Joint, NUM_JOINTS};
 pub use anatomy::head_centre;
 pub use avoid::AvoidConfig;
 use avoid::Avoiding;
-use block::Block;
+use block::{Block, Body};
 pub use blow::{Blow, MAX_BLOWS};
 use blow::{Blows, PassedHits};
+use bytemuck::zeroed_vec;
 pub use config::{CharactersConfig, Choice};
 pub(crate) use control::Asked;
 pub use control::uniform;
+pub use detail::{Detail, Instance, Level};
 use glam::{Vec2, Vec3};
 pub use motion_set::MotionSet;
 pub use order::{Order, Policy};
@@ -101,10 +104,16 @@ pub struct Characters {
     /// Of the bundle's content.
     fingerprint: u64,
     blocks: Vec<Block>,
+    /// (blocks)
+    bodies: Vec<Body>,
+    /// (blocks)
+    levels: Vec<Level>,
+    detail: Option<Detail>,
     passed: Vec<PassedHits>,
     blows: Blows,
     matrices: Vec<Mat3x4>,
     locals: Vec<LocalTransform>,
+    instances: Vec<Instance>,
     /// Where characters make way.
     avoiding: Option<Box<Avoiding>>,
     times: StepTimes,
@@ -168,11 +177,16 @@ impl Characters {
             num_frames: motion_set.frames.len(),
             num_segments: motion_set.graph.segments.len(),
             fingerprint: motion_set.fingerprint,
+            // Memory that nobody is posed in is never written, and takes no room.
+            bodies: zeroed_vec(blocks.len()),
+            levels: vec![Level::Full; blocks.len()],
+            detail: None,
             blocks,
             blows: Blows::new(&passed),
             passed,
-            matrices: vec![Mat3x4::default(); n * NUM_JOINTS],
+            matrices: zeroed_vec(n * NUM_JOINTS),
             locals: vec![LocalTransform::default(); locals],
+            instances: zeroed_vec(if config.instances { n } else { 0 }),
             avoiding: config.avoid.map(|avoid| Box::new(Avoiding::new(motion_set, &avoid, n))),
             times: StepTimes::default(),
         }
@@ -231,16 +245,23 @@ impl Characters {
         let tick = Tick { dt_s, motion_set, config: &config, asked, clock: clock.as_ref() };
         let n = self.num_characters;
         let num_ranges = n.div_ceil(RANGE_BLOCKS * LANES);
+        if let Some(detail) = &self.detail {
+            for (at, (level, block)) in self.levels.iter_mut().zip(&self.blocks[..n.div_ceil(LANES)]).enumerate() {
+                *level = detail.level(block, (n - at * LANES).min(LANES));
+            }
+        }
         match (&mut self.avoiding, &config.avoid) {
             (Some(avoiding), Some(avoid)) => {
                 // All move on; they choose one after the other; all take their poses.
                 let blocks = self.blocks[..n.div_ceil(LANES)].chunks_mut(RANGE_BLOCKS);
                 let parts = blocks.zip(&mut self.passed).enumerate();
-                let parts = parts.map(|(i, part)| range(i, n, part, &mut [], &mut []));
-                run_each(run, parts, |range| step::advance_all(range, &tick));
+                run_each(run, parts, |(i, (blocks, passed))| {
+                    let (first, count) = span(i, n);
+                    step::advance_all(blocks, passed, first, count, &tick);
+                });
                 let mut laps = Laps::start(tick.clock);
                 let choices = avoid::Step { motion_set, config: &config, avoid, asked, num_characters: n };
-                avoid::choose(avoiding, &mut self.blocks, &mut self.passed, &choices);
+                avoid::choose(avoiding, (&mut self.blocks, &mut self.bodies), &mut self.passed, &choices);
                 laps.end(Phase::Control);
                 run_each(run, self.ranges(), |range| step::pose_all(range, &tick));
             }
@@ -252,13 +273,40 @@ impl Characters {
 
     /// The parts of a step that threads may share.
     fn ranges(&mut self) -> impl Iterator<Item = Range<'_>> {
-        const POSES: usize = RANGE_BLOCKS * LANES * NUM_JOINTS;
+        const COUNT: usize = RANGE_BLOCKS * LANES;
         let n = self.num_characters;
         let blocks = self.blocks[..n.div_ceil(LANES)].chunks_mut(RANGE_BLOCKS);
-        let matrices = self.matrices[..n * NUM_JOINTS].chunks_mut(POSES);
-        let mut locals = self.locals.chunks_mut(POSES);
-        let parts = blocks.zip(&mut self.passed).zip(matrices).enumerate();
-        parts.map(move |(i, (part, m))| range(i, n, part, m, locals.next().unwrap_or_default()))
+        let bodies = self.bodies.chunks_mut(RANGE_BLOCKS).zip(self.levels.chunks(RANGE_BLOCKS));
+        let matrices = self.matrices[..n * NUM_JOINTS].chunks_mut(COUNT * NUM_JOINTS);
+        let mut locals = self.locals.chunks_mut(COUNT * NUM_JOINTS);
+        let mut instances = self.instances.chunks_mut(COUNT);
+        let parts = blocks.zip(bodies).zip(&mut self.passed).zip(matrices).enumerate();
+        parts.map(move |(i, (((blocks, (bodies, levels)), passed), matrices))| {
+            let (first, count) = span(i, n);
+            let (locals, instances) = (locals.next().unwrap_or_default(), instances.next().unwrap_or_default());
+            Range { first, count, blocks, bodies, levels, passed, matrices, locals, instances }
+        })
+    }
+
+    /// Where characters are looked at from at the next steps; none lets everybody be posed whole.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for distances that are none.
+    pub fn set_detail(&mut self, detail: Option<Detail>) -> Result<()> {
+        detail.map_or(Ok(()), |detail| detail.check())?;
+        self.detail = detail;
+        self.levels.fill(Level::Full);
+        Ok(())
+    }
+
+    /// How much of a character the last step computed (character < num_characters).
+    pub fn level(&self, character: usize) -> Level {
+        self.levels[character / LANES]
+    }
+
+    /// Records of all characters, whatever their level; empty unless the config asks for them (num_characters).
+    pub fn instances(&self) -> &[Instance] {
+        &self.instances[..self.num_characters.min(self.instances.len())]
     }
 
     /// Planar root of a character in the world (character < num_characters).
@@ -301,11 +349,11 @@ impl Characters {
         self.check_bundle(motion_set)?;
         check_index("character", None, character, self.num_characters)?;
         check_index("segment", None, segment as usize, self.num_segments)?;
-        let before = self.blocks[character / LANES];
-        let laid = before.segment[character % LANES] == block::LAID;
-        control::play(&mut self.blocks, character, segment, motion_set, &self.config);
+        let before = (self.blocks[character / LANES], self.bodies[character / LANES]);
+        let laid = before.0.segment[character % LANES] == block::LAID;
+        control::play((&mut self.blocks, &mut self.bodies), character, segment, motion_set, &self.config);
         if !self.reserve(motion_set, character) {
-            self.blocks[character / LANES] = before;
+            (self.blocks[character / LANES], self.bodies[character / LANES]) = before;
             self.reserve(motion_set, character);
             return Err(in_the_way(Id::first(character)));
         }
@@ -362,8 +410,8 @@ impl Characters {
         let largest = displacement.abs().max_element();
         check("displacement", None, largest, displacement.is_finite() && largest < 1e3, "finite and below 1e3")?;
         if self.config.reaction.enabled {
-            let block = &mut self.blocks[character / LANES];
-            reaction::push(&mut block.reaction, character % LANES, &self.config.reaction, joint, displacement);
+            let body = &mut self.bodies[character / LANES];
+            reaction::push(&mut body.reaction, character % LANES, &self.config.reaction, joint, displacement);
         }
         Ok(())
     }
@@ -466,14 +514,8 @@ fn arrivals(motion_set: &MotionSet) -> Vec<u32> {
     found
 }
 
-fn range<'a>(
-    index: usize,
-    num_characters: usize,
-    (blocks, passed): (&'a mut [Block], &'a mut PassedHits),
-    matrices: &'a mut [Mat3x4],
-    locals: &'a mut [LocalTransform],
-) -> Range<'a> {
+/// First character of a range, and how many it has.
+fn span(index: usize, num_characters: usize) -> (usize, usize) {
     let first = index * RANGE_BLOCKS * LANES;
-    let count = (num_characters - first).min(RANGE_BLOCKS * LANES);
-    Range { first, count, blocks, passed, matrices, locals }
+    (first, (num_characters - first).min(RANGE_BLOCKS * LANES))
 }

@@ -23,8 +23,8 @@ pub struct MotionSet {
     pub(crate) rotation_code: Arc<RotationCode>,
     pub(crate) contacts: Table<Contacts>,
     pub(crate) clips: Table<ClipRecord>,
-    /// Whether the clip goes on after a frame (frames).
-    has_next: Arc<[bool]>,
+    /// Frames that the clip has after each, 255 where there are more (frames).
+    left: Arc<[u8]>,
     pub(crate) hits: Table<HitRecord>,
     /// First hit of each segment, and the one after its last (number of segments).
     segment_hits: Table<[u32; 2]>,
@@ -47,7 +47,7 @@ impl MotionSet {
             rotation_code: Arc::new(*tables.rotation_code()),
             contacts: tables.contacts().clone(),
             clips: tables.clips().clone(),
-            has_next: has_next(tables.clips(), tables.frames().len()),
+            left: left(tables.clips(), tables.frames().len()),
             hits: tables.hits().clone(),
             segment_hits: segment_hits(tables.graph(), tables.hits()).into(),
             graph: tables.graph().clone(),
@@ -124,14 +124,20 @@ impl MotionSet {
     /// Whether the clip has a frame before one, and one after the next.
     #[inline]
     fn neighbours(&self, frame: u32) -> [bool; 2] {
-        let goes_on = |at: usize| self.has_next.get(at).copied().unwrap_or(false);
+        let goes_on = |at: usize| self.left.get(at).is_some_and(|&left| left > 0);
         [frame > 0 && goes_on(frame as usize - 1), goes_on(frame as usize + 1)]
+    }
+
+    /// Frames that the clip has after one, 255 where there are more; 0 for a frame that there is not.
+    #[inline]
+    pub(crate) fn left(&self, frame: u32) -> u32 {
+        self.left.get(frame as usize).copied().unwrap_or(0).into()
     }
 
     /// The frames before and after one in its clip; the frame itself where there is none.
     pub(crate) fn around(&self, frame: u32) -> [u32; 2] {
-        let has_before = frame > 0 && self.has_next[frame as usize - 1];
-        [frame - u32::from(has_before), frame + u32::from(self.has_next[frame as usize])]
+        let has_before = frame > 0 && self.left[frame as usize - 1] > 0;
+        [frame - u32::from(has_before), frame + u32::from(self.left[frame as usize] > 0)]
     }
 
     /// Planar root within its clip, some frames after one; the last frame is not passed.
@@ -153,11 +159,13 @@ impl MotionSet {
     }
 }
 
-/// Whether the clip goes on after each frame.
-fn has_next(clips: &[ClipRecord], num_frames: usize) -> Arc<[bool]> {
-    let mut out = vec![true; num_frames];
-    for clip in clips.iter().filter(|c| c.num_frames > 0) {
-        out[(clip.first_frame + clip.num_frames - 1) as usize] = false;
+/// Frames that its clip has after each frame, at most 255.
+fn left(clips: &[ClipRecord], num_frames: usize) -> Arc<[u8]> {
+    let mut out = vec![u8::MAX; num_frames];
+    for clip in clips {
+        for k in 0..clip.num_frames {
+            out[(clip.first_frame + k) as usize] = (clip.num_frames - 1 - k).min(255) as u8;
+        }
     }
     out.into()
 }

@@ -1,11 +1,10 @@
 //! Characters as a cast: they come and go, each with an id and an order of its own.
 
-use super::block::Block;
-use super::lanes::Lanewise;
+use super::block::{Block, Body};
 use super::motion_set::MotionSet;
 use super::order::Order;
 use super::snapshot::is_sound;
-use super::{Asked, Blow, Characters, CharactersConfig, Start, arrivals, in_the_way};
+use super::{Asked, Blow, Characters, CharactersConfig, Detail, Instance, Start, arrivals, in_the_way};
 use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};
 use crate::contacts::Contacts;
@@ -194,6 +193,19 @@ impl PolicyCharacters {
         self.characters.reserve_all(&self.motion_set);
     }
 
+    /// Where characters are looked at from, see [`Characters::set_detail`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn set_detail(&mut self, detail: Option<Detail>) -> Result<()> {
+        self.characters.set_detail(detail)
+    }
+
+    /// A record of everybody for GPUs, in the order of bodies; empty unless [`CharactersConfig::instances`].
+    pub fn instances(&self) -> &[Instance] {
+        self.characters.instances()
+    }
+
     /// Adds all bodies and the ground that they hold, see [`Characters::hold_ground`].
     pub fn hold_ground(&mut self, out: &mut Held) {
         self.characters.hold_ground(&self.motion_set, out);
@@ -224,13 +236,15 @@ impl PolicyCharacters {
         let mut setup = Hash128::default();
         setup.bytes(&self.bundle.hash().to_le_bytes());
         setup.bytes(format!("{:?}", self.characters.config()).as_bytes());
-        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 3, setup: setup.finish() }
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 4, setup: setup.finish() }
     }
 
     /// Why a state cannot be that of these characters; nothing where it can.
-    fn refuse(&self, blocks: &[Block], roster: &Roster, orders: &[Order]) -> Option<String> {
+    fn refuse(&self, blocks: &[Block], bodies: &[Body], roster: &Roster, orders: &[Order]) -> Option<String> {
         let n = roster.ids().len();
-        if !self.roster.clone().restore(roster) || (orders.len(), blocks.len()) != (n, n.div_ceil(LANES)) {
+        if !self.roster.clone().restore(roster)
+            || (orders.len(), blocks.len(), bodies.len()) != (n, n.div_ceil(LANES), n.div_ceil(LANES))
+        {
             let capacity = self.roster.capacity();
             return Some(format!(
                 "its ids are not those of {capacity} places; restore it into as many as it was taken of"
@@ -240,7 +254,7 @@ impl PolicyCharacters {
             if let Err(e) = order.check(Some(*id), &self.motion_set) {
                 return Some(e.to_string());
             }
-            if !is_sound(blocks, &self.motion_set, at, name(*id)) {
+            if !is_sound(blocks, bodies, &self.motion_set, at, name(*id)) {
                 return Some(format!("character {id} plays what the bundle does not have"));
             }
         }
@@ -311,11 +325,12 @@ impl Cast for PolicyCharacters {
     fn place(&mut self, id: Id, root: Planar) -> Result<()> {
         let at = self.roster.row(id)?;
         check_root(Some(id), root)?;
-        let (before, lane) = self.characters.lane_mut(at);
-        let before = *before;
+        let (block, body, _) = self.characters.lane_mut(at);
+        let (block, body) = (*block, *body);
         self.characters.put(&self.motion_set, at, root);
         if !self.characters.reserve(&self.motion_set, at) {
-            self.characters.lane_mut(at).0.take(lane, &before, lane);
+            let (blocks, bodies, _) = self.characters.lane_mut(at);
+            (*blocks, *bodies) = (block, body);
             self.characters.reserve(&self.motion_set, at);
             return Err(in_the_way(id));
         }
@@ -363,17 +378,18 @@ impl Cast for PolicyCharacters {
     }
 
     fn save(&self, out: &mut Vec<u8>) {
-        self.snapshot_kind().write(&(self.characters.saved_blocks(), &self.roster, &self.orders), out);
+        let (blocks, bodies) = self.characters.saved();
+        self.snapshot_kind().write(&(blocks, bodies, &self.roster, &self.orders), out);
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<()> {
         let kind = self.snapshot_kind();
-        let (blocks, roster, orders): (Vec<Block>, Roster, Vec<Order>) = kind.read_all(bytes)?;
-        if let Some(why) = self.refuse(&blocks, &roster, &orders) {
+        let (blocks, bodies, roster, orders): (Vec<Block>, Vec<Body>, Roster, Vec<Order>) = kind.read_all(bytes)?;
+        if let Some(why) = self.refuse(&blocks, &bodies, &roster, &orders) {
             return Err(Error::Snapshot { what: kind.what, why });
         }
         self.roster.restore(&roster);
-        self.characters.set_blocks(&blocks, roster.ids().len());
+        self.characters.set_state(&blocks, &bodies, roster.ids().len());
         self.characters.pose_again(&self.motion_set);
         // The vector keeps its capacity.
         self.orders.clone_from(&orders);

@@ -82,7 +82,7 @@ const TURN_RAD_PER_M: f32 = 4.0;
 const NUM_UPPER: usize = Joint::RightHand.index() + 1;
 
 /// A spring of each of eight characters, in world space.
-#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize, bytemuck::Zeroable)]
 pub(super) struct Spring {
     /// (m)
     pub place: Lane3,
@@ -163,7 +163,7 @@ impl Step {
 }
 
 /// The reactions of eight characters.
-#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct Reaction {
     /// 1 where a character reacts, else 0.

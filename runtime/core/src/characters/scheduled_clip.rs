@@ -1,13 +1,13 @@
 //! Scheduled clips: stretches of frames that a character plays in place of choosing by a policy.
 
-use super::block::{Block, LAID, NO_STATE};
+use super::block::{Block, Body, LAID, NO_STATE};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::transition::{self, Change};
 use super::{Characters, CharactersConfig};
 use crate::patch::Placement;
 use crate::planar::Planar;
-use crate::pose::{Mat3x4, set};
+use crate::pose::set;
 use crate::skeleton::NUM_JOINTS;
 use glam::{Vec2, Vec3};
 use throng_base::Result;
@@ -101,12 +101,11 @@ impl Characters {
     pub fn enter_laid(&mut self, motion_set: &MotionSet, scheduled_clip: &ScheduledClip) -> Result<()> {
         let at = self.num_characters;
         check_index("character", None, at, self.matrices.len() / NUM_JOINTS)?;
-        self.blocks[at / LANES].take(at % LANES, &Block::ZERO, 0);
+        self.clear(at);
         self.num_characters += 1;
         let started = self.start_laid(motion_set, at, scheduled_clip);
         self.num_characters -= usize::from(started.is_err());
         started?;
-        self.matrices[at * NUM_JOINTS..][..NUM_JOINTS].fill(Mat3x4::default());
         Ok(())
     }
 
@@ -123,8 +122,10 @@ impl Characters {
         self.check_bundle(motion_set)?;
         check_index("character", None, character, self.num_characters)?;
         scheduled_clip.check(motion_set)?;
-        let (b, lane, root) = (&mut self.blocks[character / LANES], character % LANES, scheduled_clip.root);
-        self.num_choosers -= usize::from(b.segment[lane] != LAID);
+        let (lane, root) = (character % LANES, scheduled_clip.root);
+        self.num_choosers -= usize::from(self.blocks[character / LANES].segment[lane] != LAID);
+        self.bodies[character / LANES].clear(lane);
+        let b = &mut self.blocks[character / LANES];
         b.take(lane, &Block::ZERO, 0);
         b.name[lane] = character as u64;
         scheduled_clip.put(b, lane, motion_set);
@@ -149,7 +150,8 @@ impl Characters {
         scheduled_clip.check(motion_set)?;
         let (b, lane) = (&mut self.blocks[character / LANES], character % LANES);
         let chose = b.segment[lane] != LAID;
-        lay(b, lane, scheduled_clip, motion_set, &self.config);
+        let body = &mut self.bodies[character / LANES];
+        lay((b, body), lane, scheduled_clip, motion_set, &self.config);
         self.num_choosers -= usize::from(chose);
         Ok(())
     }
@@ -182,7 +184,16 @@ impl Characters {
 }
 
 /// Changes to a scheduled clip at the end of what is played.
-fn lay(b: &mut Block, lane: usize, scheduled_clip: &ScheduledClip, motion_set: &MotionSet, config: &CharactersConfig) {
+fn lay(
+    (b, body): (&mut Block, &mut Body),
+    lane: usize,
+    scheduled_clip: &ScheduledClip,
+    motion_set: &MotionSet,
+    config: &CharactersConfig,
+) {
+    if body.awake == 0 {
+        transition::wake(b, body, motion_set, config.half_life_s);
+    }
     let left = b.length[lane] as f32 - b.time[lane];
     let left_s = left / motion_set.rate_hz;
     let from = b.first[lane] + b.length[lane];
@@ -199,8 +210,8 @@ fn lay(b: &mut Block, lane: usize, scheduled_clip: &ScheduledClip, motion_set: &
     b.time[lane] = scheduled_clip.from_offset as f32 - left;
     if change.from != change.to || change.lift != 0.0 || change.drift != Vec3::ZERO {
         b.age_s[lane] = -left_s;
-        let block = std::slice::from_mut(b);
-        transition::start(&[change], motion_set, config.half_life_s, block);
+        b.set_change(lane, change.from, change.to);
+        transition::start(&[change], motion_set, config.half_life_s, std::slice::from_mut(body));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Saves the state of characters and restores it.
 
-use super::block::{Block, LAID, NO_STATE};
+use super::block::{Block, Body, LAID, NO_STATE};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::pace;
@@ -17,6 +17,7 @@ use throng_base::{Error, Result};
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct CharactersSnapshot {
     blocks: Vec<Block>,
+    bodies: Vec<Body>,
     num_characters: usize,
     /// Of the bundle's content.
     fingerprint: u64,
@@ -25,13 +26,13 @@ pub struct CharactersSnapshot {
 impl CharactersSnapshot {
     /// Memory that it takes (bytes).
     pub fn num_bytes(&self) -> usize {
-        size_of_val(self.blocks.as_slice())
+        size_of_val(self.blocks.as_slice()) + size_of_val(self.bodies.as_slice())
     }
 
     /// Changes the first block.
     #[cfg(test)]
-    pub(super) fn spoil(&mut self, spoil: fn(&mut Block)) {
-        spoil(&mut self.blocks[0]);
+    pub(super) fn spoil(&mut self, spoil: fn(&mut Block, &mut Body)) {
+        spoil(&mut self.blocks[0], &mut self.bodies[0]);
     }
 }
 
@@ -39,7 +40,8 @@ impl Characters {
     /// Saves the state.
     pub fn snapshot(&self) -> CharactersSnapshot {
         let (num_characters, fingerprint) = (self.num_characters, self.fingerprint);
-        CharactersSnapshot { blocks: self.saved_blocks(), num_characters, fingerprint }
+        let (blocks, bodies) = self.saved();
+        CharactersSnapshot { blocks, bodies, num_characters, fingerprint }
     }
 
     /// Goes back to a snapshot. Steps from there repeat those of the saved characters bit by bit where config and goals
@@ -62,22 +64,22 @@ impl Characters {
     /// # Errors
     /// As [`Characters::restore`].
     pub fn restore_any(&mut self, motion_set: &MotionSet, snapshot: &CharactersSnapshot) -> Result<()> {
-        let CharactersSnapshot { blocks, num_characters: n, fingerprint } = snapshot;
+        let CharactersSnapshot { blocks, bodies, num_characters: n, fingerprint } = snapshot;
         let refuse = |why: String| Err(Error::Snapshot { what: "characters", why });
         let room = self.matrices.len() / NUM_JOINTS;
-        if *n > room || blocks.len() != n.div_ceil(LANES) {
+        if *n > room || [blocks.len(), bodies.len()] != [n.div_ceil(LANES); 2] {
             return refuse(format!("it has {n} characters, the capacity is {room}"));
         }
         if [*fingerprint; 2] != [self.fingerprint, motion_set.fingerprint] {
             return refuse("it was taken with another bundle".into());
         }
-        if let Some(c) = (0..*n).find(|&c| !is_sound(blocks, motion_set, c, c as u64)) {
+        if let Some(c) = (0..*n).find(|&c| !is_sound(blocks, bodies, motion_set, c, c as u64)) {
             return refuse(format!("character {c} plays what the bundle does not have, or is nowhere"));
         }
         if let Some(c) = self.meeting(motion_set, blocks, *n) {
             return refuse(format!("character {c} is in another's way, though they make way"));
         }
-        self.set_blocks(blocks, *n);
+        self.set_state(blocks, bodies, *n);
         self.pose_again(motion_set);
         Ok(())
     }
@@ -92,17 +94,20 @@ impl Characters {
     }
 
     /// State of all characters, eight to a block; unused lanes are zero.
-    pub(super) fn saved_blocks(&self) -> Vec<Block> {
-        let mut blocks = self.blocks[..self.num_characters.div_ceil(LANES)].to_vec();
-        clear_beyond(&mut blocks, self.num_characters);
-        blocks
+    pub(super) fn saved(&self) -> (Vec<Block>, Vec<Body>) {
+        let num = self.num_characters.div_ceil(LANES);
+        let (mut blocks, mut bodies) = (self.blocks[..num].to_vec(), self.bodies[..num].to_vec());
+        clear_beyond(&mut blocks, &mut bodies, self.num_characters);
+        (blocks, bodies)
     }
 
-    /// Takes the state of `n` characters (blocks: n / 8, rounded up; there is room).
-    pub(super) fn set_blocks(&mut self, blocks: &[Block], n: usize) {
+    /// Takes the state of `n` characters (blocks, bodies: n / 8, rounded up; there is room).
+    pub(super) fn set_state(&mut self, blocks: &[Block], bodies: &[Body], n: usize) {
         self.blocks.fill(Block::ZERO);
         self.blocks[..blocks.len()].copy_from_slice(blocks);
-        clear_beyond(&mut self.blocks[..blocks.len()], n);
+        self.bodies.fill(Body::ZERO);
+        self.bodies[..bodies.len()].copy_from_slice(bodies);
+        clear_beyond(&mut self.blocks[..blocks.len()], &mut self.bodies, n);
         self.num_characters = n;
         if let Some(avoiding) = &mut self.avoiding {
             avoiding.stale();
@@ -112,27 +117,28 @@ impl Characters {
 
     /// Poses all characters as they stand and forgets the blows of the last step; time stands still.
     pub(super) fn pose_again(&mut self, motion_set: &MotionSet) {
-        let kept = self.blocks.clone();
+        let kept = (self.blocks.clone(), self.bodies.clone());
         self.matrices.fill(Mat3x4::default());
         let config = self.config;
         let tick = Tick { dt_s: 0.0, motion_set, config: &config, asked: Asked::All(&[]), clock: None };
         self.ranges().for_each(|range| step::pose_all(range, &tick));
-        self.blocks.copy_from_slice(&kept);
+        (self.blocks, self.bodies) = kept;
         self.blows.gather(&[], motion_set);
     }
 }
 
 /// Clears the lanes after the first `n`.
-fn clear_beyond(blocks: &mut [Block], n: usize) {
+fn clear_beyond(blocks: &mut [Block], bodies: &mut [Body], n: usize) {
     for at in n..blocks.len() * LANES {
         blocks[at / LANES].take(at % LANES, &Block::ZERO, 0);
+        bodies[at / LANES].take(at % LANES, &Body::ZERO, 0);
     }
 }
 
 /// True where one plays something that there is, somewhere (at < blocks.len() * LANES).
 ///
 /// - `name`: what its random choices depend on.
-pub(super) fn is_sound(blocks: &[Block], motion_set: &MotionSet, at: usize, name: u64) -> bool {
+pub(super) fn is_sound(blocks: &[Block], bodies: &[Body], motion_set: &MotionSet, at: usize, name: u64) -> bool {
     let (mut b, lane) = (blocks[at / LANES], at % LANES);
     let (first, length) = (b.first[lane], b.length[lane]);
     // Who is laid on clips chooses nothing.
@@ -154,5 +160,7 @@ pub(super) fn is_sound(blocks: &[Block], motion_set: &MotionSet, at: usize, name
     b.age_s[lane] = 0.0;
     let paced = b.pace[lane] <= pace::IN_PLACE && b.wait[lane].abs() <= 1e3;
     let in_time = (earliest..=length as f32).contains(&b.time[lane]);
-    exists && chose && aged && paced && in_time && named && b.is_near(lane)
+    let changed = b.change.iter().all(|row| (row[lane] as usize) < motion_set.frames.len());
+    let near = b.is_near(lane) && bodies[at / LANES].is_near(lane);
+    exists && chose && aged && paced && in_time && named && changed && near
 }

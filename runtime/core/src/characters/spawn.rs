@@ -1,6 +1,6 @@
 //! Spawning and despawning: characters stay side by side in memory.
 
-use super::block::{Block, LAID};
+use super::block::{Block, Body, LAID};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::pace;
@@ -24,17 +24,25 @@ impl Characters {
     /// Adds a character after the last one (below the capacity, the state exists).
     pub(super) fn enter(&mut self, motion_set: &MotionSet, start: Start, arrivals: &[u32], name: u64) {
         let at = self.num_characters;
+        self.clear(at);
         let (block, lane) = (&mut self.blocks[at / LANES], at % LANES);
         let state = start.state as usize;
-        block.take(lane, &Block::ZERO, 0);
         block.start(lane, motion_set, start.root, motion_set.graph.states[state].frame, arrivals[state]);
         block.name[lane] = name;
-        self.matrices[at * NUM_JOINTS..][..NUM_JOINTS].fill(Mat3x4::default());
-        if let Some(locals) = self.locals.get_mut(at * NUM_JOINTS..(at + 1) * NUM_JOINTS) {
-            locals.fill(LocalTransform::default());
-        }
         self.num_characters += 1;
         self.num_choosers += 1;
+    }
+
+    /// Nobody is at a place, and none of its memory is written that never was (at < capacity).
+    pub(super) fn clear(&mut self, at: usize) {
+        self.blocks[at / LANES].take(at % LANES, &Block::ZERO, 0);
+        self.bodies[at / LANES].clear(at % LANES);
+        if self.shown(at).is_some() {
+            self.matrices[at * NUM_JOINTS..][..NUM_JOINTS].fill(Mat3x4::default());
+            if let Some(locals) = self.locals.get_mut(at * NUM_JOINTS..(at + 1) * NUM_JOINTS) {
+                locals.fill(LocalTransform::default());
+            }
+        }
     }
 
     /// One leaves, and the last one takes its place (at < num_characters).
@@ -43,11 +51,18 @@ impl Characters {
         self.num_choosers -= usize::from(self.blocks[at / LANES].segment[at % LANES] != LAID);
         let from = self.blocks[last / LANES];
         self.blocks[at / LANES].take(at % LANES, &from, last % LANES);
-        self.blocks[last / LANES].take(last % LANES, &Block::ZERO, 0);
-        self.matrices.copy_within(last * NUM_JOINTS..(last + 1) * NUM_JOINTS, at * NUM_JOINTS);
-        if !self.locals.is_empty() {
-            self.locals.copy_within(last * NUM_JOINTS..(last + 1) * NUM_JOINTS, at * NUM_JOINTS);
+        let body = self.bodies[last / LANES];
+        self.bodies[at / LANES].take_lane(at % LANES, &body, last % LANES);
+        if self.shown(last).is_some() || self.shown(at).is_some() {
+            self.matrices.copy_within(last * NUM_JOINTS..(last + 1) * NUM_JOINTS, at * NUM_JOINTS);
+            if !self.locals.is_empty() {
+                self.locals.copy_within(last * NUM_JOINTS..(last + 1) * NUM_JOINTS, at * NUM_JOINTS);
+            }
         }
+        if !self.instances.is_empty() {
+            self.instances[at] = self.instances[last];
+        }
+        self.clear(last);
         self.num_characters -= 1;
         if let Some(avoiding) = &mut self.avoiding {
             avoiding.stale();
@@ -111,7 +126,10 @@ impl Characters {
         b.set_clip_to_world(lane, root.compose(sampled.inverse()));
         b.set_choice_root(lane, root.compose(sampled.inverse()).compose(motion_set.planar(b.first[lane])));
         set(&mut b.root, lane, Vec3::new(root.x, root.z, root.heading));
-        b.feet.iter_mut().for_each(|foot| foot.take(lane, &FootLock::ZERO, 0));
+        let body = &mut self.bodies[at / LANES];
+        if body.awake == 1 {
+            body.feet.iter_mut().for_each(|foot| foot.take(lane, &FootLock::ZERO, 0));
+        }
     }
 
     /// What random choices of one depend on (at < num_characters).
@@ -119,9 +137,9 @@ impl Characters {
         self.blocks[at / LANES].name[at % LANES]
     }
 
-    /// The block and lane of one (at < num_characters).
-    pub(super) fn lane_mut(&mut self, at: usize) -> (&mut Block, usize) {
-        (&mut self.blocks[at / LANES], at % LANES)
+    /// The block, the body and the lane of one (at < num_characters).
+    pub(super) fn lane_mut(&mut self, at: usize) -> (&mut Block, &mut Body, usize) {
+        (&mut self.blocks[at / LANES], &mut self.bodies[at / LANES], at % LANES)
     }
 
     /// The pose that one was last shown in; none before its first step (at < num_characters).
@@ -132,9 +150,13 @@ impl Characters {
     /// Takes over what does not belong to a bundle, from characters in the same order (at < num_characters).
     pub(super) fn carry_over(&mut self, old: &Self, at: usize) {
         let (from, lane) = (&old.blocks[at / LANES], at % LANES);
-        let block = &mut self.blocks[at / LANES];
-        block.num_choices[lane] = from.num_choices[lane];
-        block.reaction.take(lane, &from.reaction, lane);
-        self.matrices[at * NUM_JOINTS..][..NUM_JOINTS].copy_from_slice(old.pose(at));
+        self.blocks[at / LANES].num_choices[lane] = from.num_choices[lane];
+        let reaction = &old.bodies[at / LANES].reaction;
+        if reaction.active[lane] != 0.0 {
+            self.bodies[at / LANES].reaction.take(lane, reaction, lane);
+        }
+        if let Some(shown) = old.shown(at) {
+            self.matrices[at * NUM_JOINTS..][..NUM_JOINTS].copy_from_slice(shown);
+        }
     }
 }

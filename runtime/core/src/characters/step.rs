@@ -4,10 +4,11 @@
 //! depend on how characters are split.
 
 use super::bent;
-use super::block::{Block, LAID};
+use super::block::{Block, Body, LAID};
 use super::blow::PassedHits;
 use super::control;
 use super::decay::add_offsets;
+use super::detail::{self, Instance, Level};
 use super::motion_set::MotionSet;
 use super::pace;
 use super::reaction;
@@ -40,31 +41,36 @@ pub(crate) struct Range<'a> {
     /// Characters; the last block may have empty lanes.
     pub count: usize,
     pub blocks: &'a mut [Block],
+    /// (blocks)
+    pub bodies: &'a mut [Body],
+    /// (blocks)
+    pub levels: &'a [Level],
     /// Hits that are passed.
     pub passed: &'a mut PassedHits,
     /// (count * NUM_JOINTS)
     pub matrices: &'a mut [Mat3x4],
     /// (count * NUM_JOINTS, or 0 where no local transforms are wanted)
     pub locals: &'a mut [LocalTransform],
+    /// (count, or 0 where no records are wanted)
+    pub instances: &'a mut [Instance],
 }
 
 /// The list.
 pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
+    advance_all(range.blocks, range.passed, range.first, range.count, tick);
     let mut laps = Laps::start(tick.clock);
-    range.passed.clear();
-    advance(range.blocks, range.passed, range.first, range.count, tick);
-    laps.end(Phase::Advance);
-    control::choose(range.blocks, range.passed, range.first, range.count, tick.motion_set, tick.config, tick.asked);
+    let state = (&mut *range.blocks, &mut *range.bodies);
+    control::choose(state, range.passed, range.first, range.count, tick.motion_set, tick.config, tick.asked);
     range.passed.sort();
     laps.end(Phase::Control);
     pose_all(range, tick);
 }
 
 /// The first entry of the list, where choices are not made range by range.
-pub(crate) fn advance_all(range: Range<'_>, tick: &Tick<'_>) {
+pub(crate) fn advance_all(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: usize, tick: &Tick<'_>) {
     let mut laps = Laps::start(tick.clock);
-    range.passed.clear();
-    advance(range.blocks, range.passed, range.first, range.count, tick);
+    passed.clear();
+    advance(blocks, passed, first, count, tick);
     laps.end(Phase::Advance);
 }
 
@@ -86,15 +92,27 @@ impl Work for Pose<'_, '_> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let Range { blocks, matrices, locals, .. } = self.range;
-        let poses = matrices.chunks_mut(LANES * NUM_JOINTS);
-        for (i, (block, matrices)) in blocks.iter_mut().zip(poses).enumerate() {
-            let from = i * LANES * NUM_JOINTS;
-            let locals = locals.get_mut(from..).unwrap_or_default();
+        let Range { blocks, bodies, levels, count, matrices, locals, instances, .. } = self.range;
+        let half_life_s = self.tick.config.half_life_s;
+        let mut poses = matrices.chunks_mut(LANES * NUM_JOINTS);
+        for (i, (block, body)) in blocks.iter_mut().zip(bodies).enumerate() {
+            let Some(matrices) = poses.next() else { break };
+            let first = i * LANES;
+            let records = instances.get_mut(first..count.min(first + LANES)).unwrap_or_default();
+            let to = Shown { level: levels[i], records };
+            detail::set_awake(to.level, block, body, self.tick.motion_set, half_life_s);
+            let locals = locals.get_mut(first * NUM_JOINTS..).unwrap_or_default();
             let len = locals.len().min(matrices.len());
-            pose::<F>(block, matrices, &mut locals[..len], self.tick, &self.decay);
+            pose::<F>((block, body), matrices, &mut locals[..len], to, self.tick, &self.decay);
         }
     }
+}
+
+/// How a block is shown.
+struct Shown<'a> {
+    level: Level,
+    /// (characters, or 0)
+    records: &'a mut [Instance],
 }
 
 /// Moves time on, turns the path of characters whose action is bent, and notes the hits that are passed.
@@ -128,9 +146,10 @@ fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: u
 /// Samples a block, displaces struck characters, locks feet and writes its poses.
 #[inline(always)]
 fn pose<F: Lanes>(
-    block: &mut Block,
+    (block, body): (&mut Block, &mut Body),
     matrices: &mut [Mat3x4],
     locals: &mut [LocalTransform],
+    to: Shown<'_>,
     tick: &Tick<'_>,
     decay: &reaction::Step,
 ) {
@@ -150,23 +169,30 @@ fn pose<F: Lanes>(
     let cursor: Cursor<'_, F> = Cursor::at(&spots, &r.frames, &r.rotation_code);
     let [x, z, heading, height] = cursor.root();
     let place = place(block, [x, z, heading]);
+    if !to.records.is_empty() {
+        detail::write(to.records, block, &spots, &place, r, tick.config.half_life_s);
+    }
+    if to.level == Level::Record {
+        laps.end(Phase::Sample);
+        return;
+    }
     let mut local = sample(&cursor, height);
     local.root.y = local.root.y + place.y;
-    add_offsets(&mut local, block, tick.config.half_life_s);
+    add_offsets(&mut local, block, body, tick.config.half_life_s);
     let mut model = to_model(shared(&r.skeleton), local);
     laps.end(Phase::Sample);
-    if tick.config.reaction.enabled && reaction::any::<F>(&block.reaction) {
-        reaction::react(&r.anatomy, &tick.config.reaction, decay, &place, &mut block.reaction, &mut model);
+    if tick.config.reaction.enabled && reaction::any::<F>(&body.reaction) {
+        reaction::react(&r.anatomy, &tick.config.reaction, decay, &place, &mut body.reaction, &mut model);
     }
     laps.end(Phase::Reaction);
-    if tick.config.foot_lock.enabled {
+    if tick.config.foot_lock.enabled && to.level == Level::Full {
         let planted = |c: Contacts| block.contacts.map(|have| f32::from(u8::from(have.any(c))));
         let parts = [
             (planted(Contacts::LEFT_HEEL), planted(Contacts::LEFT_TOE)),
             (planted(Contacts::RIGHT_HEEL), planted(Contacts::RIGHT_TOE)),
         ];
         for (foot, planted) in parts.into_iter().enumerate() {
-            let lock = &mut block.feet[foot];
+            let lock = &mut body.feet[foot];
             lock_foot(&r.anatomy.legs[foot], &tick.config.foot_lock, tick.dt_s, planted, &place, lock, &mut model);
         }
     }

@@ -5,8 +5,8 @@
 //! Transitions in 'Gears of War'*, 2018, with a critically damped spring in place of its polynomial).
 
 use super::MotionSet;
-use super::block::{Block, ROTATION_CODES, VELOCITY_CODES, decode, encode};
-use super::decay::Decay;
+use super::block::{Block, Body, LAID, ROTATION_CODES, VELOCITY_CODES, decode, encode};
+use super::decay::{Decay, HALF_LIVES_KEPT};
 use crate::format::FrameRow;
 use crate::planar::Planar;
 use crate::pose::{get, load, set, store};
@@ -31,16 +31,34 @@ pub(crate) struct Change {
     pub drift: Vec3,
 }
 
-/// Replaces the offsets of up to eight characters. Equal characters must not stand in one group.
-pub(crate) fn start(group: &[Change], motion_set: &MotionSet, half_life_s: f32, blocks: &mut [Block]) {
-    dispatch(Start { group, motion_set, half_life_s, blocks });
+/// Replaces the offsets of up to eight characters, whose bodies are awake. Equal characters must not stand in one group.
+pub(crate) fn start(group: &[Change], motion_set: &MotionSet, half_life_s: f32, bodies: &mut [Body]) {
+    dispatch(Start { group, motion_set, half_life_s, bodies });
+}
+
+/// Lets the bodies of a block be posed: feet are free, and the last transition of each is as it would have been.
+pub(crate) fn wake(block: &Block, body: &mut Body, motion_set: &MotionSet, half_life_s: f32) {
+    *body = Body { awake: 1, reaction: body.reaction, ..Body::ZERO };
+    let mut changes = [Change::default(); LANES];
+    let mut num_changes = 0;
+    for lane in 0..LANES {
+        if block.segment[lane] != LAID && block.age_s[lane] < HALF_LIVES_KEPT * half_life_s {
+            let [from, to] = [block.change[0][lane], block.change[1][lane]];
+            let change = Change { character: lane as u32, from, to, age_s: f32::INFINITY, ..Change::default() };
+            changes[num_changes] = change;
+            num_changes += 1;
+        }
+    }
+    if num_changes > 0 {
+        start(&changes[..num_changes], motion_set, half_life_s, std::slice::from_mut(body));
+    }
 }
 
 struct Start<'a> {
     group: &'a [Change],
     motion_set: &'a MotionSet,
     half_life_s: f32,
-    blocks: &'a mut [Block],
+    bodies: &'a mut [Body],
 }
 
 impl Work for Start<'_> {
@@ -53,14 +71,14 @@ impl Work for Start<'_> {
 }
 
 #[inline(always)]
-fn start_lanes<F: Lanes>(Start { group, motion_set, half_life_s, blocks }: Start<'_>) {
+fn start_lanes<F: Lanes>(Start { group, motion_set, half_life_s, bodies }: Start<'_>) {
     let lane_of = |l: usize| group[l.min(group.len() - 1)];
     let old_end = Knot::new(&std::array::from_fn(|l| lane_of(l).from), motion_set);
     let new_begin = Knot::new(&std::array::from_fn(|l| lane_of(l).to), motion_set);
     let age = F::from_array(std::array::from_fn(|l| lane_of(l).age_s));
     let (old, old_rate) = (Decay::new(age, half_life_s), Decay::rate(age, half_life_s));
     for j in 0..NUM_JOINTS {
-        let (x, v) = gather(group, blocks, |b, lane| {
+        let (x, v) = gather(group, bodies, |b, lane| {
             let o = &b.offsets;
             (decode(&o.rotation[j], lane, ROTATION_CODES), decode(&o.rotation_velocity[j], lane, VELOCITY_CODES))
         });
@@ -69,19 +87,19 @@ fn start_lanes<F: Lanes>(Start { group, motion_set, half_life_s, blocks }: Start
         let shown = Q::from_mrp(old.apply(x, v)) * last;
         let offset = (shown * first.conjugate()).to_mrp();
         let velocity = old_end.turning(motion_set, j) - new_begin.turning(motion_set, j) + old_rate.apply(x, v);
-        scatter(group, blocks, offset, velocity, |b, lane, x, v| {
+        scatter(group, bodies, offset, velocity, |b, lane, x, v| {
             encode(&mut b.offsets.rotation[j], lane, ROTATION_CODES, x);
             encode(&mut b.offsets.rotation_velocity[j], lane, VELOCITY_CODES, v);
         });
     }
-    let (x, v) = gather(group, blocks, |b, lane| (get(&b.offsets.root, lane), get(&b.offsets.root_velocity, lane)));
+    let (x, v) = gather(group, bodies, |b, lane| (get(&b.offsets.root, lane), get(&b.offsets.root_velocity, lane)));
     let zero = F::splat(0.0);
     let lift = F::from_array(std::array::from_fn(|l| lane_of(l).lift));
     let drift = |axis: usize| F::from_array(std::array::from_fn(|l| lane_of(l).drift[axis]));
     let offset = old.apply(x, v) + V::new(zero, old_end.height() - new_begin.height() + lift, zero);
     let drifts = V::new(drift(0), drift(1), drift(2)) * F::splat(motion_set.rate_hz);
     let velocity = old_end.moving() - new_begin.moving() + drifts + old_rate.apply(x, v);
-    scatter(group, blocks, offset, velocity, |b, lane, x, v| {
+    scatter(group, bodies, offset, velocity, |b, lane, x, v| {
         set(&mut b.offsets.root, lane, x);
         set(&mut b.offsets.root_velocity, lane, v);
     });
@@ -145,10 +163,10 @@ impl<'a, F: Lanes> Knot<'a, F> {
 }
 
 #[inline(always)]
-fn gather<F: Lanes>(group: &[Change], blocks: &[Block], of: impl Fn(&Block, usize) -> (Vec3, Vec3)) -> (V<F>, V<F>) {
+fn gather<F: Lanes>(group: &[Change], bodies: &[Body], of: impl Fn(&Body, usize) -> (Vec3, Vec3)) -> (V<F>, V<F>) {
     let (mut x, mut v) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
     for (l, c) in group.iter().enumerate() {
-        let (from_x, from_v) = of(&blocks[c.character as usize / LANES], c.character as usize % LANES);
+        let (from_x, from_v) = of(&bodies[c.character as usize / LANES], c.character as usize % LANES);
         set(&mut x, l, from_x);
         set(&mut v, l, from_v);
     }
@@ -158,15 +176,15 @@ fn gather<F: Lanes>(group: &[Change], blocks: &[Block], of: impl Fn(&Block, usiz
 #[inline(always)]
 fn scatter<F: Lanes>(
     group: &[Change],
-    blocks: &mut [Block],
+    bodies: &mut [Body],
     value: V<F>,
     rate: V<F>,
-    put: impl Fn(&mut Block, usize, Vec3, Vec3),
+    put: impl Fn(&mut Body, usize, Vec3, Vec3),
 ) {
     let (mut x, mut v) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
     store(&mut x, value);
     store(&mut v, rate);
     for (l, c) in group.iter().enumerate() {
-        put(&mut blocks[c.character as usize / LANES], c.character as usize % LANES, get(&x, l), get(&v, l));
+        put(&mut bodies[c.character as usize / LANES], c.character as usize % LANES, get(&x, l), get(&v, l));
     }
 }

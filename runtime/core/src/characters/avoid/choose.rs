@@ -1,6 +1,6 @@
 //! Choices that are safe: the best action whose ground is clear, or the stop.
 
-use super::super::block::{Block, LAID};
+use super::super::block::{Block, Body, LAID};
 use super::super::blow::PassedHits;
 use super::super::control::{self, Asked, MAX_GOALS, OwnGoal};
 use super::super::motion_set::MotionSet;
@@ -41,7 +41,12 @@ pub(crate) struct Step<'a> {
 }
 
 /// Lets every character choose that has come to the end of its segment, one after the other in the order of time.
-pub(crate) fn choose(avoiding: &mut Avoiding, blocks: &mut [Block], passed: &mut [PassedHits], step: &Step<'_>) {
+pub(crate) fn choose(
+    avoiding: &mut Avoiding,
+    (blocks, bodies): (&mut [Block], &mut [Body]),
+    passed: &mut [PassedHits],
+    step: &Step<'_>,
+) {
     let motion_set = step.motion_set;
     if avoiding.is_stale {
         // Whoever was moved may be where another is: that comes to an end as they go on.
@@ -53,7 +58,7 @@ pub(crate) fn choose(avoiding: &mut Avoiding, blocks: &mut [Block], passed: &mut
         push_due(avoiding, b, at);
     }
     while let Some((ago, Reverse(at))) = avoiding.due.pop() {
-        one(avoiding, blocks, passed, step, at as usize, f32::from_bits(ago));
+        one(avoiding, (blocks, bodies), passed, step, at as usize, f32::from_bits(ago));
         push_due(avoiding, &blocks[at as usize / LANES], at as usize);
     }
 }
@@ -73,7 +78,14 @@ fn push_due(avoiding: &mut Avoiding, b: &Block, at: usize) {
 }
 
 /// One choice.
-fn one(avoiding: &mut Avoiding, blocks: &mut [Block], passed: &mut [PassedHits], step: &Step<'_>, at: usize, ago: f32) {
+fn one(
+    avoiding: &mut Avoiding,
+    (blocks, bodies): (&mut [Block], &mut [Body]),
+    passed: &mut [PassedHits],
+    step: &Step<'_>,
+    at: usize,
+    ago: f32,
+) {
     let motion_set = step.motion_set;
     let (b, lane) = (&blocks[at / LANES], at % LANES);
     let state = motion_set.graph.segments[b.segment[lane] as usize].end;
@@ -114,13 +126,9 @@ fn one(avoiding: &mut Avoiding, blocks: &mut [Block], passed: &mut [PassedHits],
     let begin = control::Begin { at, state, root, plan, left: ago };
     let change = control::begin(b, &begin, range, motion_set);
     avoiding.book.set(at, &avoiding.path, elapsed_s(b, lane, motion_set));
-    if let Some(change) = change {
-        transition::start(
-            &[Change { character: lane as u32, ..change }],
-            motion_set,
-            step.config.half_life_s,
-            std::slice::from_mut(b),
-        );
+    if let Some(change) = change.filter(|_| bodies[at / LANES].awake == 1) {
+        let change = Change { character: at as u32, ..change };
+        transition::start(&[change], motion_set, step.config.half_life_s, bodies);
     }
 }
 

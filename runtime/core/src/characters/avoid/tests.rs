@@ -171,9 +171,9 @@ fn who_would_start_in_anothers_way_is_refused_and_forged_snapshots_too() {
     let mut others = PolicyCharacters::with_capacity(&tables(), 3, blind).unwrap();
     others.spawn(Spawn { root: Planar::IDENTITY, state: Some(0) }).unwrap();
     others.spawn(near).unwrap();
-    assert_eq!(cast.characters.meeting(&cast.motion_set, &others.characters.saved_blocks(), 2), Some(1));
+    assert_eq!(cast.characters.meeting(&cast.motion_set, &others.characters.saved().0, 2), Some(1));
     cast.despawn(first).unwrap();
-    assert_eq!(cast.characters.meeting(&cast.motion_set, &cast.characters.saved_blocks(), 1), None);
+    assert_eq!(cast.characters.meeting(&cast.motion_set, &cast.characters.saved().0, 1), None);
 }
 
 #[test]

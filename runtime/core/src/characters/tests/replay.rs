@@ -49,13 +49,13 @@ fn a_restored_characters_repeats_what_followed_bit_by_bit() {
     let other = MotionSet::new(&tables_with(&[hit]));
     refused(&mut Characters::new(&other, config, &starts(n)).unwrap(), &other, &kept);
     refused(&mut characters, &other, &kept);
-    let bad: [fn(&mut block::Block); 6] = [
-        |b| b.segment[3] = 900,
-        |b| b.first[3] += 1,
-        |b| b.time[3] = f32::NAN,
-        |b| b.name[3] = 9,
-        |b| b.choice_state[3] = 77,
-        |b| b.reaction.head.place[1][3] = f32::INFINITY,
+    let bad: [fn(&mut block::Block, &mut block::Body); 6] = [
+        |b, _| b.segment[3] = 900,
+        |b, _| b.first[3] += 1,
+        |b, _| b.time[3] = f32::NAN,
+        |b, _| b.name[3] = 9,
+        |b, _| b.choice_state[3] = 77,
+        |_, b| b.reaction.head.place[1][3] = f32::INFINITY,
     ];
     for spoil in bad {
         let mut kept = kept.clone();

@@ -1,0 +1,143 @@
+//! Level of detail: who is near is posed whole, who is far leaves a record of 32 bytes.
+
+use super::block::{Block, Body};
+use super::decay::{Decay, HALF_LIVES_KEPT};
+use super::motion_set::MotionSet;
+use super::transition;
+use crate::pose::{Placement, Spot};
+use bytemuck::{Pod, Zeroable};
+use glam::Vec2;
+use throng_base::Result;
+use throng_base::error::check;
+use throng_base::simd::{LANES, Lanes};
+
+/// What a GPU needs to pose a character from the frame rows of its bundle (32 bytes).
+///
+/// The pose is `mix(mix(row_a, row_a + 1, frac), mix(row_b, row_b + 1, frac), blend)`: what is played, and what a
+/// transition left and fades out. It stands at (x, y, z) and is turned by the heading.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Instance {
+    /// Frame row; the one after it is of the same clip, or `frac` is 0.
+    pub row_a: u32,
+    /// Frame row of what fades out; `row_a` where nothing does.
+    pub row_b: u32,
+    /// How far to the next rows, and the weight of `row_b` (65535 is 1).
+    pub frac_blend: [u16; 2],
+    /// Number of the character's place, for looks; below the capacity.
+    pub variant: u32,
+    /// X in the world (m).
+    pub x: f32,
+    /// Height of the ground there (m).
+    pub y: f32,
+    /// Z in the world (m).
+    pub z: f32,
+    /// About +Y from +Z (rad).
+    pub heading: f32,
+}
+
+const _: () = assert!(size_of::<Instance>() == 32);
+
+/// How much of a character is computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// Pose, transitions, reactions, feet that stay in place.
+    #[default]
+    Full,
+    /// Feet follow the clips.
+    FreeFeet,
+    /// Place and [`Instance`] alone; matrices are those of the last pose.
+    Record,
+}
+
+/// Where characters are looked at from, and who is near enough for what. Characters go where they would go without it.
+///
+/// Eight characters who are neighbours in memory have one level: that of the nearest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detail {
+    /// x and z of the eye (m).
+    pub eye: Vec2,
+    /// Feet are locked up to this distance (m, >= 0).
+    pub full_m: f32,
+    /// Poses are computed up to this distance (m, >= `full_m`).
+    pub posed_m: f32,
+}
+
+impl Detail {
+    /// Everybody is a record.
+    pub const RECORDS: Self = Self { eye: Vec2::ZERO, full_m: -1.0, posed_m: -1.0 };
+
+    pub(super) fn check(&self) -> Result<()> {
+        check(
+            "eye",
+            None,
+            self.eye.abs().max_element(),
+            self.eye.abs().max_element() < 1e6,
+            "finite and below 1e6 (m)",
+        )?;
+        check("full_m", None, self.full_m, self.full_m >= -1.0, "a distance (m)")?;
+        check("posed_m", None, self.posed_m, self.posed_m >= self.full_m, "at least full_m")
+    }
+
+    /// The level of a block (count > 0).
+    pub(super) fn level(&self, block: &Block, count: usize) -> Level {
+        let [x, z, _] = &block.root;
+        let squares = (0..count).map(|l| (Vec2::new(x[l], z[l]) - self.eye).length_squared());
+        let square = squares.fold(f32::INFINITY, f32::min);
+        let within = |distance: f32| distance >= 0.0 && square <= distance * distance;
+        match () {
+            () if within(self.full_m) => Level::Full,
+            () if within(self.posed_m) => Level::FreeFeet,
+            () => Level::Record,
+        }
+    }
+}
+
+/// Lets a body wake or sleep, as its block's level wants.
+pub(super) fn set_awake(level: Level, block: &Block, body: &mut Body, motion_set: &MotionSet, half_life_s: f32) {
+    match (level, body.awake) {
+        (Level::Record, 1) => *body = Body::ZERO,
+        (Level::Full | Level::FreeFeet, 0) => transition::wake(block, body, motion_set, half_life_s),
+        _ => {}
+    }
+}
+
+/// Writes the records of a block (out.len() <= 8).
+#[inline(always)]
+pub(super) fn write<F: Lanes>(
+    out: &mut [Instance],
+    block: &Block,
+    spots: &[Spot; LANES],
+    place: &Placement<F>,
+    motion_set: &MotionSet,
+    half_life_s: f32,
+) {
+    let kept = F::splat(HALF_LIVES_KEPT * half_life_s);
+    let age = F::load(&block.age_s);
+    let fading = F::select_lt(kept, age, F::splat(0.0), Decay::new(age, half_life_s).position);
+    let (fading, y) = (fading.to_array(), place.y.to_array());
+    for (l, out) in out.iter_mut().enumerate() {
+        let (spot, [from, to]) = (&spots[l], [block.change[0][l], block.change[1][l]]);
+        let (row, blend) = (spot.frame as u32, unorm(fading[l]));
+        // What was left goes on beside what is played, as far as its clip goes.
+        let since = row.wrapping_sub(to).min(motion_set.left(from).saturating_sub(1));
+        *out = Instance {
+            row_a: row,
+            row_b: if blend > 0 { from + since } else { row },
+            frac_blend: [unorm(spot.ratio), blend],
+            variant: block.name[l] as u32,
+            x: block.root[0][l],
+            y: y[l],
+            z: block.root[1][l],
+            heading: block.root[2][l],
+        };
+    }
+}
+
+/// 0 to 1 as 0 to 65535.
+fn unorm(value: f32) -> u16 {
+    (value.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16
+}
+
+#[cfg(test)]
+mod tests;
