@@ -5,7 +5,7 @@ use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
-use throng_precompute::measure::{self, MatchingConfig, MatchingFigures, MeasureConfig, Measured};
+use throng_precompute::measure::{self, LevelFigures, MatchingConfig, MatchingFigures, MeasureConfig, Measured};
 use throng_precompute::policy::{Quality, QualityConfig};
 use throng_runtime::base::limits;
 
@@ -32,6 +32,9 @@ pub struct Args {
     /// Random (state, target) pairs that are searched.
     #[arg(long, default_value_t = 1000, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<usize>(&limits::PAIRS))]
     pairs: usize,
+    /// Measure the levels of detail alone: everybody posed whole, without locked feet, as records of 32 bytes. On one thread.
+    #[arg(long, conflicts_with = "quality")]
+    lod: bool,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -40,8 +43,11 @@ pub struct Args {
 /// Everything that was measured.
 #[derive(Serialize, JsonSchema)]
 struct Report {
-    #[serde(flatten)]
-    measured: Measured,
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    measured: Option<Measured>,
+    /// The levels of detail; with `--lod`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    levels: Option<Vec<LevelFigures>>,
     /// Each policy against exhaustive search; with `--quality`.
     #[serde(skip_serializing_if = "Option::is_none")]
     quality: Option<Vec<Quality>>,
@@ -58,18 +64,20 @@ pub fn run(args: &Args) -> Outcome {
     }
     let config =
         MeasureConfig { characters: args.characters.clone(), threads: args.threads.clone(), seconds: args.seconds };
-    let measured = measure::measure(&tables, &config)?;
+    let levels = args.lod.then(|| measure::levels(&tables, &config)).transpose()?;
+    let measured = (!args.lod).then(|| measure::measure(&tables, &config)).transpose()?;
     let asked = QualityConfig { pairs: args.pairs, ..QualityConfig::default() };
     let quality = args.quality.then(|| measure::quality(&tables, &asked)).transpose()?;
     let against = MatchingConfig { seconds: args.seconds, ..MatchingConfig::default() };
     let matching = args.quality.then(|| measure::matching(&tables, &against)).transpose()?;
-    let report = Report { measured, quality, matching };
+    let report = Report { measured, levels, quality, matching };
     if args.json { output::json(&report) } else { print(&report) }
 }
 
 /// The figures for people.
 fn print(report: &Report) -> Outcome {
-    print_crowds(&report.measured)?;
+    report.measured.iter().try_for_each(print_crowds)?;
+    report.levels.iter().flatten().try_for_each(print_levels)?;
     report.quality.iter().flatten().try_for_each(print_quality)?;
     report.matching.iter().try_for_each(print_matching)
 }
@@ -121,6 +129,19 @@ fn print_crowds(measured: &Measured) -> Outcome {
             v.copy_bytes_per_second / 1e9
         ),
     )])
+}
+
+fn print_levels(l: &LevelFigures) -> Outcome {
+    let bytes = l.record_bytes.map_or(String::new(), |b| format!(", {b:.0} bytes a character"));
+    output::table(&[
+        ("levels", format!("{} characters, 1 thread", l.characters)),
+        ("  full", format!("{:.1} ns a character", l.full_ns)),
+        ("  free feet", format!("{:.1} ns a character", l.free_feet_ns)),
+        (
+            "  record",
+            format!("{:.1} ns a character, {:.2} of a full step{bytes}", l.record_ns, l.record_ns / l.full_ns),
+        ),
+    ])
 }
 
 fn print_quality(q: &Quality) -> Outcome {

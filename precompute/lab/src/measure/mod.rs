@@ -2,12 +2,14 @@
 
 mod blend;
 mod characters;
+mod levels;
 mod matching;
 mod timing;
 mod world;
 
 pub use blend::{BlendFigures, blend};
 pub use characters::{CharactersFigures, characters};
+pub use levels::{LevelFigures, levels};
 pub use matching::{MatchingConfig, MatchingFigures, matching};
 pub use world::{EditFigures, PathFigures, WorldFigures, world};
 

@@ -1,0 +1,119 @@
+//! What a character costs at each level of detail.
+
+use super::MeasureConfig;
+use super::timing::{fail, in_pool};
+use crate::soak::resident_bytes;
+use glam::Vec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use serde::Serialize;
+use std::f32::consts::TAU;
+use std::time::Instant;
+use throng_motion::error::BuildError;
+use throng_runtime::base::limits::{CHARACTERS, MEASURING_S};
+use throng_runtime::characters::{Characters, CharactersConfig, Detail, Goal, MotionSet, Start};
+use throng_runtime::{Bundle, Error, Planar};
+
+/// Steps of a round, a second of simulated time.
+const STEPS: usize = 60;
+/// Fewer take too little memory to be seen among all else.
+const SEEN: usize = 10_000;
+
+/// The same people at each level, in turns on one thread; medians over rounds.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct LevelFigures {
+    /// Number of characters.
+    pub characters: usize,
+    /// A step of everybody posed whole, with a record (ns a character).
+    pub full_ns: f64,
+    /// Without locked feet (ns a character).
+    pub free_feet_ns: f64,
+    /// Records alone (ns a character).
+    pub record_ns: f64,
+    /// Memory that people take who have never been posed, their records included; from 10 000 on, where the system tells
+    /// (bytes a character).
+    pub record_bytes: Option<f64>,
+}
+
+/// Measures steps at each level of detail.
+///
+/// # Errors
+/// [`BuildError::Stage`] where the bundle has no behaviour or a number is out of range.
+pub fn levels(tables: &Bundle, config: &MeasureConfig) -> Result<Vec<LevelFigures>, BuildError> {
+    let wrong = |e: Error| fail(e.to_string());
+    if tables.policies().is_empty() {
+        return Err(fail("the bundle has no behaviour"));
+    }
+    config.characters.iter().try_for_each(|&n| CHARACTERS.check_count("characters", n)).map_err(wrong)?;
+    MEASURING_S.check("seconds", None, config.seconds).map_err(wrong)?;
+    let motion_set = MotionSet::new(tables);
+    let one = |&n: &usize| in_pool(1, || People::new(&motion_set, n)?.measure(config.seconds)).flatten();
+    config.characters.iter().map(one).collect()
+}
+
+/// People who walk to targets that change every second.
+struct People<'a> {
+    motion_set: &'a MotionSet,
+    characters: Characters,
+    targets: Vec<Vec3>,
+    rng: Pcg64Mcg,
+    record_bytes: Option<f64>,
+}
+
+impl<'a> People<'a> {
+    fn new(motion_set: &'a MotionSet, n: usize) -> Result<Self, BuildError> {
+        let mut rng = Pcg64Mcg::seed_from_u64(6);
+        let num_states = motion_set.graph().states.len() as u32;
+        let side = 2.0 * (n as f32).sqrt();
+        let start = |_| {
+            let [x, z] = [(); 2].map(|()| rng.random_range(-side / 2.0..side / 2.0));
+            let root = Planar::new(x, z, rng.random_range(0.0..TAU));
+            Start { root, state: rng.random_range(0..num_states) }
+        };
+        let starts: Vec<Start> = (0..n).map(start).collect();
+        let targets = vec![Vec3::ZERO; n];
+        let config = CharactersConfig { instances: true, ..CharactersConfig::default() };
+        let before = resident_bytes();
+        let characters = Characters::new(motion_set, config, &starts).map_err(|e| fail(e.to_string()))?;
+        let mut out = Self { motion_set, characters, targets, rng, record_bytes: None };
+        out.round(Some(Detail::RECORDS))?;
+        if let (Some(before), Some(now), true) = (before, resident_bytes(), n >= SEEN) {
+            out.record_bytes = Some(now.saturating_sub(before) as f64 / n as f64);
+        }
+        Ok(out)
+    }
+
+    /// Time of a round (ns a character and step).
+    fn round(&mut self, detail: Option<Detail>) -> Result<f64, BuildError> {
+        let wrong = |e: Error| fail(e.to_string());
+        for t in &mut self.targets {
+            *t = Vec3::new(self.rng.random_range(-50.0..50.0), 0.0, self.rng.random_range(-50.0..50.0));
+        }
+        self.characters.set_detail(detail).map_err(wrong)?;
+        let goals = [Goal { policy: 0, weight: 1.0, targets: &self.targets }];
+        // Bodies that wake are not counted.
+        self.characters.step(self.motion_set, 0.0, &goals).map_err(wrong)?;
+        let begin = Instant::now();
+        for _ in 0..STEPS {
+            self.characters.step(self.motion_set, 1.0 / STEPS as f32, &goals).map_err(wrong)?;
+        }
+        Ok(begin.elapsed().as_secs_f64() * 1e9 / (STEPS * self.targets.len()) as f64)
+    }
+
+    fn measure(mut self, seconds: f64) -> Result<LevelFigures, BuildError> {
+        let far = Detail { posed_m: 1e5, ..Detail::RECORDS };
+        let mut times = [const { Vec::new() }; 3];
+        let begin = Instant::now();
+        while times[0].len() < 5 || begin.elapsed().as_secs_f64() < 3.0 * seconds {
+            for (times, detail) in times.iter_mut().zip([None, Some(far), Some(Detail::RECORDS)]) {
+                times.push(self.round(detail)?);
+            }
+        }
+        let [full_ns, free_feet_ns, record_ns] = times.map(|mut t| {
+            t.sort_by(f64::total_cmp);
+            t[t.len() / 2]
+        });
+        let (characters, record_bytes) = (self.targets.len(), self.record_bytes);
+        Ok(LevelFigures { characters, full_ns, free_feet_ns, record_ns, record_bytes })
+    }
+}
