@@ -180,6 +180,8 @@ impl Viewer {
             body: self.model.settings.body,
             palette: self.layout.poses(&self.model),
             instances: &self.layout.instances,
+            records: &self.layout.records,
+            rows: self.layout.rows.as_ref(),
             shapes: &self.layout.shapes,
             solids: &self.layout.solids,
         };

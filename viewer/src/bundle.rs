@@ -2,10 +2,11 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
 use throng_runtime::blend::BlendSpace;
-use throng_runtime::characters::MotionSet;
+use throng_runtime::characters::{MotionSet, SampleJob};
 use throng_runtime::format::{BlendMeta, ClipMeta, ClipRecord};
-use throng_runtime::{Bundle, Error, FormatError, Planar};
+use throng_runtime::{Bundle, Error, FormatError, Mat3x4, NUM_JOINTS, Planar};
 
 /// An open bundle.
 pub struct OpenBundle {
@@ -13,6 +14,7 @@ pub struct OpenBundle {
     tables: Bundle,
     motion_set: MotionSet,
     blends: Vec<BlendSpace>,
+    rows: OnceLock<Arc<[Mat3x4]>>,
 }
 
 impl fmt::Debug for OpenBundle {
@@ -36,7 +38,13 @@ impl OpenBundle {
         })?;
         let blends = (0..tables.blends().spaces.len()).map(|space| BlendSpace::new(tables.blends(), space));
         let blends = blends.collect::<Result<_, _>>().map_err(|e| fail(&e))?;
-        Ok(Self { path: path.to_path_buf(), motion_set: MotionSet::new(&tables), blends, tables })
+        Ok(Self {
+            path: path.to_path_buf(),
+            motion_set: MotionSet::new(&tables),
+            blends,
+            tables,
+            rows: OnceLock::new(),
+        })
     }
 
     /// The file.
@@ -52,6 +60,18 @@ impl OpenBundle {
     /// What a step reads of them.
     pub fn motion_set(&self) -> &MotionSet {
         &self.motion_set
+    }
+
+    /// Poses of all frame rows, made when they are first asked for: joints in model space (rows * NUM_JOINTS).
+    pub fn row_poses(&self) -> &Arc<[Mat3x4]> {
+        self.rows.get_or_init(|| {
+            let frames: Vec<u32> = (0..self.tables.frames().len() as u32).collect();
+            let mut matrices = vec![Mat3x4::default(); frames.len() * NUM_JOINTS];
+            let (motion_set, ratios) = (&self.motion_set, &vec![0.0; frames.len()]);
+            let job = SampleJob { motion_set, frames: &frames, ratios, matrices: &mut matrices };
+            job.run().unwrap_or_else(|e| unreachable!("all rows exist: {e}"));
+            matrices.into()
+        })
     }
 
     /// The blend spaces.

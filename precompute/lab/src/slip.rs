@@ -1,7 +1,7 @@
 //! Foot slip: how fast planted feet move.
 
 use glam::{Vec2, Vec3};
-use throng_runtime::characters::Characters;
+use throng_runtime::characters::{Characters, Level};
 use throng_runtime::simulation::Simulation;
 use throng_runtime::{Contacts, Joint};
 
@@ -77,9 +77,14 @@ impl SlipMeter {
         }
     }
 
-    /// Looks at all characters of policies after a step.
+    /// Looks at all characters of policies after a step; those whose feet are not locked at their level of detail are
+    /// passed over.
     pub fn observe_characters(&mut self, characters: &Characters, dt_s: f32) {
         for c in 0..self.before.len() {
+            if characters.level(c) != Level::Full {
+                self.before[c] = None;
+                continue;
+            }
             let (root, pose) = (characters.root(c), characters.pose(c));
             let (turn, by) = (root.rotation(), root.translation());
             let feet = Feet::joints(|j| turn * pose[j.index()].translation() + by);

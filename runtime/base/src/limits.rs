@@ -75,7 +75,7 @@ limits! {
     SCALE = "scale of what is shown": 0.5 to 3 "";
     SECONDS = "simulated time": 0.001 to 100_000 " s";
     SEED = "seed": 0 to 18_446_744_073_709_551_615u64 "";
-    SHOWN_CHARACTERS = "number of characters shown": 1 to 20_000 "";
+    SHOWN_CHARACTERS = "number of characters shown": 1 to 100_000 "";
     SHOWN_FRAME = "frame of a clip": 0 to 4_294_967_295u32 "";
     STATE = "state of a motion graph": 0 to 4_294_967_295u32 "";
     STEP_HZ = "steps a second": 1 to 10_000 " Hz";

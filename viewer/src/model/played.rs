@@ -4,6 +4,7 @@ use super::Model;
 use crate::command::Command;
 use crate::document::Document;
 use crate::run::Head;
+use glam::Vec2;
 use std::time::Instant;
 
 impl Model {
@@ -27,13 +28,16 @@ impl Model {
 
     /// One step forward: a recorded one, or a new one.
     fn step(&mut self) -> Result<(), String> {
-        let shows_blend = self.shows_blend();
+        let (shows_blend, eye) = (self.shows_blend(), self.settings.camera.eye());
         match &mut self.document {
             Document::World(w) => w.step().map_err(|e| e.to_string()),
             Document::Scene(s) => s.run_mut().step().map_err(|e| e.to_string()),
             Document::Bundle(b) => match (&mut b.blend, &mut b.run) {
                 (Some(blend), _) if shows_blend => blend.step(&b.bundle).map_err(|e| e.to_string()),
-                (_, Ok(run)) => run.step(&b.bundle).map_err(|e| e.to_string()),
+                (_, Ok(run)) => {
+                    run.look_from(Vec2::new(eye.x, eye.z));
+                    run.step(&b.bundle).map_err(|e| e.to_string())
+                }
                 _ => Ok(()),
             },
             Document::Clip(_) | Document::Nothing => Ok(()),

@@ -254,7 +254,8 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
     }
     if model.shown_crowd().is_some() && !is_order {
         let hit = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
-        commands.push(Command::SelectCharacter(hit.map(|h| h.character)));
+        let who = hit.map(|h| layout.drawn.get(h.character).copied().unwrap_or(h.character));
+        commands.push(Command::SelectCharacter(who));
     }
 }
 

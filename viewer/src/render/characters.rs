@@ -4,10 +4,12 @@ use super::buffer::GrowingBuffer;
 use super::cull::{self, Frustum};
 use super::mesh::{self, Body, LEVELS};
 use super::pipelines::{self, Input, Output, Recipe};
-use super::{Camera, RenderError, Rgba};
+use super::{Camera, RenderError, Rgba, SceneFrame};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
+use std::sync::Arc;
+use throng_runtime::characters::Instance;
 use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
 use wgpu::Face;
 
@@ -44,6 +46,15 @@ pub struct CharacterInstance {
     pub emphasis: Emphasis,
 }
 
+/// One character to draw from frame rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Record {
+    /// Which rows, and where.
+    pub instance: Instance,
+    /// Main colour, as that of a [`CharacterInstance`].
+    pub colour: Rgba,
+}
+
 /// The struct `Instance` of `shaders/skin.wgsl`.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -51,8 +62,16 @@ struct GpuInstance {
     root: [f32; 4],
     colour: Rgba,
     emphasis: u32,
+    /// Rows of a record; [`FROM_PALETTE`] where the pose is in the palette.
+    row_a: u32,
+    row_b: u32,
+    frac_blend: [u16; 2],
+    y: f32,
     unused: [u32; 2],
 }
+
+/// Stands for a row where there is none.
+const FROM_PALETTE: u32 = u32::MAX;
 
 /// Where a character is, to choose how it is drawn.
 #[derive(Clone, Copy)]
@@ -90,6 +109,9 @@ pub(super) struct Characters {
     group: Option<wgpu::BindGroup>,
     palette: GrowingBuffer,
     instances: GrowingBuffer,
+    rows: GrowingBuffer,
+    /// What the buffer of rows has.
+    uploaded_rows: Option<Arc<[Mat3x4]>>,
     lists: GrowingBuffer,
     meshes: [GpuMesh; LEVELS],
     built: Option<(Body, Skeleton)>,
@@ -107,7 +129,7 @@ impl Characters {
     pub fn new(device: &wgpu::Device, scene_layout: &wgpu::BindGroupLayout) -> Self {
         use wgpu::BufferUsages as Usage;
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
-        let layout = pipelines::buffer_layout(device, "characters", &[storage, storage]);
+        let layout = pipelines::buffer_layout(device, "characters", &[storage; 3]);
         let pieces = [include_str!("shaders/scene.wgsl"), include_str!("shaders/skin.wgsl")];
         let body = pipelines::shader(device, "body", &[pieces[0], pieces[1], include_str!("shaders/body.wgsl")]);
         let shadow = pipelines::shader(device, "shadow", &[pieces[0], pieces[1], include_str!("shaders/shadow.wgsl")]);
@@ -129,6 +151,8 @@ impl Characters {
             group: None,
             palette: GrowingBuffer::new(device, "joint matrices", Usage::STORAGE),
             instances: GrowingBuffer::new(device, "characters", Usage::STORAGE),
+            rows: GrowingBuffer::new(device, "frame rows", Usage::STORAGE),
+            uploaded_rows: None,
             lists: GrowingBuffer::new(device, "draws of characters", Usage::VERTEX),
             meshes: std::array::from_fn(|_| GpuMesh {
                 vertices: GrowingBuffer::new(device, "body vertices", Usage::VERTEX),
@@ -164,17 +188,22 @@ impl Characters {
         Ok(())
     }
 
-    /// Hands over poses and instances; returns the bytes moved.
+    /// Hands over poses, instances and records; returns the bytes moved.
     pub fn upload(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        palette: &[Mat3x4],
-        instances: &[CharacterInstance],
+        frame: &SceneFrame<'_>,
     ) -> Result<u64, RenderError> {
+        let SceneFrame { palette, instances, records, .. } = *frame;
         let (characters, got, expected) = (instances.len(), palette.len(), instances.len() * NUM_JOINTS);
         if got != expected {
             return Err(RenderError::PaletteLength { characters, expected, got });
+        }
+        let num_rows = frame.rows.map_or(0, |rows| rows.len() / NUM_JOINTS);
+        let highest = records.iter().map(|r| r.instance.row_a.max(r.instance.row_b)).max();
+        if let Some(row) = highest.filter(|&row| row as usize >= num_rows) {
+            return Err(RenderError::Rows { row, rows: num_rows });
         }
         self.places.clear();
         self.staging.clear();
@@ -183,24 +212,39 @@ impl Characters {
             let hips = pose[0].translation();
             let p = root.transform_point(Vec2::new(hips.x, hips.z));
             self.places.push(Place { hips: Vec3::new(p.x, hips.y, p.y), ghost: instance.colour.0[3] < 255 });
-            let (sin, cos) = root.heading.sin_cos();
-            let (colour, emphasis) = (instance.colour, instance.emphasis as u32);
-            self.staging.push(GpuInstance { root: [root.x, root.z, sin, cos], colour, emphasis, unused: [0; 2] });
+            let posed = GpuInstance { row_a: FROM_PALETTE, emphasis: instance.emphasis as u32, ..Zeroable::zeroed() };
+            self.staging.push(GpuInstance { root: gpu_root(root), colour: instance.colour, ..posed });
+        }
+        for Record { instance: i, colour } in records {
+            let hips = Vec3::new(i.x, i.y + frame.skeleton.rest_positions()[0].y, i.z);
+            self.places.push(Place { hips, ghost: colour.0[3] < 255 });
+            let root = gpu_root(Planar::new(i.x, i.z, i.heading));
+            let Instance { row_a, row_b, frac_blend, y, .. } = *i;
+            let recorded = GpuInstance { row_a, row_b, frac_blend, y, ..Zeroable::zeroed() };
+            self.staging.push(GpuInstance { root, colour: *colour, ..recorded });
         }
         // Every character may be in two lists: its body's and its shadow's.
-        self.lists.reserve(device, 2 * characters, size_of::<u32>())?;
-        let moved = self.palette.write(device, queue, palette)?;
-        let moved = self.instances.write(device, queue, &self.staging)? || moved;
+        self.lists.reserve(device, 2 * self.staging.len(), size_of::<u32>())?;
+        let mut moved = self.palette.write(device, queue, palette)?;
+        moved |= self.instances.write(device, queue, &self.staging)?;
+        let mut bytes = size_of_val(palette) + size_of_val(self.staging.as_slice());
+        if let Some(rows) = frame.rows.filter(|rows| self.uploaded_rows.as_ref().is_none_or(|u| !Arc::ptr_eq(u, rows)))
+        {
+            moved |= self.rows.write(device, queue, rows)?;
+            self.uploaded_rows = Some(Arc::clone(rows));
+            bytes += size_of_val(&**rows);
+        }
         if moved || self.group.is_none() {
             let bind = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-            let [palette, instances] = [&self.palette, &self.instances].map(|b| b.get().as_entire_binding());
+            let buffers = [&self.palette, &self.instances, &self.rows].map(|b| b.get().as_entire_binding());
+            let [palette, instances, rows] = buffers;
             self.group = Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("characters"),
                 layout: &self.layout,
-                entries: &[bind(0, palette), bind(1, instances)],
+                entries: &[bind(0, palette), bind(1, instances), bind(2, rows)],
             }));
         }
-        Ok((size_of_val(palette) + size_of_val(self.staging.as_slice())) as u64)
+        Ok(bytes as u64)
     }
 
     /// Forgets all characters.
@@ -272,4 +316,10 @@ impl Characters {
         }
         triangles
     }
+}
+
+/// A planar root as the shader takes it.
+fn gpu_root(root: Planar) -> [f32; 4] {
+    let (sin, cos) = root.heading.sin_cos();
+    [root.x, root.z, sin, cos]
 }

@@ -6,7 +6,7 @@
 pub enum RenderError {
     /// The device cannot read a storage buffer in a vertex shader.
     #[error(
-        "this graphics device offers {available} storage buffers per shader stage, 2 are needed: choose another adapter or backend (WGPU_BACKEND=vulkan)"
+        "this graphics device offers {available} storage buffers per shader stage, 3 are needed: choose another adapter or backend (WGPU_BACKEND=vulkan)"
     )]
     NoStorageBuffers {
         /// What the device offers.
@@ -37,6 +37,14 @@ pub enum RenderError {
         expected: usize,
         /// Matrices passed.
         got: usize,
+    },
+    /// A record names a frame row that there is not.
+    #[error("a record names frame row {row}, there are {rows}: pass the poses of all rows of its bundle")]
+    Rows {
+        /// Which.
+        row: u32,
+        /// How many there are.
+        rows: usize,
     },
     /// The picture could not be copied back from the device.
     #[error("the picture could not be read back from the graphics device: {0}")]

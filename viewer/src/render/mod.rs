@@ -24,7 +24,7 @@ mod solids;
 
 pub use callback::{DrawReport, SceneCallback};
 pub use camera::{Camera, CameraParseError, Preset, Ray};
-pub use characters::{CharacterInstance, Emphasis};
+pub use characters::{CharacterInstance, Emphasis, Record};
 pub use colours::{Rgba, SceneColours};
 pub use device::device_descriptor;
 pub use error::RenderError;

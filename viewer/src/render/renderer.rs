@@ -1,6 +1,6 @@
 //! The whole view: upload what there is, then draw it from a camera.
 
-use super::characters::{CharacterInstance, Characters};
+use super::characters::{CharacterInstance, Characters, Record};
 use super::mesh::{Body, LEVELS};
 use super::offscreen::{Offscreen, Targets};
 use super::pipelines::{self, Input, Output, Recipe};
@@ -8,10 +8,11 @@ use super::scene_uniform::SceneUniform;
 use super::shape_draws::ShapeDraws;
 use super::solid_draws::SolidDraws;
 use super::{Camera, RenderError, SceneColours, Shapes, Solids};
+use std::sync::Arc;
 use throng_runtime::{Mat3x4, Skeleton};
 
 /// Storage buffers that the vertex stage reads.
-const STORAGE_BUFFERS: u32 = 2;
+const STORAGE_BUFFERS: u32 = 3;
 
 /// Everything to show, borrowed.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +25,10 @@ pub struct SceneFrame<'a> {
     pub palette: &'a [Mat3x4],
     /// Where they are (num_characters).
     pub instances: &'a [CharacterInstance],
+    /// Characters that are drawn from frame rows.
+    pub records: &'a [Record],
+    /// The poses of all rows, joints in model space (rows * num_joints); needed where there are records.
+    pub rows: Option<&'a Arc<[Mat3x4]>>,
     /// What else there is.
     pub shapes: &'a Shapes,
     /// What stands in the world.
@@ -120,7 +125,8 @@ impl SceneRenderer {
     /// Hands over everything to show; it stays until the next upload.
     ///
     /// # Errors
-    /// [`RenderError::PaletteLength`] where the palette does not fit the instances, [`RenderError::TooMany`] where the
+    /// [`RenderError::PaletteLength`] where the palette does not fit the instances, [`RenderError::Rows`] where a record
+    /// names rows that there are not, [`RenderError::TooMany`] where the
     /// device cannot hold all. After an error no characters are drawn until an upload succeeds.
     pub fn upload(&mut self, frame: &SceneFrame<'_>) -> Result<UploadStats, RenderError> {
         let result = self.try_upload(frame);
@@ -134,14 +140,14 @@ impl SceneRenderer {
     fn try_upload(&mut self, frame: &SceneFrame<'_>) -> Result<UploadStats, RenderError> {
         let (device, queue) = (&self.device, &self.queue);
         self.characters.set_body(device, queue, frame.body, frame.skeleton)?;
-        let mut bytes = self.characters.upload(device, queue, frame.palette, frame.instances)?;
+        let mut bytes = self.characters.upload(device, queue, frame)?;
         bytes += self.shapes.upload(device, queue, frame.shapes)?;
         bytes += self.solids.upload(device, queue, frame.solids)?;
         if self.skeleton != *frame.skeleton {
             self.skeleton = frame.skeleton.clone();
         }
-        self.num_characters = frame.instances.len();
-        Ok(UploadStats { characters: frame.instances.len(), shapes: frame.shapes.len(), bytes })
+        self.num_characters = frame.instances.len() + frame.records.len();
+        Ok(UploadStats { characters: self.num_characters, shapes: frame.shapes.len(), bytes })
     }
 
     /// Draws into the picture and submits the work; the picture has the size that was asked for, within what the device

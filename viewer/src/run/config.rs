@@ -9,6 +9,9 @@ pub const STEP_HZ: f32 = 60.0;
 /// Most characters of a run.
 pub const MAX_CHARACTERS: usize = limits::SHOWN_CHARACTERS.most as usize;
 
+/// Most characters who are all posed whole; of more, those far from the eye are drawn from records.
+pub const MOST_POSED: usize = 5000;
+
 /// Farthest from the origin that a target may be moved (m).
 pub const MAX_TARGET_M: f32 = 1e4;
 
@@ -103,6 +106,7 @@ impl RunConfig {
             bend_rad_per_m: self.bend_rad_per_m,
             foot_lock: FootLockConfig { enabled: self.foot_lock, ..FootLockConfig::default() },
             avoid: self.avoid.then(AvoidConfig::default),
+            instances: self.characters > MOST_POSED,
             timed: true,
             ..CharactersConfig::default()
         }

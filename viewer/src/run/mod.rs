@@ -126,6 +126,11 @@ impl Run {
         self.recording.num_bytes()
     }
 
+    /// Where the next steps are looked at from, x and z (m). Matters to how many are posed, and to nothing else.
+    pub fn look_from(&mut self, eye: Vec2) {
+        self.simulation.eye = eye;
+    }
+
     /// One step forward: the next recorded one, or a new one at the end of the record.
     ///
     /// # Errors

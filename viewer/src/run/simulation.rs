@@ -1,10 +1,10 @@
 //! The characters at one instant, and one step of them.
 
 use super::choices::{About, Choices, RunGoal};
-use super::config::{RunConfig, STEP_HZ, TargetMode};
+use super::config::{MOST_POSED, RunConfig, STEP_HZ, TargetMode};
 use super::figures::{Slip, StepFigures};
 use crate::bundle::OpenBundle;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::TAU;
@@ -12,12 +12,17 @@ use std::sync::Arc;
 use std::time::Instant;
 use throng_precompute::slip::SlipMeter;
 use throng_precompute::trial;
-use throng_runtime::characters::{Characters, CharactersSnapshot, Goal, Start};
+use throng_runtime::characters::{Characters, CharactersSnapshot, Detail, Goal, Start};
 use throng_runtime::world::inhabitants::Wish;
 use throng_runtime::{Planar, Result};
 
 /// Characters from which on a step is split over threads.
 const PARALLEL_FROM: usize = 1000;
+
+/// Where not all can be posed, feet are locked up to this distance from the eye (m).
+const FULL_M: f32 = 20.0;
+/// And poses are computed up to this one (m).
+const POSED_M: f32 = 40.0;
 
 /// Something done to a run from outside. Inputs are recorded and repeated when the run is.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,6 +127,8 @@ pub(super) struct Simulation {
     /// What is weighed (number of weights).
     pub goals: Vec<RunGoal>,
     pub around: Surroundings,
+    /// Where it is looked at from (m).
+    pub eye: Vec2,
     slip: SlipMeter,
 }
 
@@ -136,7 +143,7 @@ impl Simulation {
         let n = config.characters;
         let (reached, choices) = (vec![0; n], Choices::new(n));
         let around = Surroundings { targets, reached, weights: weights.into(), choices, step: 0 };
-        Ok(Self { config, characters, goals, around, slip: SlipMeter::new(n) })
+        Ok(Self { config, characters, goals, around, eye: Vec2::ZERO, slip: SlipMeter::new(n) })
     }
 
     pub fn keyframe(&self) -> Keyframe {
@@ -188,6 +195,9 @@ impl Simulation {
 
     fn move_characters(&mut self, bundle: &OpenBundle, dt: f32) -> Result<()> {
         let (motion_set, a) = (bundle.motion_set(), &self.around);
+        if self.characters.num_characters() > MOST_POSED {
+            self.characters.set_detail(Some(Detail { eye: self.eye, full_m: FULL_M, posed_m: POSED_M }))?;
+        }
         let weighed = self.goals.iter().zip(a.weights.iter());
         let all = weighed.map(|(g, &weight)| Goal { policy: g.policy, weight, targets: &a.targets });
         // One behaviour alone can be loaded without looking ahead; those switched off do not count.

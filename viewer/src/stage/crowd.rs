@@ -3,10 +3,12 @@
 use super::{Layout, Palette, cues, values};
 use crate::bundle::OpenBundle;
 use crate::model::Model;
-use crate::render::{CharacterInstance, Emphasis, Rgba};
+use crate::render::{CharacterInstance, Emphasis, Record, Rgba};
 use crate::run::{Chooser, Run, TargetMode};
 use crate::settings::Colouring;
 use glam::Vec3;
+use std::sync::Arc;
+use throng_runtime::characters::Level;
 
 /// Speed at which the colour of speed is that of a fast character (m/s).
 const FAST_MPS: f32 = 2.5;
@@ -18,11 +20,21 @@ const TRAIL_S: f32 = 6.0;
 pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run: &Run, palette: &Palette) {
     let n = run.characters().num_characters();
     let selected = model.selection.character;
-    out.instances.extend((0..n).map(|c| CharacterInstance {
-        root: run.characters().root(c),
-        colour: colour(model, bundle, run, c, palette),
-        emphasis: if selected == Some(c) { Emphasis::Selected } else { Emphasis::None },
-    }));
+    let (characters, has_records) = (run.characters(), !run.characters().instances().is_empty());
+    for c in 0..n {
+        let colour = colour(model, bundle, run, c, palette);
+        if characters.level(c) == Level::Record {
+            out.records.push(Record { instance: characters.instances()[c], colour });
+            continue;
+        }
+        let emphasis = if selected == Some(c) { Emphasis::Selected } else { Emphasis::None };
+        out.instances.push(CharacterInstance { root: characters.root(c), colour, emphasis });
+        if has_records {
+            out.poses.extend(characters.pose(c));
+            out.drawn.push(c);
+        }
+    }
+    out.rows = has_records.then(|| Arc::clone(bundle.row_poses()));
     let o = model.settings.overlays;
     if let Some(chooser) = selected.and_then(|c| run.chooser(bundle, c)).filter(|_| o.values) {
         values::lay_out(out, model, &chooser, palette);
@@ -36,7 +48,9 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run:
         if let Some(chooser) = run.chooser(bundle, c).filter(|_| o.trajectory) {
             trajectory(out, &chooser, palette);
         }
-        let characters = run.characters();
+        if characters.level(c) == Level::Record {
+            continue;
+        }
         let body = (characters.root(c), characters.pose(c));
         cues::body(&mut out.shapes, o, body, characters.contacts(c), palette);
     }

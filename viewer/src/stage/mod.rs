@@ -14,7 +14,8 @@ pub mod world;
 
 use crate::document::Document;
 use crate::model::Model;
-use crate::render::{CharacterInstance, Rgba, SceneColours, Shapes, Solids};
+use crate::render::{CharacterInstance, Record, Rgba, SceneColours, Shapes, Solids};
+use std::sync::Arc;
 use throng_runtime::{Mat3x4, Skeleton};
 pub use values::ValueCell;
 
@@ -27,11 +28,15 @@ pub struct Layout {
     poses: Vec<Mat3x4>,
     /// Place and colour of every character.
     pub instances: Vec<CharacterInstance>,
+    /// Far characters, drawn from frame rows.
+    pub records: Vec<Record>,
+    /// The poses of these rows (rows * NUM_JOINTS).
+    pub rows: Option<Arc<[Mat3x4]>>,
     /// Everything that is not a body.
     pub shapes: Shapes,
     /// What stands in a world.
     pub solids: Solids,
-    /// Characters of a scene whose bodies are drawn (number of instances); empty elsewhere, where they are the instances.
+    /// Whose bodies are drawn, where these are not all (number of instances); else empty.
     pub drawn: Vec<usize>,
     /// Cells of a policy that are drawn.
     pub cells: Vec<ValueCell>,
@@ -84,6 +89,8 @@ impl Layout {
     pub fn lay_out(&mut self, model: &Model, dark: bool) {
         let palette = Palette::of(dark);
         self.instances.clear();
+        self.records.clear();
+        self.rows = None;
         self.shapes.clear();
         self.poses.clear();
         self.cells.clear();
@@ -94,7 +101,7 @@ impl Layout {
             Document::Clip(motion) => raw::lay_out(self, model, motion, &palette),
             Document::World(w) => {
                 self.skeleton.clone_from(w.bundle().tables().skeleton());
-                self.solids.meshes = std::sync::Arc::clone(w.meshes());
+                self.solids.meshes = Arc::clone(w.meshes());
                 match model.shows_clip() {
                     true => clip::lay_out(self, model, w.bundle(), &palette),
                     false => world::lay_out(self, model, w, &palette, dark),
@@ -126,8 +133,8 @@ impl Layout {
             return &world.run().moment().poses;
         }
         match model.shown_crowd() {
-            Some((_, run)) => run.characters().model_matrices(),
-            None => &self.poses,
+            Some((_, run)) if self.rows.is_none() => run.characters().model_matrices(),
+            _ => &self.poses,
         }
     }
 }

@@ -1,7 +1,10 @@
 use super::*;
+use crate::bundle::OpenBundle;
+use crate::fixtures::golden_path;
 use crate::render::offscreen::read_back;
 use crate::render::{Emphasis, Rgba, Solids, device_descriptor};
 use glam::{Quat, Vec2, Vec3};
+use throng_runtime::characters::{Characters as People, CharactersConfig, FootLockConfig, Goal, Instance, Start};
 use throng_runtime::{Joint, NUM_JOINTS, Planar};
 
 const SIZE: [u32; 2] = [400, 300];
@@ -48,8 +51,10 @@ impl Picture {
         camera: &Camera,
     ) -> (Self, DrawStats) {
         let (skeleton, shapes) = (&Skeleton::default(), &Shapes::new());
+        let solids = &Solids::default();
+        let (records, rows) = (&[], None);
         let uploaded =
-            renderer.upload(&SceneFrame { skeleton, body, palette, instances, shapes, solids: &Solids::default() });
+            renderer.upload(&SceneFrame { skeleton, body, palette, instances, records, rows, shapes, solids });
         assert_eq!(uploaded.map(|u| u.characters), Ok(instances.len()));
         let stats = renderer.draw(SIZE, camera, &SceneColours::LIGHT);
         let (size, pixels) = renderer.pixels().unwrap_or_default();
@@ -169,7 +174,8 @@ fn bad_uploads_are_refused_and_the_view_keeps_drawing() {
     let (skeleton, shapes) = (&Skeleton::default(), &Shapes::new());
     let (palette, instances) = (&standing(skeleton, 0.0)[1..], &[at_origin(Rgba::WHITE)]);
     let solids = &Solids::default();
-    let frame = SceneFrame { skeleton, body: Body::Mannequin, palette, instances, shapes, solids };
+    let (body, records, rows) = (Body::Mannequin, &[] as &[Record], None);
+    let frame = SceneFrame { skeleton, body, palette, instances, records, rows, shapes, solids };
     let expected = RenderError::PaletteLength { characters: 1, expected: NUM_JOINTS, got: NUM_JOINTS - 1 };
     assert!(renderer.pixels().is_err());
     assert_eq!(renderer.upload(&frame), Err(expected));
@@ -187,4 +193,68 @@ fn more_than_the_device_can_hold_is_an_error() {
     assert_eq!(buffer.reserve(&renderer.device, 900, 48), Ok(false));
     let error = buffer.reserve(&renderer.device, usize::MAX / 64, 48).err().map(|e| e.to_string());
     assert!(error.is_some_and(|e| e.contains("joint matrices") && e.contains("fewer than")));
+}
+
+#[test]
+fn records_look_as_posed_characters_do() {
+    let Some(mut renderer) = renderer() else { return };
+    let bundle = OpenBundle::open(&golden_path()).expect("the golden bundle");
+    let (motion_set, skeleton) = (bundle.motion_set(), bundle.tables().skeleton());
+    let n = 40;
+    let place = |i: usize| Planar::new((i % 8) as f32 - 3.5, 1.5 * (i / 8) as f32 - 3.0, 0.7 * i as f32);
+    let starts: Vec<Start> = (0..n).map(|i| Start { root: place(i), state: 0 }).collect();
+    let free = FootLockConfig { enabled: false, ..FootLockConfig::default() };
+    let config = CharactersConfig { instances: true, foot_lock: free, ..CharactersConfig::default() };
+    let mut people = People::new(motion_set, config, &starts).expect("starts exist");
+    let targets: Vec<Vec3> = (0..n).map(|i| place(i * 7 % n).translation()).collect();
+    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let camera = Camera { distance: 12.0, pitch: 0.4, ..Camera::default() };
+    let (shapes, solids, body) = (&Shapes::new(), &Solids::default(), Body::Mannequin);
+    let colour = Rgba::hex(0xd0a020);
+    // Shares of the pixels of bodies that differ: of those whom no transition fades in, and of all.
+    let mut worst = [0.0f32; 2];
+    for _ in 0..6 {
+        // Half a second each, at no whole number of frames.
+        (0..17).for_each(|_| people.step(motion_set, 1.0 / 34.0, &goals).expect("a step"));
+        let mut take = |palette: &[Mat3x4], instances: &[CharacterInstance], records: &[Record]| {
+            let rows = Some(bundle.row_poses());
+            let frame = SceneFrame { skeleton, body, palette, instances, records, rows, shapes, solids };
+            renderer.upload(&frame).expect("uploaded");
+            let stats = renderer.draw(SIZE, &camera, &SceneColours::LIGHT);
+            assert_eq!(stats.per_level.iter().sum::<usize>(), instances.len() + records.len());
+            renderer.pixels().expect("a picture").1
+        };
+        let nobody = take(&[], &[], &[]);
+        for (worst, most_blend) in worst.iter_mut().zip([0, u16::MAX]) {
+            let shown = |&c: &usize| people.instances()[c].frac_blend[1] <= most_blend;
+            let shown: Vec<usize> = (0..n).filter(shown).collect();
+            let of = |&c: &usize| CharacterInstance { root: people.root(c), colour, emphasis: Emphasis::None };
+            let palette: Vec<Mat3x4> = shown.iter().flat_map(|&c| people.pose(c)).copied().collect();
+            let posed = take(&palette, &shown.iter().map(of).collect::<Vec<_>>(), &[]);
+            let record = |&c: &usize| Record { instance: people.instances()[c], colour };
+            let recorded = take(&[], &[], &shown.iter().map(record).collect::<Vec<_>>());
+            let differing = |a: &[u8], b: &[u8]| {
+                let differs = |(a, b): (&[u8], &[u8])| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max() > Some(32);
+                a.chunks_exact(4).zip(b.chunks_exact(4)).filter(|&pair| differs(pair)).count() as f32
+            };
+            *worst = worst.max(differing(&posed, &recorded) / differing(&posed, &nobody).max(1.0));
+        }
+    }
+    // Motion is straight between rows; transitions fade where they would be inertial.
+    assert!(worst[0] < 0.01 && worst[1] < 0.12, "{worst:?} of the pixels of bodies differ");
+}
+
+#[test]
+fn rows_that_there_are_not_are_refused() {
+    let Some(mut renderer) = renderer() else { return };
+    let (skeleton, shapes, solids) = (&Skeleton::default(), &Shapes::new(), &Solids::default());
+    let rows: Arc<[Mat3x4]> = vec![Mat3x4::default(); 3 * NUM_JOINTS].into();
+    let record = |row_b| Record { instance: Instance { row_b, ..Instance::default() }, colour: Rgba::WHITE };
+    let mut upload = |records: &[Record], rows| {
+        let (body, palette, instances) = (Body::Capsules, &[] as &[Mat3x4], &[] as &[CharacterInstance]);
+        renderer.upload(&SceneFrame { skeleton, body, palette, instances, records, rows, shapes, solids }).err()
+    };
+    assert_eq!(upload(&[record(2)], Some(&rows)), None);
+    assert_eq!(upload(&[record(3)], Some(&rows)), Some(RenderError::Rows { row: 3, rows: 3 }));
+    assert_eq!(upload(&[record(0)], None), Some(RenderError::Rows { row: 0, rows: 0 }));
 }
