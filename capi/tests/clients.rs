@@ -1,4 +1,5 @@
-//! Programs in C11 and C++17, built by the compiler that is there and run under AddressSanitizer, see what Rust sees.
+//! Programs in C11 and C++17, built by the compiler that is there and run under AddressSanitizer, and one in C#, run by Mono,
+//! see what Rust sees.
 
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -117,6 +118,23 @@ fn c_sees_what_rust_sees_and_misuse_is_refused() {
         all(&unreal)
     );
     assert_eq!(found, expected);
+}
+
+#[test]
+fn c_sharp_sees_what_rust_sees() {
+    let out = tempfile::tempdir().expect("a folder");
+    std::fs::copy(library(), out.path().join("libthrong_c.so")).expect("copied");
+    let program = out.path().join("client.exe");
+    let mut compiler = Command::new("mcs");
+    compiler.arg("-warnaserror").arg(format!("-out:{}", program.display()));
+    compiler.args(["unity/Throng.cs", "tests/clients/Client.cs"].map(|file| folder().join(file)));
+    let Ok(built) = compiler.output() else { return println!("skipped: there is no mcs (Mono)") };
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    assert!(built.status.success(), "{}{}", text(&built.stdout), text(&built.stderr));
+    let mut mono = Command::new("mono");
+    let ran = mono.arg(&program).arg(bundle()).env("LD_LIBRARY_PATH", out.path()).output().expect("mono beside mcs");
+    assert!(ran.status.success(), "{:?}\n{}\n{}", ran.status, text(&ran.stdout), text(&ran.stderr));
+    assert_eq!(text(&ran.stdout), format!("hash {:016x}\nGone: True\n", walk().hash()));
 }
 
 #[test]
