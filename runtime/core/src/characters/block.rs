@@ -51,7 +51,7 @@ pub(crate) fn load_codes<F: Lanes>(v: &Code3) -> V<F> {
 /// Rotation offsets are modified Rodrigues parameters, applied on the parent's side; their velocities are per second.
 /// Both are kept as short integers, which halves what a step reads.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, Zeroable)]
-#[repr(C, align(64))]
+#[repr(C)]
 pub(crate) struct Offsets {
     pub rotation: [Code3; NUM_JOINTS],
     pub rotation_velocity: [Code3; NUM_JOINTS],
@@ -118,20 +118,33 @@ pub(crate) struct Block {
 }
 
 /// What eight characters differ by from what they play. Only blocks that are posed have one that counts.
+///
+/// Memory of many is only taken from the system when it is written, which allocators promise for no more than 16 bytes of
+/// alignment. They begin large pieces 16 bytes into a page; with 48 more, all that follows lies on lines of the cache.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, Zeroable)]
-#[repr(C, align(64))]
+#[repr(C)]
 pub(crate) struct Body {
     /// 1 from the first pose on, 0 where the block is not posed: then feet and offsets count for nothing.
     pub awake: u32,
+    pub(super) unused: [u32; 11],
     /// Left, right.
     pub feet: [FootLock; 2],
     pub offsets: Offsets,
     pub reaction: Reaction,
+    pub(super) fill: [u32; 12],
 }
 
+const _: () = assert!(align_of::<Body>() <= 16 && size_of::<Body>().is_multiple_of(64));
+
 impl Body {
-    pub const ZERO: Self =
-        Self { awake: 0, feet: [FootLock::ZERO; 2], offsets: Offsets::ZERO, reaction: Reaction::ZERO };
+    pub const ZERO: Self = Self {
+        awake: 0,
+        unused: [0; 11],
+        feet: [FootLock::ZERO; 2],
+        offsets: Offsets::ZERO,
+        reaction: Reaction::ZERO,
+        fill: [0; 12],
+    };
 
     /// Frees a lane. Memory that was never written stays so.
     pub fn clear(&mut self, lane: usize) {

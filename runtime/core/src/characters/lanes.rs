@@ -65,14 +65,14 @@ fields!(Spring { place, velocity, force });
 fields!(Reaction { active, trunk, head });
 impl Lanewise for Body {
     fn take(&mut self, lane: usize, from: &Self, from_lane: usize) {
-        let Self { awake: _, feet, offsets, reaction } = self;
+        let Self { awake: _, unused: _, feet, offsets, reaction, fill: _ } = self;
         feet.take(lane, &from.feet, from_lane);
         offsets.take(lane, &from.offsets, from_lane);
         reaction.take(lane, &from.reaction, from_lane);
     }
 
     fn is_near(&self, lane: usize) -> bool {
-        let Self { awake, feet, offsets, reaction } = self;
+        let Self { awake, unused: _, feet, offsets, reaction, fill: _ } = self;
         *awake <= 1 && feet.is_near(lane) && offsets.is_near(lane) && reaction.is_near(lane)
     }
 }

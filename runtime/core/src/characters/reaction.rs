@@ -164,7 +164,7 @@ impl Step {
 
 /// The reactions of eight characters.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize, bytemuck::Zeroable)]
-#[repr(C, align(64))]
+#[repr(C)]
 pub(crate) struct Reaction {
     /// 1 where a character reacts, else 0.
     pub(super) active: Lane,

@@ -36,7 +36,7 @@ const PLANTED_HEIGHT_HALF_LIFE_S: f32 = 0.3;
 
 /// The lock of one foot of eight characters.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize, bytemuck::Zeroable)]
-#[repr(C, align(64))]
+#[repr(C)]
 pub(crate) struct FootLock {
     /// What is added to the foot's position, in world space (m).
     pub correction: Lane3,
