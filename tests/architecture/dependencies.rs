@@ -15,8 +15,9 @@ const OPTIONAL: [(&str, &str); 4] =
 /// What belongs into the command line alone.
 const COMMAND_LINE_ONLY: [&str; 4] = ["clap", "clap_complete", "indicatif", "miette"];
 /// Top-level folders of the workspace, each with those it may build on; what applications link comes first.
-const FAMILIES: [(&str, &[&str]); 4] = [
+const FAMILIES: [(&str, &[&str]); 5] = [
     ("runtime", &["runtime"]),
+    ("capi", &["runtime"]),
     ("precompute", &["runtime", "precompute"]),
     ("viewer", &["runtime", "precompute"]),
     ("python", &["runtime", "precompute"]),

@@ -1,0 +1,172 @@
+//! Steps on the caller's own threads, without callbacks: threads that help take parts until the step is over.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use throng_base::Run;
+
+/// Where parts of a step wait for whoever helps.
+#[derive(Default)]
+pub struct Desk {
+    work: Mutex<Work>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct Work {
+    /// A step is announced or goes on.
+    is_open: bool,
+    /// Parts that are independent of each other, while there are any.
+    part: Option<Part>,
+    /// The next one that nobody has.
+    next: usize,
+    num_parts: usize,
+    /// Threads with a part in hand.
+    num_busy: usize,
+    /// A part has panicked on a helper.
+    has_panicked: bool,
+}
+
+/// What [`Desk::run`] was given. It is set for no longer than that call lasts.
+#[derive(Clone, Copy)]
+struct Part(*const (dyn Fn(usize) + Sync));
+
+// SAFETY: what it points to is `Sync`.
+unsafe impl Send for Part {}
+
+impl Desk {
+    fn lock(&self) -> MutexGuard<'_, Work> {
+        self.work.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn wait<'a>(&self, work: MutexGuard<'a, Work>) -> MutexGuard<'a, Work> {
+        self.changed.wait(work).unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Helpers wait for the next step from now on.
+    pub fn announce(&self) {
+        self.lock().is_open = true;
+    }
+
+    pub fn is_open(&self) -> bool {
+        self.lock().is_open
+    }
+
+    /// The step is over: helpers go.
+    pub fn close(&self) {
+        self.lock().is_open = false;
+        self.changed.notify_all();
+    }
+
+    /// Takes parts until the step is over; returns at once where none is announced.
+    pub fn help(&self) {
+        let mut work = self.lock();
+        while work.is_open {
+            work = match self.take_one(work) {
+                Ok(work) => work,
+                Err(work) => self.wait(work),
+            };
+        }
+    }
+
+    /// Does one part; an error where there is none to do.
+    fn take_one<'a>(&'a self, mut work: MutexGuard<'a, Work>) -> Result<MutexGuard<'a, Work>, MutexGuard<'a, Work>> {
+        let (Some(part), true) = (work.part, work.next < work.num_parts) else { return Err(work) };
+        let k = work.next;
+        work.next += 1;
+        work.num_busy += 1;
+        drop(work);
+        // SAFETY: `run` does not return, and so keeps it alive, until nobody is busy.
+        let part = unsafe { &*part.0 };
+        let has_panicked = catch_unwind(AssertUnwindSafe(|| part(k))).is_err();
+        let mut work = self.lock();
+        work.num_busy -= 1;
+        work.has_panicked |= has_panicked;
+        if work.num_busy == 0 && work.next == work.num_parts {
+            self.changed.notify_all();
+        }
+        Ok(work)
+    }
+}
+
+impl Run for Desk {
+    fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
+        // SAFETY: the same pointer but for its lifetime; it is taken away before this call returns.
+        let part = Part(unsafe {
+            std::mem::transmute::<*const (dyn Fn(usize) + Sync + '_), *const (dyn Fn(usize) + Sync)>(part)
+        });
+        let mut work = self.lock();
+        (work.part, work.next, work.num_parts) = (Some(part), 0, num_parts);
+        self.changed.notify_all();
+        loop {
+            work = match self.take_one(work) {
+                Ok(work) => work,
+                Err(work) if work.num_busy == 0 => {
+                    self.end(work);
+                    return;
+                }
+                Err(work) => self.wait(work),
+            };
+        }
+    }
+}
+
+impl Desk {
+    /// Takes the parts away once nobody has one.
+    fn end(&self, mut work: MutexGuard<'_, Work>) {
+        work.part = None;
+        let has_panicked = std::mem::take(&mut work.has_panicked);
+        drop(work);
+        if has_panicked {
+            resume_unwind(Box::new("a part of the step has failed".to_owned()));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn each_part_is_done_once_whoever_helps() {
+        for num_helpers in [0, 1, 3] {
+            let desk = Desk::default();
+            desk.announce();
+            let counts: Vec<AtomicUsize> = (0..200).map(|_| AtomicUsize::new(0)).collect();
+            std::thread::scope(|s| {
+                (0..num_helpers).for_each(|_| drop(s.spawn(|| desk.help())));
+                for num_parts in [0, 1, 7, 200] {
+                    desk.run(num_parts, &|k| _ = counts[k].fetch_add(1, Ordering::Relaxed));
+                }
+                desk.close();
+            });
+            let got: Vec<usize> = counts.into_iter().map(AtomicUsize::into_inner).collect();
+            let expected: Vec<usize> = (0..200).map(|k| 1 + usize::from(k < 7) + usize::from(k < 1)).collect();
+            assert_eq!(got, expected, "{num_helpers} helpers");
+        }
+    }
+
+    #[test]
+    fn a_part_that_panics_ends_the_step_after_all_parts() {
+        let desk = Desk::default();
+        desk.announce();
+        let done = AtomicUsize::new(0);
+        let work = |k: usize| {
+            assert_ne!(k, 3, "the third");
+            done.fetch_add(1, Ordering::Relaxed);
+        };
+        std::thread::scope(|s| {
+            s.spawn(|| desk.help());
+            let outcome = catch_unwind(AssertUnwindSafe(|| desk.run(20, &work)));
+            desk.close();
+            assert!(outcome.is_err());
+        });
+        assert_eq!(done.into_inner(), 19);
+        desk.run(2, &|_| ());
+    }
+
+    #[test]
+    fn help_without_a_step_returns() {
+        Desk::default().help();
+    }
+}

@@ -1,0 +1,105 @@
+//! Axes and matrices of engines.
+
+use throng_runtime::{Mat3x4, Planar};
+
+/// How matrices lie in memory, and in which axes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ThrongLayout {
+    /// Three rows of four; right-handed, X left, Y up, Z forward, metres.
+    Throng = 0,
+    /// Unity's `Matrix4x4`, four columns of four; left-handed, X right, Y up, Z forward, metres.
+    Unity = 1,
+    /// Unreal's `FMatrix` of floats, rows that hold the axes and then the place; left-handed, X forward, Y right, Z up,
+    /// centimetres.
+    Unreal = 2,
+}
+
+/// Floats of one matrix: 12 or 16; 0 for a layout that does not exist.
+#[unsafe(no_mangle)]
+pub extern "C" fn throng_layout_floats(layout: u32) -> usize {
+    named(layout).map_or(0, floats)
+}
+
+/// The layout of a number of C, where there is one.
+pub fn named(layout: u32) -> Option<ThrongLayout> {
+    [ThrongLayout::Throng, ThrongLayout::Unity, ThrongLayout::Unreal].into_iter().find(|l| *l as u32 == layout)
+}
+
+/// Floats of one matrix.
+pub fn floats(layout: ThrongLayout) -> usize {
+    if layout == ThrongLayout::Throng { 12 } else { 16 }
+}
+
+/// From a character's own frame to the world.
+pub fn place(root: Planar) -> Mat3x4 {
+    Mat3x4::from_rotation_translation(root.rotation(), root.translation())
+}
+
+/// Which of our axes becomes each of theirs, with its sign, and how many of their units a metre has.
+fn axes(layout: ThrongLayout) -> ([(usize, f32); 3], f32) {
+    match layout {
+        ThrongLayout::Throng => ([(0, 1.0), (1, 1.0), (2, 1.0)], 1.0),
+        ThrongLayout::Unity => ([(0, -1.0), (1, 1.0), (2, 1.0)], 1.0),
+        ThrongLayout::Unreal => ([(2, 1.0), (0, -1.0), (1, 1.0)], 100.0),
+    }
+}
+
+/// A vector in the layout's axes and units.
+#[cfg(test)]
+fn vector(layout: ThrongLayout, v: [f32; 3]) -> [f32; 3] {
+    let (axes, scale) = axes(layout);
+    axes.map(|(axis, sign)| sign * v[axis] * scale)
+}
+
+/// Writes a matrix in the layout's axes and order ([`floats`] of them).
+pub fn write(layout: ThrongLayout, m: &Mat3x4, to: &mut [f32]) {
+    if layout == ThrongLayout::Throng {
+        to.copy_from_slice(m.rows.as_flattened());
+        return;
+    }
+    let (axes, scale) = axes(layout);
+    for (c, (from, from_sign)) in axes.into_iter().enumerate() {
+        for (r, (axis, sign)) in axes.into_iter().enumerate() {
+            to[4 * c + r] = sign * from_sign * m.rows[axis][from];
+        }
+        to[4 * c + 3] = 0.0;
+    }
+    for (r, (axis, sign)) in axes.into_iter().enumerate() {
+        to[12 + r] = sign * m.rows[axis][3] * scale;
+    }
+    to[15] = 1.0;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Mat4, Quat, Vec3};
+
+    #[test]
+    fn engines_see_the_same_points() {
+        let (turn, at) = (Quat::from_rotation_y(0.7) * Quat::from_rotation_x(-1.1), Vec3::new(1.0, 2.0, -3.0));
+        let m = Mat3x4::from_rotation_translation(turn, at);
+        for layout in [ThrongLayout::Unity, ThrongLayout::Unreal] {
+            let mut floats = [0.0; 16];
+            write(layout, &m, &mut floats);
+            // Column by column; the memory of rows that are multiplied from the left is the same.
+            let theirs = Mat4::from_cols_array(&floats);
+            assert!((theirs.determinant() - 1.0).abs() < 1e-5, "a rotation stays one");
+            for p in [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(0.2, -0.4, 0.9)] {
+                let expected = Vec3::from(vector(layout, (turn * p + at).to_array()));
+                let found = theirs.transform_point3(vector(layout, p.to_array()).into());
+                assert!(found.abs_diff_eq(expected, 1e-3), "{layout:?}: {found} for {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn forward_up_and_right_are_the_engines() {
+        let [forward, up, right] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
+        let unity = [forward, up, right].map(|v| vector(ThrongLayout::Unity, v));
+        assert_eq!(unity, [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]);
+        let unreal = [forward, up, right].map(|v| vector(ThrongLayout::Unreal, v));
+        assert_eq!(unreal, [[100.0, 0.0, 0.0], [0.0, 0.0, 100.0], [0.0, 100.0, 0.0]]);
+    }
+}

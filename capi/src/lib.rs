@@ -1,0 +1,35 @@
+//! The runtime for C and C++: `include/throng.h` is made from this crate.
+//!
+//! Handles are numbers that this library gives out and never gives again. One that was freed, that is another's or that
+//! another thread is using at the moment is refused with a status; nothing is read through it. No callback is ever
+//! called, and no panic leaves a call.
+
+mod desk;
+mod fault;
+mod handles;
+mod layout;
+mod read;
+mod scene;
+mod stage;
+mod tables;
+
+pub use fault::{ThrongStatus, throng_last_error};
+pub use layout::{ThrongLayout, throng_layout_floats};
+pub use read::{
+    ThrongEvent, ThrongHappened, ThrongRoot, throng_simulation_events, throng_simulation_roots,
+    throng_simulation_write_matrices,
+};
+pub use scene::{
+    ThrongCharactersConfig, ThrongId, ThrongProgress, throng_characters_config_init, throng_characters_despawn,
+    throng_characters_new, throng_characters_order, throng_characters_place, throng_characters_progress,
+    throng_characters_spawn, throng_simulation_open, throng_simulation_raise,
+};
+pub use stage::{
+    ThrongSimulation, throng_simulation_announce, throng_simulation_count, throng_simulation_free,
+    throng_simulation_hash, throng_simulation_help, throng_simulation_restore, throng_simulation_save,
+    throng_simulation_step, throng_simulation_time,
+};
+pub use tables::{
+    THRONG_NUM_JOINTS, ThrongBundle, ThrongJoint, throng_bundle_free, throng_bundle_from_memory, throng_bundle_open,
+    throng_bundle_policy, throng_bundle_skeleton, throng_joint_name,
+};

@@ -1,0 +1,209 @@
+//! Where characters are, how they stand, and what happened to them.
+
+use crate::fault::{Fault, ThrongStatus, call, check_pointer, copy_records};
+use crate::layout::{floats, named, place, write};
+use crate::scene::ThrongId;
+use crate::stage::{Stage, ThrongSimulation, with};
+use throng_base::Id;
+use throng_runtime::simulation::Happened;
+use throng_runtime::{Cast, Mat3x4, NUM_JOINTS, Planar};
+
+/// Where a character stands and looks.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThrongRoot {
+    /// Who.
+    pub id: ThrongId,
+    /// 0 where it has left, else 1.
+    pub is_there: u32,
+    /// Along X, to the left of heading 0 (m).
+    pub x: f32,
+    /// Along Z (m).
+    pub z: f32,
+    /// About +Y from +Z (rad).
+    pub heading: f32,
+}
+
+/// What happened to a character.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ThrongHappened {
+    /// Its blow has landed, or, for characters of a bundle, has passed its place.
+    Hit = 0,
+    /// Its blow met `other`, its opponent.
+    Struck = 1,
+    /// Its wish is fulfilled.
+    Fulfilled = 2,
+    /// It is at its goal.
+    Arrived = 3,
+    /// It has left at its goal.
+    Left = 4,
+    /// It makes no progress.
+    Stuck = 5,
+    /// The moving obstacle `other` ran into it.
+    RunInto = 6,
+}
+
+/// Something that happened in the last step.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThrongEvent {
+    /// When (s).
+    pub time_s: f64,
+    /// To whom, or by whom.
+    pub id: ThrongId,
+    /// What.
+    pub happened: ThrongHappened,
+    /// See `ThrongHappened`; else 0.
+    pub other: u32,
+    /// Where, for blows; else zeros (m).
+    pub at: [f32; 3],
+}
+
+/// Copies where everybody is, in the order of rows.
+///
+/// @param roots room for `capacity` records.
+/// @param count how many there are; more than `capacity` are left out.
+///
+/// # Safety
+/// `roots` has this room, `count` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn throng_simulation_roots(
+    simulation: ThrongSimulation,
+    roots: *mut ThrongRoot,
+    capacity: usize,
+    count: *mut usize,
+) -> ThrongStatus {
+    call(|| {
+        with(simulation.handle, |stage, _| {
+            let all = (0..stage.num_characters()).map(|row| {
+                let (id, root) = stage.root(row);
+                let Planar { x, z, heading } = root.unwrap_or_default();
+                ThrongRoot { id: id.into(), is_there: u32::from(root.is_some()), x, z, heading }
+            });
+            // SAFETY: promised by the caller.
+            unsafe { copy_records(all, roots, capacity, count) }
+        })
+    })
+}
+
+/// Copies what happened in the last step.
+///
+/// @param events room for `capacity` records.
+/// @param count how many there are; more than `capacity` are left out.
+///
+/// # Safety
+/// `events` has this room, `count` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn throng_simulation_events(
+    simulation: ThrongSimulation,
+    events: *mut ThrongEvent,
+    capacity: usize,
+    count: *mut usize,
+) -> ThrongStatus {
+    call(|| {
+        with(simulation.handle, |stage, _| match stage {
+            // SAFETY: promised by the caller.
+            Stage::Scene(scene) => unsafe {
+                copy_records(scene.events().iter().map(of_scene), events, capacity, count)
+            },
+            Stage::Characters { cast, time_s } => {
+                let all = cast.events().iter().map(|(id, blow)| ThrongEvent {
+                    time_s: *time_s,
+                    id: (*id).into(),
+                    happened: ThrongHappened::Hit,
+                    other: 0,
+                    at: blow.point.to_array(),
+                });
+                // SAFETY: promised by the caller.
+                unsafe { copy_records(all, events, capacity, count) }
+            }
+        })
+    })
+}
+
+fn of_scene(event: &throng_runtime::simulation::Event) -> ThrongEvent {
+    let (happened, other, at) = match event.happened {
+        Happened::Hit { at } => (ThrongHappened::Hit, 0, at.to_array()),
+        Happened::Struck { opponent, at, .. } => (ThrongHappened::Struck, opponent, at.to_array()),
+        Happened::Fulfilled => (ThrongHappened::Fulfilled, 0, [0.0; 3]),
+        Happened::Arrived => (ThrongHappened::Arrived, 0, [0.0; 3]),
+        Happened::Left => (ThrongHappened::Left, 0, [0.0; 3]),
+        Happened::Stuck => (ThrongHappened::Stuck, 0, [0.0; 3]),
+        Happened::RunInto { obstacle } => (ThrongHappened::RunInto, obstacle, [0.0; 3]),
+    };
+    ThrongEvent { time_s: event.time_s, id: Id::first(event.who).into(), happened, other: other as u32, at }
+}
+
+/// Writes the matrix from each joint to the world, for everybody, in one pass and in the axes of an engine. Who has left
+/// or has no body gets zeros.
+///
+/// @param matrices characters times `THRONG_NUM_JOINTS` matrices, a character's side by side.
+/// @param size its length (bytes).
+/// @param stride from one character's first matrix to the next one's (bytes, a multiple of 4).
+/// @param layout a `ThrongLayout`.
+///
+/// # Safety
+/// `matrices` has room for `size` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn throng_simulation_write_matrices(
+    simulation: ThrongSimulation,
+    matrices: *mut f32,
+    size: usize,
+    stride: usize,
+    layout: u32,
+) -> ThrongStatus {
+    call(|| {
+        let why = || Fault::new(ThrongStatus::Value, format!("there is no layout {layout}, expected 0 to 2"));
+        let layout = named(layout).ok_or_else(why)?;
+        with(simulation.handle, |stage, _| {
+            let (n, length) = (stage.num_characters(), NUM_JOINTS * floats(layout));
+            if n == 0 {
+                return Ok(());
+            }
+            check_pointer("matrices", matrices)?;
+            if !stride.is_multiple_of(4) || stride < 4 * length {
+                let why = format!("`stride` is {stride} bytes, expected a multiple of 4, {} or more", 4 * length);
+                return Err(Fault::new(ThrongStatus::Value, why));
+            }
+            let needed = stride.checked_mul(n - 1).and_then(|all| all.checked_add(4 * length));
+            if needed.is_none_or(|needed| needed > size) {
+                let needed = needed.map_or("more than there can be".into(), |n| n.to_string());
+                let why = format!("`matrices` has {size} bytes, expected {needed} for {n} characters");
+                return Err(Fault::new(ThrongStatus::TooSmall, why));
+            }
+            for row in 0..n {
+                // SAFETY: ends within `size`, for which the caller promises room; every bit pattern is a float.
+                let to = unsafe { std::slice::from_raw_parts_mut(matrices.add(row * (stride / 4)), length) };
+                match (stage.root(row).1, stage.pose(row)) {
+                    (Some(root), Some(pose)) => {
+                        let place = place(root);
+                        for (to, joint) in to.chunks_exact_mut(floats(layout)).zip(pose) {
+                            write(layout, &(place * *joint), to);
+                        }
+                    }
+                    _ => to.fill(0.0),
+                }
+            }
+            Ok(())
+        })
+    })
+}
+
+impl Stage {
+    /// Who is in a row, and where it stands and looks (row < number of characters).
+    fn root(&self, row: usize) -> (Id, Option<Planar>) {
+        match self {
+            Self::Scene(scene) => (Id::first(row), scene.root(row)),
+            Self::Characters { cast, .. } => (cast.ids()[row], Some(cast.bodies().roots[row])),
+        }
+    }
+
+    /// Joints in model space, where there is a body (row < number of characters).
+    fn pose(&self, row: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
+        match self {
+            Self::Scene(scene) => scene.pose(row),
+            Self::Characters { cast, .. } => Some(&cast.bodies().model[row]),
+        }
+    }
+}

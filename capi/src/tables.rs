@@ -1,0 +1,133 @@
+//! Bundles: opened, looked into, freed.
+
+use crate::fault::{Fault, ThrongStatus, call, check_pointer, copy_text, slice, text, write};
+use crate::handles::Handles;
+use std::ffi::c_char;
+use throng_runtime::format::AlignedBytes;
+use throng_runtime::{Bundle, Joint, NUM_JOINTS};
+
+/// Joints of every skeleton; parents come before their children.
+pub const THRONG_NUM_JOINTS: usize = 22;
+const _: () = assert!(THRONG_NUM_JOINTS == NUM_JOINTS);
+
+/// A bundle of tables. Simulations made from it keep what they need when it is freed.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct ThrongBundle {
+    /// Zero is none.
+    pub handle: u64,
+}
+
+/// A joint of a skeleton in rest pose, where every joint's rotation is the identity in Throng's axes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct ThrongJoint {
+    /// Number of its parent; -1 for the first.
+    pub parent: i32,
+    /// From its parent (m; X left, Y up, Z forward).
+    pub offset: [f32; 3],
+}
+
+/// Those that are open.
+pub static BUNDLES: Handles<Bundle> = Handles::new();
+
+/// Opens a bundle file. What happens to the file afterwards does not matter.
+///
+/// # Safety
+/// `path` ends with a zero, `bundle` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn throng_bundle_open(path: *const c_char, bundle: *mut ThrongBundle) -> ThrongStatus {
+    call(|| {
+        check_pointer("bundle", bundle)?;
+        // SAFETY: promised by the caller.
+        let path = unsafe { text("path", path) }?;
+        let opened = Bundle::open(path).map_err(|e| Fault::from(e).at(path))?;
+        // SAFETY: promised by the caller.
+        unsafe { keep(opened, bundle) }
+    })
+}
+
+/// Opens a bundle that lies in memory; it is copied.
+///
+/// # Safety
+/// `bytes` points to `size` bytes, `bundle` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn throng_bundle_from_memory(
+    bytes: *const u8,
+    size: usize,
+    bundle: *mut ThrongBundle,
+) -> ThrongStatus {
+    call(|| {
+        check_pointer("bundle", bundle)?;
+        // SAFETY: promised by the caller.
+        let bytes = unsafe { slice("bytes", bytes, size) }?;
+        // SAFETY: promised by the caller.
+        unsafe { keep(Bundle::from_bytes(AlignedBytes::from_slice(bytes))?, bundle) }
+    })
+}
+
+/// # Safety
+/// `to` can be written.
+unsafe fn keep(bundle: Bundle, to: *mut ThrongBundle) -> Result<(), Fault> {
+    // SAFETY: promised by the caller.
+    unsafe { write("bundle", to, ThrongBundle { handle: BUNDLES.add(bundle) }) }
+}
+
+/// Frees a bundle.
+#[unsafe(no_mangle)]
+pub extern "C" fn throng_bundle_free(bundle: ThrongBundle) -> ThrongStatus {
+    call(|| BUNDLES.remove("bundle", bundle.handle))
+}
+
+/// The number of a behaviour's policy; the error lists the names that there are.
+///
+/// # Safety
+/// `behaviour` ends with a zero, `policy` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn throng_bundle_policy(
+    bundle: ThrongBundle,
+    behaviour: *const c_char,
+    policy: *mut u32,
+) -> ThrongStatus {
+    call(|| {
+        // SAFETY: promised by the caller.
+        let behaviour = unsafe { text("behaviour", behaviour) }?;
+        let number = BUNDLES.get("bundle", bundle.handle)?.find_policy(behaviour)?;
+        // SAFETY: promised by the caller.
+        unsafe { write("policy", policy, number as u32) }
+    })
+}
+
+/// The skeleton of a bundle.
+///
+/// @param joints room for `THRONG_NUM_JOINTS`.
+///
+/// # Safety
+/// `joints` has that room.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn throng_bundle_skeleton(bundle: ThrongBundle, joints: *mut ThrongJoint) -> ThrongStatus {
+    call(|| {
+        let bundle = BUNDLES.get("bundle", bundle.handle)?;
+        check_pointer("joints", joints)?;
+        for joint in Joint::ALL {
+            let parent = joint.parent().map_or(-1, |p| p.index() as i32);
+            let record = ThrongJoint { parent, offset: bundle.skeleton().offsets[joint.index()].to_array() };
+            // SAFETY: below `THRONG_NUM_JOINTS`, for which the caller promises room.
+            unsafe { joints.add(joint.index()).write(record) };
+        }
+        Ok(())
+    })
+}
+
+/// Copies the name of a joint, with a zero at its end.
+///
+/// @return the length of the name, 0 where there is no such joint (bytes).
+///
+/// # Safety
+/// `buffer` has room for `size` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn throng_joint_name(joint: u32, buffer: *mut c_char, size: usize) -> usize {
+    let name = Joint::ALL.get(joint as usize).map_or("", |joint| joint.name());
+    // SAFETY: promised by the caller.
+    unsafe { copy_text(name, buffer, size) }
+}

@@ -1,0 +1,33 @@
+//! The header says what the library has. `UPDATE_HEADER=1 cargo test -p throng-capi --test header` writes it.
+
+use std::path::Path;
+
+#[test]
+fn the_header_is_that_of_the_code() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).expect("its settings");
+    let made = cbindgen::Builder::new().with_config(config).with_src_dirs(folder);
+    let mut text = Vec::new();
+    made.generate().expect("a header").write(&mut text);
+    // What a caller promises stands in the sentences of the library's own manual.
+    let text = String::from_utf8(text).expect("text").replace("# Safety", "@pre");
+    let path = folder.join("include/throng.h");
+    if std::env::var_os("UPDATE_HEADER").is_some() {
+        std::fs::write(&path, &text).expect("written");
+    }
+    let kept = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(kept == text, "{} is not that of the code; run with UPDATE_HEADER=1", path.display());
+}
+
+trait Sources {
+    fn with_src_dirs(self, folder: &Path) -> Self;
+}
+
+impl Sources for cbindgen::Builder {
+    /// Every source file, in the order in which readers meet them.
+    fn with_src_dirs(self, folder: &Path) -> Self {
+        ["fault", "tables", "stage", "scene", "layout", "read"]
+            .iter()
+            .fold(self, |builder, name| builder.with_src(folder.join(format!("src/{name}.rs"))))
+    }
+}
