@@ -14,8 +14,8 @@ python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))' || skip "python3 is
 venv="$target/python-venv"
 [ -x "$venv/bin/python" ] || python3 -m venv "$venv" >/dev/null 2>&1 || skip "python3 cannot make environments (venv)"
 "$venv/bin/python" -m pip --version >/dev/null 2>&1 || skip "there is no pip"
-"$venv/bin/python" -m pip install -q "maturin>=1.16,<2" "numpy>=1.21" "gymnasium>=1.0" pytest ||
-    skip "packages cannot be installed (maturin, numpy, gymnasium, pytest)"
+"$venv/bin/python" -m pip install -q "maturin>=1.16,<2" "numpy>=1.21" "gymnasium>=1.0" pytest mypy ||
+    skip "packages cannot be installed (maturin, numpy, gymnasium, pytest, mypy)"
 if [ "${1:-}" = --wheel ]; then
     "$venv/bin/maturin" build --release -m python/Cargo.toml --out "$target/wheels"
     exit

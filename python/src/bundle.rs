@@ -64,7 +64,7 @@ impl PyBundle {
     /// Frames a second (Hz).
     #[getter]
     fn rate_hz(&self) -> f64 {
-        self.0.meta().rate_hz.into()
+        self.0.meta().rate_hz
     }
 
     /// States of the motion graph.
@@ -87,7 +87,7 @@ impl PyBundle {
 
     /// What a policy does in states, with targets in each one's own frame (X left, Y up, Z ahead; m).
     #[pyo3(signature = (states, targets, behaviour=None))]
-    fn query<'py>(
+    fn _query<'py>(
         &self,
         py: Python<'py>,
         states: PyReadonlyArray1<'py, u32>,

@@ -5,6 +5,7 @@ mod characters;
 mod error;
 mod precompute;
 mod simulation;
+mod work;
 
 use pyo3::prelude::*;
 

@@ -1,17 +1,16 @@
 //! What is done before anything runs: builds, clips, and files for other programs.
 
 use crate::error;
+use crate::work::{self, Signals};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
-use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::error::BuildError;
-use throng_precompute::export::{Glb, Take, npz, take_csv, usda};
+use throng_precompute::export::{Glb, amass, bvh, each_actor, npz, take_csv, usda};
 use throng_precompute::import;
 use throng_precompute::perform::{PerformConfig, Show, perform};
-use throng_precompute::progress::Silent;
 use throng_precompute::run::motion_name;
 use throng_precompute::trial::TrialConfig;
 use throng_precompute::{Warnings, files, pipeline};
@@ -25,20 +24,19 @@ fn is_of(path: &Path, extension: &str) -> bool {
 /// Bakes motion, or what one config says, into a bundle; the report as JSON.
 #[pyfunction]
 pub fn build(py: Python<'_>, what: Vec<PathBuf>, out: PathBuf, cache: Option<PathBuf>) -> PyResult<String> {
-    let report = py.detach(|| {
-        let cache = cache.map_or_else(Cache::none, Cache::in_folder);
+    let report = work::run(py, |signals| {
+        let cache = work::cache(cache);
         match what.as_slice() {
             [file] if is_of(file, "toml") => {
                 let config = BuildConfig::load(file)?;
-                pipeline::build(&config, &out, &cache, &Silent).map_err(|e| e.in_file(file))
+                pipeline::build(&config, &out, &cache, signals).map_err(|e| e.in_file(file))
             }
             motion => {
                 let config = BuildConfig::of_motion(motion_name(motion), motion.to_vec())?;
-                pipeline::build_possible(&config, &out, &cache, &Silent)
+                pipeline::build_possible(&config, &out, &cache, signals)
             }
         }
-    });
-    let report = report.map_err(error::of_build)?;
+    })?;
     serde_json::to_string(&report).map_err(error::input)
 }
 
@@ -69,40 +67,56 @@ pub fn load_clip(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     Ok(out)
 }
 
-/// Lets a scene, or characters of a bundle, run, and writes that in a format of other programs.
+/// Characters, first and last moment (s), frames a second, and whether clips are meant in place of characters.
+type Part = (Vec<usize>, Option<f64>, Option<f64>, Option<f64>, bool);
+
+/// Lets a scene, or characters of a bundle, run, and writes that in a format of other programs; the files.
 #[pyfunction]
 pub fn export(
     py: Python<'_>,
     what: PathBuf,
     out: PathBuf,
     format: &str,
-    span_s: (Option<f64>, Option<f64>),
-    fps: Option<f64>,
-    clips: bool,
-) -> PyResult<()> {
-    if !matches!(format, "glb" | "usda" | "npz" | "csv") {
-        return Err(error::input(format!("format is \"{format}\", expected glb, usda, npz or csv")));
+    part: Part,
+    cache: Option<PathBuf>,
+) -> PyResult<Vec<PathBuf>> {
+    if !["glb", "usda", "bvh", "npz", "amass", "csv"].contains(&format) {
+        return Err(error::input(format!("format is \"{format}\", expected glb, usda, bvh, npz, amass or csv")));
     }
-    let config = PerformConfig { characters: Vec::new(), from_s: span_s.0, to_s: span_s.1, rate_hz: fps };
-    let folder = out.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let (characters, from_s, to_s, rate_hz, clips) = part;
+    let characters = characters.into_iter().map(|c| c..=c).collect();
+    let config = PerformConfig { characters, from_s, to_s, rate_hz };
+    let save = |show: Show<'_>, signals: &Signals| save(show, &config, format, &out, signals);
     if is_of(&what, "toml") {
-        let scene = Scene::load(&what).and_then(|scene| scene.open()).map_err(error::of)?;
-        return py.detach(|| save(Show::Scene(&scene), &config, folder, format, &out)).map_err(error::of_build);
+        return work::run(py, |signals| {
+            let scene = work::open(&Scene::load(&what)?, cache, signals)?;
+            save(Show::Scene(&scene), signals)
+        });
     }
     let (bundle, trial) = (Bundle::open(&what).map_err(|e| error::of_format(&what, e))?, TrialConfig::default());
     let show = if clips { Show::Clips(&bundle) } else { Show::Trial(&bundle, &trial) };
-    py.detach(|| save(show, &config, folder, format, &out)).map_err(error::of_build)
+    work::run(py, |signals| save(show, signals))
 }
 
-fn save(show: Show<'_>, config: &PerformConfig, folder: &Path, format: &str, out: &Path) -> Result<(), BuildError> {
-    let take: Take = perform(show, config, folder, &Silent)?;
+fn save(
+    show: Show<'_>,
+    config: &PerformConfig,
+    format: &str,
+    out: &Path,
+    signals: &Signals,
+) -> Result<Vec<PathBuf>, BuildError> {
+    let folder = out.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let take = perform(show, config, folder, signals)?;
     match format {
+        "bvh" => return each_actor(&take, out, |a, w| bvh::write_actor(&take, a, w)),
+        "amass" => return each_actor(&take, out, |a, w| amass(&take, a, w)),
         "glb" => {
             let glb = Glb::new(&take)?;
-            files::write_atomically(out, |w| glb.write(w))
+            files::write_atomically(out, |w| glb.write(w))?;
         }
-        "usda" => files::write_atomically(out, |w| usda(&take, false, w)),
-        "npz" => files::write_atomically(out, |w| npz(&take, w)),
-        _ => files::write_atomically(out, |w| take_csv(&take, w)),
+        "usda" => files::write_atomically(out, |w| usda(&take, false, w))?,
+        "npz" => files::write_atomically(out, |w| npz(&take, w))?,
+        _ => files::write_atomically(out, |w| take_csv(&take, w))?,
     }
+    Ok(vec![out.to_path_buf()])
 }

@@ -2,6 +2,7 @@
 
 use crate::bundle::PyBundle;
 use crate::error;
+use crate::work;
 use numpy::{PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadwriteArray2, PyReadwriteArray4};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -26,37 +27,46 @@ fn threads(parallel: bool) -> &'static dyn Run {
 
 #[pymethods]
 impl PySimulation {
-    /// - `text`: a scene in place of the file's content.
+    /// - `text`: a scene in place of the file's content; `cache`: a folder for what builds of missing bundles can use again.
     #[new]
-    #[pyo3(signature = (scene, bundle=None, *, text=None))]
-    fn new(py: Python<'_>, scene: PathBuf, bundle: Option<&Bound<'_, PyBundle>>, text: Option<&str>) -> PyResult<Self> {
+    #[pyo3(signature = (scene, bundle=None, *, text=None, cache=None))]
+    fn new(
+        py: Python<'_>,
+        scene: PathBuf,
+        bundle: Option<&Bound<'_, PyBundle>>,
+        text: Option<&str>,
+        cache: Option<PathBuf>,
+    ) -> PyResult<Self> {
         let bundle = bundle.map(|b| b.get().0.clone());
-        let made = py.detach(|| {
+        let sim = work::run(py, |signals| {
             let scene = match text {
                 Some(text) => Scene::parse(text, &scene)?,
                 None => Scene::load(&scene)?,
             };
             let compiled = match &bundle {
                 Some(bundle) => scene.compile(bundle)?,
-                None => scene.open()?,
+                None => work::open(&scene, cache, signals)?,
             };
-            Simulation::new(&compiled)
-        });
-        Ok(Self { sim: made.map_err(error::of)?, roots: None, poses: None })
+            Ok(Simulation::new(&compiled)?)
+        })?;
+        Ok(Self { sim, roots: None, poses: None })
     }
 
+    /// Moves time on (s, at most 1), on all cores where `parallel`. Results do not depend on it.
     #[pyo3(signature = (dt_s=1.0 / 60.0, *, parallel=false))]
     fn step(&mut self, py: Python<'_>, dt_s: f64, parallel: bool) -> PyResult<()> {
         self.forget();
         py.detach(|| self.sim.step_on(dt_s, threads(parallel))).map_err(error::of)
     }
 
+    /// Moves time on to a moment (s), in steps that the simulation can take.
     #[pyo3(signature = (until_s, *, parallel=false))]
     fn step_to(&mut self, py: Python<'_>, until_s: f64, parallel: bool) -> PyResult<()> {
         self.forget();
         py.detach(|| self.sim.step_to(until_s, threads(parallel))).map_err(error::of)
     }
 
+    /// Where everybody stands and looks: x, z, heading (n x 3; m, radians), read-only; NaN for who has left.
     #[getter]
     fn roots<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         if let Some(roots) = &self.roots {
@@ -70,6 +80,7 @@ impl PySimulation {
         Ok(array)
     }
 
+    /// Joints to the character's own frame, row by row (n x 22 x 3 x 4; m), read-only; NaN for who has no body.
     #[getter]
     fn poses<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray4<f32>>> {
         if let Some(poses) = &self.poses {
@@ -83,38 +94,45 @@ impl PySimulation {
         Ok(array)
     }
 
-    fn roots_into(&self, mut out: PyReadwriteArray2<'_, f32>) -> PyResult<()> {
+    /// Writes the roots into an array (n x 3).
+    fn _roots_into(&self, mut out: PyReadwriteArray2<'_, f32>) -> PyResult<()> {
         let expected = [self.sim.num_characters(), 3];
         self.write_roots(room(out.as_array_mut().shape().to_vec(), &expected, out.as_slice_mut().ok())?);
         Ok(())
     }
 
-    fn poses_into(&self, mut out: PyReadwriteArray4<'_, f32>) -> PyResult<()> {
+    /// Writes the poses into an array (n x 22 x 3 x 4).
+    fn _poses_into(&self, mut out: PyReadwriteArray4<'_, f32>) -> PyResult<()> {
         let expected = [self.sim.num_characters(), NUM_JOINTS, 3, 4];
         self.write_poses(room(out.as_array_mut().shape().to_vec(), &expected, out.as_slice_mut().ok())?);
         Ok(())
     }
 
+    /// Simulated time (s).
     #[getter]
     fn time_s(&self) -> f64 {
         self.sim.time_s()
     }
 
+    /// How long the scene runs (s).
     #[getter]
     fn seconds(&self) -> f64 {
         self.sim.scene().seconds
     }
 
+    /// Number of characters, those who have left included.
     #[getter]
     fn num_characters(&self) -> usize {
         self.sim.num_characters()
     }
 
+    /// True where the scene says that it is over.
     #[getter]
     fn has_ended(&self) -> bool {
         self.sim.has_ended()
     }
 
+    /// Groups of the scene: name, motion, number of the first character, number of characters.
     #[getter]
     fn groups<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let group = |g: &throng_runtime::simulation::Group| {
@@ -128,6 +146,7 @@ impl PySimulation {
         self.sim.groups().iter().map(group).collect()
     }
 
+    /// Events of the last step: time_s, who, what, and what else belongs to it.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let event = |e: &throng_runtime::simulation::Event| {
@@ -159,21 +178,25 @@ impl PySimulation {
         self.sim.events().iter().map(event).collect()
     }
 
+    /// Lets an event of the scene happen now.
     #[pyo3(name = "raise_event")]
     fn raise(&mut self, event: &str) -> PyResult<()> {
         self.sim.raise(event).map_err(error::of)
     }
 
+    /// The whole state, as bytes: what follows is the same, bit by bit, wherever it is restored.
     fn snapshot<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.sim.snapshot())
     }
 
+    /// Goes back to a snapshot of the same scene.
     fn restore(&mut self, snapshot: &[u8]) -> PyResult<()> {
         self.sim.restore(snapshot).map_err(error::of)?;
         self.forget();
         Ok(())
     }
 
+    /// A hash of the state: equal for equal motion of all.
     fn hash(&self) -> u64 {
         self.sim.hash()
     }

@@ -4,10 +4,17 @@ Metres, seconds, radians. Y is up, heading 0 faces +Z. A root is (x, z, heading)
 each of 22 joints, from the joint's frame to the character's own.
 """
 
+from __future__ import annotations
+
 import json as _json
+import os as _os
+from collections.abc import Iterable as _Iterable
 from pathlib import Path as _Path
+from typing import Any as _Any
+from typing import Union as _Union
 
 import numpy as _np
+import numpy.typing as _npt
 
 from . import _throng
 from ._errors import Error, FileError, InputError
@@ -17,10 +24,13 @@ __all__ = [
     "Bundle", "Characters", "Error", "FileError", "InputError", "Simulation", "build", "export", "load_clip",
 ]
 
+_Pathlike = _Union[str, "_os.PathLike[str]"]
+_Floats = _npt.NDArray[_np.float32]
+
 _U4, _F4 = "<u4", "<f4"
 _BYTES = 80
 # Rows of sections, as the format has them. Sections that are not here are read as rows of bytes.
-_ROWS = {
+_ROWS: dict[str, _Any] = {
     "META": "u1",
     "SKEL": [("offsets", _F4, (22, 3)), ("tips", _F4, (3, 3))],
     "CLIP": [("first_frame", _U4), ("num_frames", _U4), ("mirrored", _U4), ("reserved", _U4)],
@@ -53,11 +63,15 @@ class Bundle(_throng.Bundle):
     The file is read into memory and checked; it may be replaced afterwards.
     """
 
-    def sections(self):
+    def __deepcopy__(self, memo: dict[int, _Any]) -> Bundle:
+        """Itself: it never changes."""
+        return self
+
+    def sections(self) -> dict[str, tuple[int, int]]:
         """Tags of the sections with their number of rows and bytes a row: ``{"FRAM": (1200, 96), ...}``."""
         return {tag: (rows, size) for tag, rows, size in self._sections()}
 
-    def section(self, tag):
+    def section(self, tag: str) -> _npt.NDArray[_Any]:
         """Rows of a section as a read-only array that shares the bundle's memory and keeps it alive.
 
         Rows with several fields are a structured array: ``bundle.section("SEGM")["displacement"]``.
@@ -69,7 +83,9 @@ class Bundle(_throng.Bundle):
             return rows.view(dtype)
         return rows.reshape(-1, size)
 
-    def query(self, states, targets, behaviour=None):
+    def query(
+        self, states: _npt.ArrayLike, targets: _npt.ArrayLike, behaviour: str | None = None
+    ) -> dict[str, _npt.NDArray[_Any]]:
         """Asks a policy which action to take in states of the motion graph.
 
         - ``states``: numbers of states (n).
@@ -83,14 +99,15 @@ class Bundle(_throng.Bundle):
         if states.ndim != 1 or (states.size and (states.dtype.kind not in "iu" or states.min() < 0)):
             raise InputError("`states` must be a list of whole numbers from 0 on")
         targets = _numbers("targets", targets, 2)
-        return super().query(states.astype(_np.uint32), targets, behaviour)
+        return super()._query(states.astype(_np.uint32), targets, behaviour)
 
 
 class Simulation(_throng.Simulation):
     """A scene that runs.
 
-    ``Simulation("square.toml")`` opens the bundles that the scene names; ``bundle`` takes the place of the scene's own.
-    ``text`` is a scene in place of the file's content.
+    ``Simulation("square.toml")`` opens the bundles that the scene names, and builds those that are missing, which it tells
+    the logger "throng"; ``cache`` is a folder for what later builds can use again. ``bundle`` takes the place of the
+    scene's own. ``text`` is a scene in place of the file's content.
 
     ``roots`` (n x 3) and ``poses`` (n x 22 x 3 x 4) are read-only arrays of the present moment, made when they are first
     asked for. They tell where everybody is until the next step, which makes new ones: one that is kept goes on to show the
@@ -99,26 +116,22 @@ class Simulation(_throng.Simulation):
     Steps run without Python's lock. While one runs, another thread that asks the same simulation gets a RuntimeError.
     """
 
-    def write_roots(self, out):
-        """Writes the roots into an array (n x 3, float32)."""
-        self.roots_into(_room(out))
+    def get_roots(self, out: _Floats | None = None) -> _Floats:
+        """The roots: a copy, or written into ``out`` (n x 3, float32)."""
+        if out is None:
+            return self.roots.copy()
+        self._roots_into(_room(out))
         return out
 
-    def write_poses(self, out):
-        """Writes the poses into an array (n x 22 x 3 x 4, float32)."""
-        self.poses_into(_room(out))
+    def get_poses(self, out: _Floats | None = None) -> _Floats:
+        """The poses: a copy, or written into ``out`` (n x 22 x 3 x 4, float32)."""
+        if out is None:
+            return self.poses.copy()
+        self._poses_into(_room(out))
         return out
 
-    def get_roots(self, out=None):
-        """The roots: a copy, or written into ``out``."""
-        return self.roots.copy() if out is None else self.write_roots(out)
 
-    def get_poses(self, out=None):
-        """The poses: a copy, or written into ``out``."""
-        return self.poses.copy() if out is None else self.write_poses(out)
-
-
-def _numbers(name, values, dimensions):
+def _numbers(name: str, values: _npt.ArrayLike, dimensions: int) -> _Floats:
     try:
         array = _np.ascontiguousarray(values, dtype=_np.float32)
     except (TypeError, ValueError) as why:
@@ -128,7 +141,7 @@ def _numbers(name, values, dimensions):
     return array
 
 
-def _room(out):
+def _room(out: _Floats) -> _Floats:
     if not isinstance(out, _np.ndarray) or out.dtype != _np.float32:
         raise InputError("`out` must be an array of float32")
     if not out.flags.writeable:
@@ -136,16 +149,20 @@ def _room(out):
     return out
 
 
-def build(what, out, cache=None):
+def build(
+    what: _Pathlike | _Iterable[_Pathlike], out: _Pathlike, cache: _Pathlike | None = None
+) -> dict[str, _Any]:
     """Bakes motion files and folders, or one config (``.toml``), into a bundle. Returns the report as a dict.
 
-    Of motion alone, what it allows is made. ``cache`` is a folder for what later builds can use again.
+    Of motion alone, what it allows is made. ``cache`` is a folder for what later builds can use again. An interrupt ends
+    the build.
     """
-    what = [what] if isinstance(what, (str, _Path)) else list(what)
-    return _json.loads(_throng.build(what, out, cache))
+    what = [what] if isinstance(what, (str, _os.PathLike)) else list(what)
+    report: dict[str, _Any] = _json.loads(_throng.build(what, out, cache))
+    return report
 
 
-def load_clip(path):
+def load_clip(path: _Pathlike) -> dict[str, _Any]:
     """Reads a motion file, on the database skeleton and at the database rate.
 
     Returns a dict: ``name``, ``rate_hz``, ``root_positions`` (n x 3, m), ``rotations`` (n x 22 x 4, quaternions x, y, z, w
@@ -154,9 +171,26 @@ def load_clip(path):
     return _throng.load_clip(path)
 
 
-def export(what, out, format=None, *, from_s=None, to_s=None, fps=None, clips=False):
-    """Lets a scene (``.toml``) or characters of a bundle run, and writes that as glb, usda, npz or csv.
+def export(
+    what: _Pathlike,
+    out: _Pathlike,
+    format: str | None = None,
+    *,
+    characters: _Iterable[int] = (),
+    from_s: float | None = None,
+    to_s: float | None = None,
+    fps: float | None = None,
+    clips: bool = False,
+    cache: _Pathlike | None = None,
+) -> list[_Path]:
+    """Lets a scene (``.toml``) or characters of a bundle run, and writes that. Returns the files.
 
-    ``format`` is the ending of ``out`` by default. ``clips`` writes the clips of a bundle instead.
+    - ``format``: glb, usda, bvh, npz, amass or csv; the ending of ``out`` by default. bvh and amass are a file for each
+      character.
+    - ``characters``: their numbers; all with bodies by default.
+    - ``from_s``, ``to_s``, ``fps``: which part (s), and frames a second; all of it, 30.
+    - ``clips``: the clips of a bundle in place of characters.
+    - ``cache``: as of ``build``; bundles that a scene names and that are missing are built.
     """
-    _throng.export(what, out, format or _Path(out).suffix[1:].lower(), (from_s, to_s), fps, clips)
+    part = (list(characters), from_s, to_s, fps, clips)
+    return _throng.export(what, out, format or _Path(out).suffix[1:].lower(), part, cache)

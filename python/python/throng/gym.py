@@ -1,16 +1,25 @@
-"""People walk to targets among others: a vector environment for gymnasium."""
+"""People walk to targets among others: environments for gymnasium.
+
+``gymnasium.make_vec("throng/WalkToTargets-v0", num_envs=16, bundle="walk.throng")`` has many learners in one square, and
+``gymnasium.make("throng/WalkToTargets-v0", bundle="walk.throng")`` one, among others whom the baked policy moves.
+"""
+
+from __future__ import annotations
+
+from typing import Any
 
 import gymnasium as gym
 import numpy as np
+import numpy.typing as npt
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from . import Bundle, Characters
+from . import Bundle, Characters, _Floats, _Pathlike
 
-__all__ = ["WalkToTargets"]
+__all__ = ["WalkToTarget", "WalkToTargets"]
 
 
-class WalkToTargets(VectorEnv):
+class WalkToTargets(VectorEnv[_Floats, _Floats, npt.NDArray[Any]]):
     """Each environment is one of ``num_envs`` characters, all of whom walk about one square.
 
     An action is where to go, in the character's own frame: X left, Z ahead, each from -1 to 1, times ``reach_m``. The baked
@@ -28,7 +37,15 @@ class WalkToTargets(VectorEnv):
     arrived_m = 0.5
     clear_m = 0.5
 
-    def __init__(self, bundle, num_envs=16, behaviour=None, size_m=10.0, step_s=0.5, max_steps=60):
+    def __init__(
+        self,
+        bundle: Bundle | _Pathlike,
+        num_envs: int = 16,
+        behaviour: str | None = None,
+        size_m: float = 10.0,
+        step_s: float = 0.5,
+        max_steps: int = 60,
+    ) -> None:
         self.bundle = bundle if isinstance(bundle, Bundle) else Bundle(bundle)
         self.num_envs, self.behaviour = num_envs, behaviour
         self.size_m, self.max_steps = size_m, max_steps
@@ -39,7 +56,10 @@ class WalkToTargets(VectorEnv):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
 
-    def reset(self, *, seed=None, options=None):
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[_Floats, dict[str, Any]]:
+        """Puts everybody somewhere, with a target of its own."""
         super().reset(seed=seed)
         places = np.zeros((self.num_envs, 3), np.float32)
         places[:, :2] = self._somewhere(self.num_envs)
@@ -51,7 +71,10 @@ class WalkToTargets(VectorEnv):
         self._done = np.zeros(self.num_envs, bool)
         return self._observe(), {}
 
-    def step(self, actions):
+    def step(
+        self, actions: _Floats
+    ) -> tuple[_Floats, npt.NDArray[Any], npt.NDArray[Any], npt.NDArray[Any], dict[str, Any]]:
+        """Lets everybody walk for a step."""
         actions = np.clip(np.asarray(actions, np.float32), -1.0, 1.0).reshape(self.num_envs, 2)
         fresh = self._done
         for who in np.flatnonzero(fresh):
@@ -79,19 +102,21 @@ class WalkToTargets(VectorEnv):
         self._done = arrived | cut
         return self._observe(), rewards.astype(np.float64), arrived, cut, {}
 
-    def baseline(self):
+    def baseline(self) -> _Floats:
         """Actions of the baked policy: the target itself, or the farthest place towards it that an action can name."""
         roots = self.characters.roots
         ahead = _turned(self.targets - roots[:, :2], -roots[:, 2]) / self.reach_m
-        return (ahead / np.maximum(1.0, np.abs(ahead).max(axis=1, keepdims=True))).astype(np.float32)
+        actions: _Floats = (ahead / np.maximum(1.0, np.abs(ahead).max(axis=1, keepdims=True))).astype(np.float32)
+        return actions
 
-    def _somewhere(self, count):
+    def _somewhere(self, count: int) -> _Floats:
         return self.np_random.uniform(-self.size_m / 2, self.size_m / 2, (count, 2)).astype(np.float32)
 
-    def _left(self, roots):
-        return np.linalg.norm(self.targets - roots[:, :2], axis=1)
+    def _left(self, roots: _Floats) -> _Floats:
+        left: _Floats = np.linalg.norm(self.targets - roots[:, :2], axis=1)
+        return left
 
-    def _observe(self):
+    def _observe(self) -> _Floats:
         roots = self.characters.roots
         places, headings = roots[:, :2], roots[:, 2]
         out = np.zeros((self.num_envs, 6), np.float32)
@@ -105,7 +130,42 @@ class WalkToTargets(VectorEnv):
         return out
 
 
-def _turned(points, headings):
+class WalkToTarget(gym.Env[_Floats, _Floats]):
+    """The first character of `WalkToTargets` is the learner's; the baked policy moves ``others``."""
+
+    metadata: dict[str, Any] = {"render_modes": []}
+
+    def __init__(self, bundle: Bundle | _Pathlike, others: int = 15, **settings: Any) -> None:
+        self.all = WalkToTargets(bundle, 1 + others, **settings)
+        self.action_space = self.all.single_action_space
+        self.observation_space = self.all.single_observation_space
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[_Floats, dict[str, Any]]:
+        """Puts everybody somewhere, with a target of its own."""
+        super().reset(seed=seed)
+        return self.all.reset(seed=seed)[0][0], {}
+
+    def step(self, action: _Floats) -> tuple[_Floats, float, bool, bool, dict[str, Any]]:
+        """Lets everybody walk for a step."""
+        actions = self.all.baseline()
+        actions[0] = action
+        observed, rewards, arrived, cut, _ = self.all.step(actions)
+        return observed[0], float(rewards[0]), bool(arrived[0]), bool(cut[0]), {}
+
+    def baseline(self) -> _Floats:
+        """The action of the baked policy."""
+        action: _Floats = self.all.baseline()[0]
+        return action
+
+
+def _turned(points: _Floats, headings: _Floats) -> _Floats:
     """Points (x, z) turned about the vertical."""
     cos, sin = np.cos(headings), np.sin(headings)
     return np.stack([points[:, 0] * cos + points[:, 1] * sin, points[:, 1] * cos - points[:, 0] * sin], axis=1)
+
+
+gym.register(
+    "throng/WalkToTargets-v0", entry_point="throng.gym:WalkToTarget", vector_entry_point="throng.gym:WalkToTargets"
+)
