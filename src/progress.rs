@@ -3,7 +3,8 @@
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 use throng_precompute::progress::{Progress, Status};
 
@@ -11,6 +12,17 @@ use throng_precompute::progress::{Progress, Status};
 const EVERY: Duration = Duration::from_secs(5);
 /// What a shell says of a program that was interrupted.
 const INTERRUPTED: i32 = 130;
+
+/// Set by Ctrl+C, where a run ends by itself then.
+static STOP: OnceLock<AtomicBool> = OnceLock::new();
+
+/// From now on, Ctrl+C does not end the program but sets this.
+pub fn stop_on_interrupt() -> &'static AtomicBool {
+    let stop = STOP.get_or_init(AtomicBool::default);
+    // Refused where a build has set its own, which knows of this.
+    _ = ctrlc::set_handler(move || stop.store(true, Ordering::Relaxed));
+    stop
+}
 
 /// Tells how far a build is, on standard error.
 pub struct Bar {
@@ -61,6 +73,9 @@ impl Bar {
         let now = Arc::clone(&bar.now);
         // Where it cannot be caught, the program ends without a word, as without this.
         _ = ctrlc::set_handler(move || {
+            if let Some(stop) = STOP.get() {
+                return stop.store(true, Ordering::Relaxed);
+            }
             let now = lock(&now);
             if !now.is_over {
                 eprintln!("\n{}", now.status.farewell(cache.as_deref(), "the same command"));

@@ -5,14 +5,16 @@ use crate::{keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
+use throng_precompute::live::{LiveConfig, LiveReport, Server};
 use throng_precompute::picture;
 use throng_precompute::run::{self, Cached, Figures, RunConfig, SceneReport, TrajectoryPoint};
 use throng_precompute::trial::{self, TrialConfig, TrialRecord, TrialReport};
 use throng_precompute::verdict::Verdict;
 use throng_runtime::Bundle;
 use throng_runtime::simulation::scene::engine;
-use throng_runtime::simulation::{Motion, Scene};
+use throng_runtime::simulation::{CompiledScene, Motion, Scene};
 
 /// Run a scene, or characters on a bundle that each chase a target of their own, and measure what they do.
 #[derive(clap::Args)]
@@ -43,12 +45,30 @@ pub struct Args {
     #[arg(long, value_name = "BEHAVIOUR")]
     without: Vec<String>,
     #[command(flatten)]
+    live: LiveArgs,
+    #[command(flatten)]
     crowd: CrowdArgs,
     #[command(flatten)]
     cache: CacheArgs,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
+}
+
+/// A scene that is served to programs that show it.
+#[derive(clap::Args)]
+struct LiveArgs {
+    /// Serve roots, poses and events of the running scene at ADDRESS (127.0.0.1:7468), to such as scripts/blender_live.py. It
+    /// waits for the first client, and runs in real time. Nothing is measured.
+    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:7468",
+        conflicts_with_all = ["png", "trajectories", "record", "json"])]
+    serve: Option<SocketAddr>,
+    /// Of --serve, an address that others in the network can reach is meant.
+    #[arg(long, requires = "serve")]
+    serve_anyone: bool,
+    /// Of --serve, simulated seconds a second; 0 is as fast as it goes.
+    #[arg(long, value_name = "X", requires = "serve", default_value_t = 1.0, allow_negative_numbers = true)]
+    speed: f64,
 }
 
 /// What `--json` prints, by what is run.
@@ -80,9 +100,10 @@ pub fn run(args: &Args) -> Outcome {
         || !args.without.is_empty()
         || args.trajectories.is_some()
         || args.record.is_some()
+        || args.live.serve.is_some()
     {
         return fail(
-            "--bundle, --engine, --record, --trajectories and --without are for scenes; name the bundle alone",
+            "--bundle, --engine, --record, --serve, --trajectories and --without are for scenes; name the bundle alone",
         );
     }
     let tables = match args.what.as_slice() {
@@ -126,6 +147,9 @@ fn run_scene(file: &Path, args: &Args) -> Outcome {
     scene.check()?;
     ensure(&scene, &args.cache)?;
     let compiled = scene.open()?;
+    if let Some(address) = args.live.serve {
+        return serve(&compiled, address, args);
+    }
     let config = RunConfig {
         seconds: args.crowd.seconds().map(f64::from),
         step_hz: args.crowd.step_hz(),
@@ -147,6 +171,17 @@ fn run_scene(file: &Path, args: &Args) -> Outcome {
         eprintln!("at {time_s:.1} s, character {character}: {what}");
     }
     if args.json { output::json(&report) } else { print_scene(&report) }
+}
+
+/// Runs a scene for programs that show it.
+fn serve(scene: &CompiledScene, address: SocketAddr, args: &Args) -> Outcome {
+    let server = Server::bind(address, args.live.serve_anyone)?;
+    let (name, at) = (&scene.scene().name, server.address()?);
+    output::text(format!("{name}: served at {at}; it begins when somebody connects. Ctrl+C ends it.\n"))?;
+    let (seconds, step_hz) = (args.crowd.seconds().map(f64::from), args.crowd.step_hz());
+    let config = LiveConfig { seconds, step_hz, speed: args.live.speed };
+    let LiveReport { frames, clients, missed } = server.serve(scene, &config, progress::stop_on_interrupt())?;
+    output::text(format!("{frames} frames for {clients} client(s), who missed {missed}\n"))
 }
 
 /// Writes where agents were as CSV.

@@ -4,10 +4,9 @@ use super::{Args, Format, holds_motion, write};
 use crate::args::{CacheArgs, Outcome, fail, is_bundle, is_toml};
 use crate::{output, progress};
 use std::error::Error;
-use std::io::{self, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use throng_precompute::export::{Glb, Take, amass, bvh, npz, take_csv, usda};
+use throng_precompute::export::{Glb, Take, amass, bvh, each_actor, npz, take_csv, usda};
 use throng_precompute::import::read_clip;
 use throng_precompute::onto::Wearer;
 use throng_precompute::perform::{self, PerformConfig, Show, perform};
@@ -189,8 +188,8 @@ fn save(args: &Args, take: &Take, out: Option<&Path>, wearer: Option<&Wearer>, f
             files::write_atomically(out, |w| usda(take, args.take.usd_instances, w))?;
         }
         (Format::Npz, Some(out)) => files::write_atomically(out, |w| npz(take, w))?,
-        (Format::Bvh, Some(out)) => written = each(take, out, |a, w| bvh::write_actor(take, a, w))?,
-        (_, Some(out)) => written = each(take, out, |a, w| amass(take, a, w))?,
+        (Format::Bvh, Some(out)) => written = each_actor(take, out, |a, w| bvh::write_actor(take, a, w))?,
+        (_, Some(out)) => written = each_actor(take, out, |a, w| amass(take, a, w))?,
     }
     let Some(out) = out else { return Ok(()) };
     wearer.map_or(Ok(()), worn)?;
@@ -214,25 +213,4 @@ fn worn(wearer: &Wearer) -> Outcome {
     let twists = if twists.is_empty() { "none".into() } else { twists.join(" ") };
     let (all, moved) = (wearer.num_joints(), pairs.len());
     output::text(format!("{moved} of {all} joints wear the motion: {}\ntwist joints: {twists}\n", pairs.join(" ")))
-}
-
-/// Writes a file for each actor who is ever there: `NAME-7.bvh` of number 7, or `NAME.bvh` where there is one.
-fn each(
-    take: &Take,
-    out: &Path,
-    body: impl Fn(usize, &mut dyn Write) -> io::Result<()>,
-) -> Result<Vec<PathBuf>, Box<dyn Error>> {
-    let there: Vec<usize> = (0..take.actors().len()).filter(|&a| !take.actors()[a].there.is_empty()).collect();
-    let mut written = Vec::new();
-    for &a in &there {
-        let mut file = out.to_path_buf();
-        if take.actors().len() > 1 {
-            let stem = out.file_stem().unwrap_or_default().to_string_lossy();
-            let extension = out.extension().map_or(String::new(), |e| format!(".{}", e.to_string_lossy()));
-            file.set_file_name(format!("{stem}-{}{extension}", take.actors()[a].number));
-        }
-        files::write_atomically(&file, |w| body(a, w))?;
-        written.push(file);
-    }
-    Ok(written)
 }

@@ -3,6 +3,7 @@
 pub mod abilities;
 pub mod damage;
 pub mod inspect;
+pub mod live;
 pub mod matching;
 pub mod measure;
 pub mod overlap;

@@ -25,8 +25,8 @@ pub use record::{
     TRAIL_S, TrajectoryPoint, WorldRecord, seen_obstacle,
 };
 pub use recording::Recording;
-pub(crate) use report::play;
 pub use report::{GroupReport, RunConfig, SceneReport, geometry, run, run_agents, run_recorded};
+pub(crate) use report::{Moment, play};
 pub use scenario::{ScenarioFigures, measure as measure_scenario};
 pub use styles::{StyleWalk, curve, walk_styles};
 pub(crate) use watch::knee_angles;

@@ -3,6 +3,7 @@
 mod body;
 pub mod bvh;
 mod csv;
+mod each;
 pub(crate) mod glb;
 mod instances;
 mod npz;
@@ -13,6 +14,7 @@ mod usd;
 use crate::clip::Clip;
 use crate::raw::{RawClip, RawJoint, SourceFormat};
 pub use csv::{positions_csv, take_csv};
+pub use each::each_actor;
 use glam::{Quat, Vec3};
 pub use glb::Glb;
 pub use instances::{Instance, Instances};

@@ -16,6 +16,7 @@ use crate::policy::{PolicyRecord, PolicyTable};
 use crate::skeleton::Skeleton;
 use crate::stops::StopTables;
 use sections::Sections;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use throng_base::{Error, Hash128, Result};
@@ -46,6 +47,7 @@ struct Shared {
     patches: Patches,
     blends: Blends,
     sizes: Vec<(Tag, usize)>,
+    ranges: Vec<(Tag, usize, Range<usize>)>,
     fingerprint: u64,
     hash: OnceLock<u128>,
 }
@@ -155,6 +157,7 @@ impl Bundle {
             meta,
             sections: s,
             sizes: layout.sizes().collect(),
+            ranges: layout.ranges().collect(),
             fingerprint: layout.fingerprint(),
             hash: OnceLock::new(),
         };
@@ -296,6 +299,13 @@ impl Bundle {
     /// Tag and length of every section, in file order (bytes).
     pub fn section_sizes(&self) -> &[(Tag, usize)] {
         &self.shared.sizes
+    }
+
+    /// Bytes of a section, and the length of one of its elements (bytes); none where there is no such section. For
+    /// those who read rows by themselves, such as arrays of other languages.
+    pub fn section_bytes(&self, tag: Tag) -> Option<(&[u8], usize)> {
+        let (_, element, range) = self.shared.ranges.iter().find(|s| s.0 == tag)?;
+        Some((&self.shared.storage.bytes()[range.clone()], *element))
     }
 
     /// Length of the bundle (bytes).

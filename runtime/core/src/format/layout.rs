@@ -79,6 +79,11 @@ impl Layout {
         self.fingerprint
     }
 
+    /// Tag, length of an element and bytes of every section, in file order.
+    pub fn ranges(&self) -> impl Iterator<Item = (Tag, usize, Range<usize>)> + '_ {
+        self.sections.iter().map(|(s, range)| (s.tag, s.elem_size as usize, range.clone()))
+    }
+
     /// Tag and length in bytes of every section, in file order.
     pub fn sizes(&self) -> impl Iterator<Item = (Tag, usize)> + '_ {
         self.sections.iter().map(|(s, r)| (s.tag, r.len()))

@@ -1,0 +1,125 @@
+//! Messages of a scene that is served: a length (4 bytes, little-endian) and a map in MessagePack.
+
+use rmp::encode::{write_array_len, write_bin, write_f64, write_map_len, write_nil, write_sint, write_str, write_uint};
+use std::io;
+use throng_runtime::simulation::{Event, Happened, Simulation};
+use throng_runtime::{Joint, NUM_JOINTS};
+
+/// Of the messages.
+const VERSION: u64 = 1;
+
+/// What is sent first: what does not change.
+pub fn hello(sim: &Simulation, rate_hz: f64) -> io::Result<Vec<u8>> {
+    message("hello", 7, |out| {
+        pair_uint(out, "version", VERSION)?;
+        pair_f64(out, "rate_hz", rate_hz)?;
+        pair_uint(out, "num_characters", sim.num_characters() as u64)?;
+        write_str(out, "joints")?;
+        write_array_len(out, NUM_JOINTS as u32)?;
+        Joint::ALL.iter().try_for_each(|j| write_str(out, j.name()))?;
+        write_str(out, "parents")?;
+        write_array_len(out, NUM_JOINTS as u32)?;
+        for j in Joint::ALL {
+            write_sint(out, j.parent().map_or(-1, |p| p.index() as i64))?;
+        }
+        write_str(out, "groups")?;
+        write_array_len(out, sim.groups().len() as u32)?;
+        for group in sim.groups() {
+            write_map_len(out, 5)?;
+            pair_str(out, "name", &group.name)?;
+            pair_str(out, "motion", group.motion.name())?;
+            pair_uint(out, "first", group.characters.start as u64)?;
+            pair_uint(out, "count", group.characters.len() as u64)?;
+            write_str(out, "offsets")?;
+            match sim.compiled().bundle(group.number) {
+                Ok(bundle) => floats(out, bundle.skeleton().offsets.iter().flat_map(|o| o.to_array()))?,
+                Err(_) => write_nil(out)?,
+            }
+        }
+        Ok(())
+    })
+}
+
+/// What is sent of each step.
+pub fn frame(sim: &Simulation, step: usize) -> io::Result<Vec<u8>> {
+    let there = || sim.roots().enumerate().filter_map(|(who, root)| Some((who, root?)));
+    let posed = || sim.poses().enumerate().filter_map(|(who, pose)| Some((who, pose?)));
+    message("frame", 8, |out| {
+        pair_uint(out, "step", step as u64)?;
+        pair_f64(out, "time_s", sim.time_s())?;
+        write_str(out, "ids")?;
+        whole(out, there().map(|(who, _)| who as u32))?;
+        write_str(out, "roots")?;
+        floats(out, there().flat_map(|(_, r)| [r.x, r.z, r.heading]))?;
+        write_str(out, "posed")?;
+        whole(out, posed().map(|(who, _)| who as u32))?;
+        write_str(out, "poses")?;
+        floats(out, posed().flat_map(|(_, pose)| pose.iter().flat_map(|joint| joint.rows.as_flattened()).copied()))?;
+        write_str(out, "events")?;
+        write_array_len(out, sim.events().len() as u32)?;
+        sim.events().iter().try_for_each(|e| event(out, e))
+    })
+}
+
+/// What is sent last.
+pub fn end() -> io::Result<Vec<u8>> {
+    message("end", 1, |_| Ok(()))
+}
+
+fn event(out: &mut Vec<u8>, event: &Event) -> io::Result<()> {
+    let (what, at, other) = match event.happened {
+        Happened::Hit { at } => ("hit", Some(at), None),
+        Happened::Struck { opponent, at, .. } => ("struck", Some(at), Some(opponent)),
+        Happened::Fulfilled => ("fulfilled", None, None),
+        Happened::Arrived => ("arrived", None, None),
+        Happened::Left => ("left", None, None),
+        Happened::Stuck => ("stuck", None, None),
+        Happened::RunInto { obstacle } => ("run_into", None, Some(obstacle)),
+    };
+    write_map_len(out, 3 + u32::from(at.is_some()) + u32::from(other.is_some()))?;
+    pair_f64(out, "time_s", event.time_s)?;
+    pair_uint(out, "who", event.who as u64)?;
+    pair_str(out, "what", what)?;
+    if let Some(at) = at {
+        write_str(out, "at")?;
+        floats(out, at.to_array())?;
+    }
+    other.map_or(Ok(()), |other| pair_uint(out, "other", other as u64))
+}
+
+/// A message of a kind, with so many pairs.
+fn message(kind: &str, pairs: u32, body: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> io::Result<Vec<u8>> {
+    let mut out = vec![0; 4];
+    write_map_len(&mut out, pairs)?;
+    pair_str(&mut out, "kind", kind)?;
+    body(&mut out)?;
+    let length = u32::try_from(out.len() - 4).map_err(io::Error::other)?;
+    out[..4].copy_from_slice(&length.to_le_bytes());
+    Ok(out)
+}
+
+fn pair_str(out: &mut Vec<u8>, key: &str, value: &str) -> io::Result<()> {
+    write_str(out, key)?;
+    Ok(write_str(out, value)?)
+}
+
+fn pair_uint(out: &mut Vec<u8>, key: &str, value: u64) -> io::Result<()> {
+    write_str(out, key)?;
+    write_uint(out, value)?;
+    Ok(())
+}
+
+fn pair_f64(out: &mut Vec<u8>, key: &str, value: f64) -> io::Result<()> {
+    write_str(out, key)?;
+    Ok(write_f64(out, value)?)
+}
+
+/// Numbers of 4 bytes each, little-endian.
+fn floats(out: &mut Vec<u8>, numbers: impl IntoIterator<Item = f32>) -> io::Result<()> {
+    Ok(write_bin(out, &numbers.into_iter().flat_map(f32::to_le_bytes).collect::<Vec<u8>>())?)
+}
+
+/// As [`floats`].
+fn whole(out: &mut Vec<u8>, numbers: impl Iterator<Item = u32>) -> io::Result<()> {
+    Ok(write_bin(out, &numbers.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())?)
+}

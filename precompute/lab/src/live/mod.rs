@@ -1,0 +1,215 @@
+//! Serves a running scene to programs that show it: a socket gives every client roots, poses and events, step by step.
+//!
+//! One thread does it all. A client holds one message that is on its way to it; as long as that is not gone, it misses
+//! those that follow. So clients that are slow, or gone, cost neither time nor memory.
+
+mod message;
+
+use crate::run::{Moment, play};
+use std::io::{ErrorKind, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use throng_motion::error::BuildError;
+use throng_motion::progress::Stopped;
+use throng_runtime::base::limits::{SECONDS, STEP_HZ};
+use throng_runtime::simulation::{CompiledScene, Simulation};
+
+/// Most clients at a time; more are turned away.
+const MAX_CLIENTS: usize = 16;
+/// Time between two looks at the sockets (s).
+const LOOK_S: f64 = 0.001;
+/// Time that clients have at the end to take what is on its way (s).
+const FAREWELL_S: f64 = 2.0;
+
+/// How a scene is served.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LiveConfig {
+    /// Simulated time; that of the scene where `None` (s, 0.001 to 100000).
+    pub seconds: Option<f64>,
+    /// Steps, and frames that are sent, a simulated second (Hz, 1 to 10000).
+    pub step_hz: f64,
+    /// Simulated seconds a second; 0 is as fast as it goes (0 to 1000).
+    pub speed: f64,
+}
+
+impl Default for LiveConfig {
+    fn default() -> Self {
+        Self { seconds: None, step_hz: 60.0, speed: 1.0 }
+    }
+}
+
+/// What was served.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LiveReport {
+    /// Steps that were there to be sent.
+    pub frames: usize,
+    /// Clients that came.
+    pub clients: usize,
+    /// Frames that clients missed because they were slow.
+    pub missed: usize,
+}
+
+/// Where clients connect.
+pub struct Server(TcpListener);
+
+fn refused(message: String, help: &str) -> BuildError {
+    BuildError::Stage { stage: "serve", message, help: help.into() }
+}
+
+impl Server {
+    /// Opens a socket; port 0 is any that is free.
+    ///
+    /// - `to_anyone`: takes addresses that others in the network can reach.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] for such an address without that, and for one that is taken.
+    pub fn bind(address: SocketAddr, to_anyone: bool) -> Result<Self, BuildError> {
+        if !address.ip().is_loopback() && !to_anyone {
+            let what = format!("{address}: expected an address of this machine alone, such as 127.0.0.1:0");
+            return Err(refused(what, "Others in the network could see the scene: give --serve-anyone if they may"));
+        }
+        let listener = TcpListener::bind(address).and_then(|l| l.set_nonblocking(true).map(|()| l));
+        let listener = listener.map_err(|e| refused(format!("{address}: {e}"), "Choose another port; 0 is any"))?;
+        Ok(Self(listener))
+    }
+
+    /// Where clients connect.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn address(&self) -> Result<SocketAddr, BuildError> {
+        self.0.local_addr().map_err(|e| refused(e.to_string(), "Choose another address"))
+    }
+
+    /// Waits for the first client, and runs a scene to its end, or until `stop` is set.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`] and [`Simulation::step`], or [`BuildError::Stage`] for a config out of range.
+    pub fn serve(
+        &self,
+        scene: &CompiledScene,
+        config: &LiveConfig,
+        stop: &AtomicBool,
+    ) -> Result<LiveReport, BuildError> {
+        let (seconds, hz) = (config.seconds.unwrap_or(scene.scene().seconds), config.step_hz);
+        SECONDS.check("seconds", None, seconds)?;
+        STEP_HZ.check("step_hz", None, hz)?;
+        if !(0.0..=1000.0).contains(&config.speed) {
+            let what = format!("--speed {}: expected 0 to 1000", config.speed);
+            return Err(refused(what, "1 is real time, 0 as fast as it goes"));
+        }
+        let mut sim = Simulation::new(scene)?;
+        let hello = Arc::new(written(message::hello(&sim, hz))?);
+        let mut clients = Clients { listener: &self.0, hello, all: Vec::new(), report: LiveReport::default() };
+        while clients.all.is_empty() && !stop.load(Ordering::Relaxed) {
+            clients.look();
+            std::thread::sleep(Duration::from_secs_f64(LOOK_S));
+        }
+        let begin = Instant::now();
+        let played = play(&mut sim, seconds, hz, seconds, |sim, Moment { step, .. }| {
+            let due_s = if config.speed > 0.0 { sim.time_s() / config.speed } else { 0.0 };
+            loop {
+                if stop.load(Ordering::Relaxed) {
+                    return Err(Stopped.into());
+                }
+                clients.look();
+                let left_s = due_s - begin.elapsed().as_secs_f64();
+                if left_s <= 0.0 {
+                    break;
+                }
+                std::thread::sleep(Duration::from_secs_f64(left_s.min(LOOK_S)));
+            }
+            clients.send(&Arc::new(written(message::frame(sim, step))?));
+            Ok(())
+        });
+        match played {
+            Ok(_) | Err(BuildError::Stopped(_)) => clients.end(),
+            Err(e) => Err(e),
+        }
+    }
+}
+
+fn written(message: std::io::Result<Vec<u8>>) -> Result<Vec<u8>, BuildError> {
+    message.map_err(|e| refused(format!("a message of more than 4 GB: {e}"), "Serve fewer characters"))
+}
+
+/// Everybody who is connected.
+struct Clients<'a> {
+    listener: &'a TcpListener,
+    hello: Arc<Vec<u8>>,
+    all: Vec<Client>,
+    report: LiveReport,
+}
+
+struct Client {
+    stream: TcpStream,
+    /// The message that is on its way, and how much of it is gone (bytes).
+    message: Arc<Vec<u8>>,
+    gone: usize,
+}
+
+impl Clients<'_> {
+    /// Lets in who knocks, and sends what is on its way.
+    fn look(&mut self) {
+        while let Ok((stream, _)) = self.listener.accept() {
+            let is_ready = stream.set_nonblocking(true).and_then(|()| stream.set_nodelay(true)).is_ok();
+            if is_ready && self.all.len() < MAX_CLIENTS {
+                self.report.clients += 1;
+                self.all.push(Client { stream, message: Arc::clone(&self.hello), gone: 0 });
+            }
+        }
+        self.all.retain_mut(|c| c.push());
+    }
+
+    /// Gives a frame to all who have taken the one before.
+    fn send(&mut self, frame: &Arc<Vec<u8>>) {
+        self.report.frames += 1;
+        for client in &mut self.all {
+            if client.has_all() {
+                (client.message, client.gone) = (Arc::clone(frame), 0);
+            } else {
+                self.report.missed += 1;
+            }
+        }
+        self.all.retain_mut(|c| c.push());
+    }
+
+    /// Says that it is over to all who take the rest soon.
+    fn end(mut self) -> Result<LiveReport, BuildError> {
+        let (begin, end) = (Instant::now(), Arc::new(written(message::end())?));
+        let is_told = |c: &Client| Arc::ptr_eq(&c.message, &end) && c.has_all();
+        while self.all.iter().any(|c| !is_told(c)) && begin.elapsed().as_secs_f64() < FAREWELL_S {
+            for client in self.all.iter_mut().filter(|c| c.has_all() && !Arc::ptr_eq(&c.message, &end)) {
+                (client.message, client.gone) = (Arc::clone(&end), 0);
+            }
+            self.all.retain_mut(|c| c.push());
+            std::thread::sleep(Duration::from_secs_f64(LOOK_S));
+        }
+        Ok(self.report)
+    }
+}
+
+impl Client {
+    fn has_all(&self) -> bool {
+        self.gone == self.message.len()
+    }
+
+    /// Sends as much as the socket takes at once; false where the client is gone.
+    fn push(&mut self) -> bool {
+        while !self.has_all() {
+            match self.stream.write(&self.message[self.gone..]) {
+                Ok(0) => return false,
+                Ok(bytes) => self.gone += bytes,
+                Err(e) if e.kind() == ErrorKind::WouldBlock => return true,
+                Err(e) if e.kind() == ErrorKind::Interrupted => {}
+                Err(_) => return false,
+            }
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests;

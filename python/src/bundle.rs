@@ -1,0 +1,142 @@
+//! Bundles: sections as arrays that share the file's memory, and what policies answer.
+
+use crate::error;
+use numpy::ndarray::ArrayView1;
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use throng_runtime::base::glam::Vec3;
+use throng_runtime::format::Tag;
+use throng_runtime::policy::{BestActionJob, Goal, LookAheadJob, RankedActions};
+use throng_runtime::{Bundle, Joint};
+
+/// An open bundle (`*.throng`), see `throng.Bundle`.
+#[pyclass(frozen, subclass, name = "Bundle", module = "throng._throng")]
+pub struct PyBundle(pub Bundle);
+
+#[pymethods]
+impl PyBundle {
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let opened = py.detach(|| Bundle::open(&path));
+        Ok(Self(opened.map_err(|e| error::of_format(&path, e))?))
+    }
+
+    /// Tag, number of elements and length of an element of each section (bytes).
+    fn _sections(&self) -> Vec<(String, usize, usize)> {
+        let tags = self.0.section_sizes().iter().filter_map(|(tag, bytes)| {
+            let (_, element) = self.0.section_bytes(*tag)?;
+            Some((tag.to_string(), bytes / element.max(1), element))
+        });
+        tags.collect()
+    }
+
+    /// The bytes of a section, which the array shares with the bundle and keeps alive.
+    fn _bytes<'py>(this: &Bound<'py, Self>, tag: &str) -> PyResult<Bound<'py, PyArray1<u8>>> {
+        let found = <[u8; 4]>::try_from(tag.as_bytes()).ok().and_then(|t| this.get().0.section_bytes(Tag(t)));
+        let Some((bytes, _)) = found else {
+            let known: Vec<String> = this.get().0.section_sizes().iter().map(|s| s.0.to_string()).collect();
+            return Err(error::input(format!("there is no section \"{tag}\"; there is {}", known.join(", "))));
+        };
+        let view = ArrayView1::from(bytes);
+        // SAFETY: the bytes never change nor move while a clone of the bundle lives, and `this`, which owns one and never
+        // lets go of it, is the array's base. The array refuses to be written to from the next line on, and numpy lets
+        // nobody undo that where the base is not writable.
+        #[allow(unsafe_code)]
+        let array = unsafe { PyArray1::borrow_from_array(&view, this.clone().into_any()) };
+        array.call_method1("setflags", (false,))?;
+        Ok(array)
+    }
+
+    /// Names of the behaviours, each with a policy.
+    #[getter]
+    fn behaviours(&self) -> Vec<String> {
+        self.0.meta().behaviours.clone()
+    }
+
+    /// Names of the blend spaces.
+    #[getter]
+    fn blend_spaces(&self) -> Vec<String> {
+        self.0.meta().blends.iter().map(|b| b.name.clone()).collect()
+    }
+
+    /// Frames a second (Hz).
+    #[getter]
+    fn rate_hz(&self) -> f64 {
+        self.0.meta().rate_hz
+    }
+
+    /// States of the motion graph.
+    #[getter]
+    fn num_states(&self) -> usize {
+        self.0.graph().states.len()
+    }
+
+    /// Length of the bundle (bytes).
+    #[getter]
+    fn num_bytes(&self) -> usize {
+        self.0.num_bytes()
+    }
+
+    /// Names of the joints, in the order of all arrays of joints.
+    #[getter]
+    fn joints(&self) -> Vec<&'static str> {
+        Joint::ALL.iter().map(|j| j.name()).collect()
+    }
+
+    /// What a policy does in states, with targets in each one's own frame (X left, Y up, Z ahead; m).
+    #[pyo3(signature = (states, targets, behaviour=None))]
+    fn _query<'py>(
+        &self,
+        py: Python<'py>,
+        states: PyReadonlyArray1<'py, u32>,
+        targets: PyReadonlyArray2<'py, f32>,
+        behaviour: Option<&str>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let policies = self.0.policies();
+        let number = match behaviour {
+            Some(name) => self.0.find_policy(name).map_err(error::of)?,
+            None => 0,
+        };
+        let Some(policy) = policies.get(number) else {
+            return Err(error::input("the bundle has no policy; build it from motion in which somebody walks"));
+        };
+        let (states, targets) = (states.as_array().to_vec(), points(&targets)?);
+        if targets.len() != states.len() {
+            let (got, n) = (targets.len(), states.len());
+            return Err(error::input(format!("`targets` has {got} rows, expected {n}, one for each state")));
+        }
+        let (mut best, mut ranked) = (vec![0u8; states.len()], vec![RankedActions::NONE; states.len()]);
+        let weights = vec![1.0; states.len()];
+        let asked = py.detach(|| {
+            BestActionJob { policy, states: &states, targets: &targets, choice: 0, actions: &mut best }.run()?;
+            let goals = [Goal { policy, weights: &weights, targets: &targets }];
+            LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run()
+        });
+        asked.map_err(error::of)?;
+        let out = PyDict::new(py);
+        let segments: Vec<u32> =
+            (states.iter().zip(&ranked)).map(|(&s, r)| self.0.graph().segments_of(s)[usize::from(r.best())]).collect();
+        let rows = |of: &dyn Fn(&RankedActions) -> Vec<f32>| ranked.iter().map(of).collect::<Vec<_>>();
+        out.set_item("stored", PyArray1::from_vec(py, best))?;
+        out.set_item("best", PyArray1::from_iter(py, ranked.iter().map(RankedActions::best)))?;
+        out.set_item("segment", PyArray1::from_vec(py, segments))?;
+        out.set_item("scores", PyArray2::from_vec2(py, &rows(&|r| r.scores.to_vec()))?)?;
+        Ok(out)
+    }
+
+    fn __repr__(&self) -> String {
+        let (states, bytes) = (self.num_states(), self.num_bytes());
+        format!("Bundle({states} states, behaviours {:?}, {bytes} bytes)", self.behaviours())
+    }
+}
+
+/// Rows of three numbers.
+pub fn points(array: &PyReadonlyArray2<'_, f32>) -> PyResult<Vec<Vec3>> {
+    let array = array.as_array();
+    if array.ncols() != 3 {
+        return Err(error::input(format!("expected rows of 3 numbers (x, y, z), found {}", array.ncols())));
+    }
+    Ok(array.rows().into_iter().map(|r| Vec3::new(r[0], r[1], r[2])).collect())
+}

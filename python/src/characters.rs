@@ -1,0 +1,112 @@
+//! Characters that policies move.
+
+use crate::bundle::{PyBundle, points};
+use crate::error;
+use crate::simulation::write_pose;
+use numpy::{PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use throng_runtime::base::glam::Vec3;
+use throng_runtime::base::{Id, Inline};
+use throng_runtime::characters::{CharactersConfig, PolicyCharacters, Spawn};
+use throng_runtime::{Cast, NUM_JOINTS, Planar};
+
+/// Characters who follow one behaviour of a bundle to targets of their own, and make no way for each other.
+///
+/// - `roots`: where they start: x, z, heading (n x 3; m, radians).
+/// - `behaviour`: its name; the first one by default.
+#[pyclass(name = "Characters", module = "throng")]
+pub struct PyCharacters {
+    cast: PolicyCharacters,
+    /// Nobody leaves, so that these are the rows, too.
+    ids: Vec<Id>,
+}
+
+#[pymethods]
+impl PyCharacters {
+    #[new]
+    #[pyo3(signature = (bundle, roots, behaviour=None, *, seed=1))]
+    fn new(
+        bundle: &Bound<'_, PyBundle>,
+        roots: PyReadonlyArray2<'_, f32>,
+        behaviour: Option<&str>,
+        seed: u64,
+    ) -> PyResult<Self> {
+        let bundle = &bundle.get().0;
+        let Some(first) = bundle.meta().behaviours.first() else {
+            return Err(error::input("the bundle has no policy; build it from motion in which somebody walks"));
+        };
+        let policy = bundle.policy(behaviour.unwrap_or(first)).map_err(error::of)?;
+        let roots = points(&roots)?;
+        let config = CharactersConfig { seed, ..CharactersConfig::default() };
+        let mut cast = PolicyCharacters::with_capacity(bundle, roots.len(), config).map_err(error::of)?;
+        let enter = |r: &Vec3| {
+            let id = cast.spawn(Spawn::standing(Planar::new(r.x, r.y, r.z)))?;
+            cast.order(id, policy.aim(Vec3::new(r.x, 0.0, r.y)))?;
+            Ok(id)
+        };
+        let ids = roots.iter().map(enter).collect::<Result<_, _>>().map_err(error::of)?;
+        Ok(Self { cast, ids })
+    }
+
+    /// Sends everybody to a target of its own, from now on (n x 3: x, y, z; m).
+    fn aim(&mut self, targets: PyReadonlyArray2<'_, f32>) -> PyResult<()> {
+        let targets = points(&targets)?;
+        self.cast.aim_all(&targets, &targets).map_err(error::of)
+    }
+
+    /// Puts one elsewhere at once (m, radians).
+    fn place(&mut self, who: usize, x: f32, z: f32, heading: f32) -> PyResult<()> {
+        let Some(&id) = self.ids.get(who) else {
+            let n = self.ids.len();
+            return Err(error::input(format!("character {who} does not exist, there are {n}")));
+        };
+        self.cast.place(id, Planar::new(x, z, heading)).map_err(error::of)
+    }
+
+    /// Moves time on (s).
+    #[pyo3(signature = (dt_s=1.0 / 60.0))]
+    fn step(&mut self, py: Python<'_>, dt_s: f32) -> PyResult<()> {
+        py.detach(|| self.cast.step(dt_s, &Inline)).map_err(error::of)
+    }
+
+    /// Where everybody stands and looks: x, z, heading (n x 3; m, radians): a copy.
+    #[getter]
+    fn roots<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let roots = self.cast.bodies().roots;
+        let rows: Vec<f32> = roots.iter().flat_map(|r| [r.x, r.z, r.heading]).collect();
+        PyArray1::from_vec(py, rows).reshape([roots.len(), 3])
+    }
+
+    /// Joints to the character's own frame, row by row (n x 22 x 3 x 4; m): a copy.
+    #[getter]
+    fn poses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray4<f32>>> {
+        let model = self.cast.bodies().model;
+        let mut rows = vec![0.0; model.len() * NUM_JOINTS * 12];
+        for (to, pose) in rows.as_chunks_mut().0.iter_mut().zip(model) {
+            write_pose(pose, to);
+        }
+        PyArray1::from_vec(py, rows).reshape([model.len(), NUM_JOINTS, 3, 4])
+    }
+
+    /// The whole state, as bytes: what follows is the same, bit by bit, wherever it is restored.
+    fn snapshot<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        let mut out = Vec::new();
+        self.cast.save(&mut out);
+        PyBytes::new(py, &out)
+    }
+
+    /// Goes back to a snapshot of as many characters of the same bundle.
+    fn restore(&mut self, snapshot: &[u8]) -> PyResult<()> {
+        self.cast.load(snapshot).map_err(error::of)
+    }
+
+    /// A hash of the state: equal for equal motion of all.
+    fn hash(&self) -> u64 {
+        self.cast.hash()
+    }
+
+    fn __len__(&self) -> usize {
+        self.ids.len()
+    }
+}

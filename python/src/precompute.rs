@@ -1,0 +1,122 @@
+//! What is done before anything runs: builds, clips, and files for other programs.
+
+use crate::error;
+use crate::work::{self, Signals};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::{Path, PathBuf};
+use throng_precompute::config::BuildConfig;
+use throng_precompute::error::BuildError;
+use throng_precompute::export::{Glb, amass, bvh, each_actor, npz, take_csv, usda};
+use throng_precompute::import;
+use throng_precompute::perform::{PerformConfig, Show, perform};
+use throng_precompute::run::motion_name;
+use throng_precompute::trial::TrialConfig;
+use throng_precompute::{Warnings, files, pipeline};
+use throng_runtime::simulation::Scene;
+use throng_runtime::{Bundle, Joint};
+
+fn is_of(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
+/// Bakes motion, or what one config says, into a bundle; the report as JSON.
+#[pyfunction]
+pub fn build(py: Python<'_>, what: Vec<PathBuf>, out: PathBuf, cache: Option<PathBuf>) -> PyResult<String> {
+    let report = work::run(py, |signals| {
+        let cache = work::cache(cache);
+        match what.as_slice() {
+            [file] if is_of(file, "toml") => {
+                let config = BuildConfig::load(file)?;
+                pipeline::build(&config, &out, &cache, signals).map_err(|e| e.in_file(file))
+            }
+            motion => {
+                let config = BuildConfig::of_motion(motion_name(motion), motion.to_vec())?;
+                pipeline::build_possible(&config, &out, &cache, signals)
+            }
+        }
+    })?;
+    serde_json::to_string(&report).map_err(error::input)
+}
+
+/// A motion file on the database skeleton, at the database rate.
+#[pyfunction]
+pub fn load_clip(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
+    let read = py.detach(|| {
+        let config = BuildConfig::of_motion("", Vec::new())?;
+        let clip = import::read_clip(&path, &config.import)?;
+        pipeline::clips_of(&[clip], &config, &mut Warnings::default())
+    });
+    let set = read.map_err(error::of_build)?;
+    let Some(clip) = set.clips.first() else {
+        return Err(error::input(format!("{}: no frame can be used", path.display())));
+    };
+    let (n, joints) = (clip.num_frames(), Joint::ALL.len());
+    let array = |numbers: Vec<f32>| PyArray1::from_vec(py, numbers);
+    let out = PyDict::new(py);
+    out.set_item("name", &clip.name)?;
+    out.set_item("rate_hz", clip.rate_hz)?;
+    let positions = clip.root_positions.iter().flat_map(|p| p.to_array()).collect();
+    out.set_item("root_positions", array(positions).reshape([n, 3])?)?;
+    let rotations = clip.rotations.iter().flat_map(|q| q.to_array()).collect();
+    out.set_item("rotations", array(rotations).reshape([n, joints, 4])?)?;
+    out.set_item("contacts", PyArray1::from_iter(py, clip.contacts.iter().map(|c| c.0)))?;
+    let offsets = set.skeleton.offsets.iter().flat_map(|o| o.to_array()).collect();
+    out.set_item("offsets", array(offsets).reshape([joints, 3])?)?;
+    Ok(out)
+}
+
+/// Characters, first and last moment (s), frames a second, and whether clips are meant in place of characters.
+type Part = (Vec<usize>, Option<f64>, Option<f64>, Option<f64>, bool);
+
+/// Lets a scene, or characters of a bundle, run, and writes that in a format of other programs; the files.
+#[pyfunction]
+pub fn export(
+    py: Python<'_>,
+    what: PathBuf,
+    out: PathBuf,
+    format: &str,
+    part: Part,
+    cache: Option<PathBuf>,
+) -> PyResult<Vec<PathBuf>> {
+    if !["glb", "usda", "bvh", "npz", "amass", "csv"].contains(&format) {
+        return Err(error::input(format!("format is \"{format}\", expected glb, usda, bvh, npz, amass or csv")));
+    }
+    let (characters, from_s, to_s, rate_hz, clips) = part;
+    let characters = characters.into_iter().map(|c| c..=c).collect();
+    let config = PerformConfig { characters, from_s, to_s, rate_hz };
+    let save = |show: Show<'_>, signals: &Signals| save(show, &config, format, &out, signals);
+    if is_of(&what, "toml") {
+        return work::run(py, |signals| {
+            let scene = work::open(&Scene::load(&what)?, cache, signals)?;
+            save(Show::Scene(&scene), signals)
+        });
+    }
+    let (bundle, trial) = (Bundle::open(&what).map_err(|e| error::of_format(&what, e))?, TrialConfig::default());
+    let show = if clips { Show::Clips(&bundle) } else { Show::Trial(&bundle, &trial) };
+    work::run(py, |signals| save(show, signals))
+}
+
+fn save(
+    show: Show<'_>,
+    config: &PerformConfig,
+    format: &str,
+    out: &Path,
+    signals: &Signals,
+) -> Result<Vec<PathBuf>, BuildError> {
+    let folder = out.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let take = perform(show, config, folder, signals)?;
+    match format {
+        "bvh" => return each_actor(&take, out, |a, w| bvh::write_actor(&take, a, w)),
+        "amass" => return each_actor(&take, out, |a, w| amass(&take, a, w)),
+        "glb" => {
+            let glb = Glb::new(&take)?;
+            files::write_atomically(out, |w| glb.write(w))?;
+        }
+        "usda" => files::write_atomically(out, |w| usda(&take, false, w))?,
+        "npz" => files::write_atomically(out, |w| npz(&take, w))?,
+        _ => files::write_atomically(out, |w| take_csv(&take, w))?,
+    }
+    Ok(vec![out.to_path_buf()])
+}

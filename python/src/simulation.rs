@@ -1,0 +1,247 @@
+//! Scenes and what runs of them.
+
+use crate::bundle::PyBundle;
+use crate::error;
+use crate::work;
+use numpy::{PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadwriteArray2, PyReadwriteArray4};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::path::PathBuf;
+use throng_runtime::base::{Inline, Rayon, Run};
+use throng_runtime::simulation::{Happened, Scene, Simulation};
+use throng_runtime::{Mat3x4, NUM_JOINTS};
+
+/// What runs, see `throng.Simulation`.
+#[pyclass(subclass, name = "Simulation", module = "throng._throng")]
+pub struct PySimulation {
+    sim: Simulation,
+    /// Arrays of this moment that were asked for.
+    roots: Option<Py<PyArray2<f32>>>,
+    poses: Option<Py<PyArray4<f32>>>,
+}
+
+/// Threads of a step.
+fn threads(parallel: bool) -> &'static dyn Run {
+    if parallel { &Rayon } else { &Inline }
+}
+
+#[pymethods]
+impl PySimulation {
+    /// - `text`: a scene in place of the file's content; `cache`: a folder for what builds of missing bundles can use again.
+    #[new]
+    #[pyo3(signature = (scene, bundle=None, *, text=None, cache=None))]
+    fn new(
+        py: Python<'_>,
+        scene: PathBuf,
+        bundle: Option<&Bound<'_, PyBundle>>,
+        text: Option<&str>,
+        cache: Option<PathBuf>,
+    ) -> PyResult<Self> {
+        let bundle = bundle.map(|b| b.get().0.clone());
+        let sim = work::run(py, |signals| {
+            let scene = match text {
+                Some(text) => Scene::parse(text, &scene)?,
+                None => Scene::load(&scene)?,
+            };
+            let compiled = match &bundle {
+                Some(bundle) => scene.compile(bundle)?,
+                None => work::open(&scene, cache, signals)?,
+            };
+            Ok(Simulation::new(&compiled)?)
+        })?;
+        Ok(Self { sim, roots: None, poses: None })
+    }
+
+    /// Moves time on (s, at most 1), on all cores where `parallel`. Results do not depend on it.
+    #[pyo3(signature = (dt_s=1.0 / 60.0, *, parallel=false))]
+    fn step(&mut self, py: Python<'_>, dt_s: f64, parallel: bool) -> PyResult<()> {
+        self.forget();
+        py.detach(|| self.sim.step_on(dt_s, threads(parallel))).map_err(error::of)
+    }
+
+    /// Moves time on to a moment (s), in steps that the simulation can take.
+    #[pyo3(signature = (until_s, *, parallel=false))]
+    fn step_to(&mut self, py: Python<'_>, until_s: f64, parallel: bool) -> PyResult<()> {
+        self.forget();
+        py.detach(|| self.sim.step_to(until_s, threads(parallel))).map_err(error::of)
+    }
+
+    /// Where everybody stands and looks: x, z, heading (n x 3; m, radians), read-only; NaN for who has left.
+    #[getter]
+    fn roots<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        if let Some(roots) = &self.roots {
+            return Ok(roots.bind(py).clone());
+        }
+        let mut rows = vec![0.0; self.sim.num_characters() * 3];
+        self.write_roots(&mut rows);
+        let array = PyArray1::from_vec(py, rows).reshape([self.sim.num_characters(), 3])?;
+        array.call_method1("setflags", (false,))?;
+        self.roots = Some(array.clone().unbind());
+        Ok(array)
+    }
+
+    /// Joints to the character's own frame, row by row (n x 22 x 3 x 4; m), read-only; NaN for who has no body.
+    #[getter]
+    fn poses<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray4<f32>>> {
+        if let Some(poses) = &self.poses {
+            return Ok(poses.bind(py).clone());
+        }
+        let mut rows = vec![0.0; self.sim.num_characters() * POSE];
+        self.write_poses(&mut rows);
+        let array = PyArray1::from_vec(py, rows).reshape([self.sim.num_characters(), NUM_JOINTS, 3, 4])?;
+        array.call_method1("setflags", (false,))?;
+        self.poses = Some(array.clone().unbind());
+        Ok(array)
+    }
+
+    /// Writes the roots into an array (n x 3).
+    fn _roots_into(&self, mut out: PyReadwriteArray2<'_, f32>) -> PyResult<()> {
+        let expected = [self.sim.num_characters(), 3];
+        self.write_roots(room(out.as_array_mut().shape().to_vec(), &expected, out.as_slice_mut().ok())?);
+        Ok(())
+    }
+
+    /// Writes the poses into an array (n x 22 x 3 x 4).
+    fn _poses_into(&self, mut out: PyReadwriteArray4<'_, f32>) -> PyResult<()> {
+        let expected = [self.sim.num_characters(), NUM_JOINTS, 3, 4];
+        self.write_poses(room(out.as_array_mut().shape().to_vec(), &expected, out.as_slice_mut().ok())?);
+        Ok(())
+    }
+
+    /// Simulated time (s).
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.sim.time_s()
+    }
+
+    /// How long the scene runs (s).
+    #[getter]
+    fn seconds(&self) -> f64 {
+        self.sim.scene().seconds
+    }
+
+    /// Number of characters, those who have left included.
+    #[getter]
+    fn num_characters(&self) -> usize {
+        self.sim.num_characters()
+    }
+
+    /// True where the scene says that it is over.
+    #[getter]
+    fn has_ended(&self) -> bool {
+        self.sim.has_ended()
+    }
+
+    /// Groups of the scene: name, motion, number of the first character, number of characters.
+    #[getter]
+    fn groups<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let group = |g: &throng_runtime::simulation::Group| {
+            let out = PyDict::new(py);
+            out.set_item("name", &g.name)?;
+            out.set_item("motion", format!("{:?}", g.motion).to_lowercase())?;
+            out.set_item("first", g.characters.start)?;
+            out.set_item("count", g.characters.len())?;
+            Ok(out)
+        };
+        self.sim.groups().iter().map(group).collect()
+    }
+
+    /// Events of the last step: time_s, who, what, and what else belongs to it.
+    #[getter]
+    fn events<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let event = |e: &throng_runtime::simulation::Event| {
+            let out = PyDict::new(py);
+            out.set_item("time_s", e.time_s)?;
+            out.set_item("who", e.who)?;
+            let what = match e.happened {
+                Happened::Hit { at } => {
+                    out.set_item("at", at.to_array())?;
+                    "hit"
+                }
+                Happened::Struck { opponent, at, .. } => {
+                    out.set_item("opponent", opponent)?;
+                    out.set_item("at", at.to_array())?;
+                    "struck"
+                }
+                Happened::Fulfilled => "fulfilled",
+                Happened::Arrived => "arrived",
+                Happened::Left => "left",
+                Happened::Stuck => "stuck",
+                Happened::RunInto { obstacle } => {
+                    out.set_item("obstacle", obstacle)?;
+                    "run_into"
+                }
+            };
+            out.set_item("what", what)?;
+            Ok(out)
+        };
+        self.sim.events().iter().map(event).collect()
+    }
+
+    /// Lets an event of the scene happen now.
+    #[pyo3(name = "raise_event")]
+    fn raise(&mut self, event: &str) -> PyResult<()> {
+        self.sim.raise(event).map_err(error::of)
+    }
+
+    /// The whole state, as bytes: what follows is the same, bit by bit, wherever it is restored.
+    fn snapshot<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.sim.snapshot())
+    }
+
+    /// Goes back to a snapshot of the same scene.
+    fn restore(&mut self, snapshot: &[u8]) -> PyResult<()> {
+        self.sim.restore(snapshot).map_err(error::of)?;
+        self.forget();
+        Ok(())
+    }
+
+    /// A hash of the state: equal for equal motion of all.
+    fn hash(&self) -> u64 {
+        self.sim.hash()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Simulation({} characters, {:.3} s)", self.sim.num_characters(), self.sim.time_s())
+    }
+}
+
+/// Numbers of a pose.
+const POSE: usize = NUM_JOINTS * 12;
+
+impl PySimulation {
+    /// The arrays of the moment before belong to whoever still holds them.
+    fn forget(&mut self) {
+        (self.roots, self.poses) = (None, None);
+    }
+
+    fn write_roots(&self, out: &mut [f32]) {
+        for (to, root) in out.as_chunks_mut::<3>().0.iter_mut().zip(self.sim.roots()) {
+            *to = root.map_or([f32::NAN; 3], |r| [r.x, r.z, r.heading]);
+        }
+    }
+
+    fn write_poses(&self, out: &mut [f32]) {
+        for (to, pose) in out.as_chunks_mut::<POSE>().0.iter_mut().zip(self.sim.poses()) {
+            match pose {
+                Some(pose) => write_pose(pose, to),
+                None => to.fill(f32::NAN),
+            }
+        }
+    }
+}
+
+/// A pose, joint by joint and row by row.
+pub fn write_pose(pose: &[Mat3x4; NUM_JOINTS], out: &mut [f32; POSE]) {
+    for (to, joint) in out.as_chunks_mut::<12>().0.iter_mut().zip(pose) {
+        to.copy_from_slice(joint.rows.as_flattened());
+    }
+}
+
+/// The numbers of an array that is to be written.
+fn room<'a>(shape: Vec<usize>, expected: &[usize], numbers: Option<&'a mut [f32]>) -> PyResult<&'a mut [f32]> {
+    match numbers {
+        Some(numbers) if shape == expected => Ok(numbers),
+        _ => Err(error::input(format!("`out` has shape {shape:?}, expected {expected:?}, float32 in C order"))),
+    }
+}

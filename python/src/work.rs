@@ -1,0 +1,74 @@
+//! Long work: without Python's lock, on a thread of its own, so that an interrupt ends it.
+
+use crate::error;
+use pyo3::prelude::*;
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+use throng_precompute::cache::Cache;
+use throng_precompute::error::BuildError;
+use throng_precompute::progress::Progress;
+use throng_precompute::run::{Cached, News, ensure};
+use throng_runtime::simulation::{CompiledScene, Scene};
+
+/// Time between two looks for an interrupt.
+const EVERY: Duration = Duration::from_millis(50);
+
+/// Tells work to stop.
+#[derive(Default)]
+pub struct Signals(AtomicBool);
+
+impl Progress for Signals {
+    fn begin(&self, _: &'static str, _: u64, _: &'static str) {}
+    fn advance(&self, _: u64) {}
+    fn end(&self) {}
+    fn is_stopped(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Does work to its end, or until Python is interrupted.
+pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce(&Signals) -> Result<T, BuildError> + Send) -> PyResult<T> {
+    let (signals, (done, waiting)) = (Signals::default(), channel::<()>());
+    let waiting = Mutex::new(waiting);
+    let mut interrupt = None;
+    let outcome = std::thread::scope(|scope| {
+        let worker = scope.spawn(|| {
+            let _done = done;
+            work(&signals)
+        });
+        let wait = || waiting.lock().ok().map(|w| w.recv_timeout(EVERY));
+        while let Some(Err(RecvTimeoutError::Timeout)) = py.detach(wait) {
+            if let Err(e) = py.check_signals() {
+                signals.0.store(true, Ordering::Relaxed);
+                interrupt = Some(e);
+            }
+        }
+        py.detach(|| worker.join())
+    });
+    match (outcome, interrupt) {
+        (Err(panic), _) => std::panic::resume_unwind(panic),
+        (Ok(Err(BuildError::Stopped(_))), Some(interrupt)) => Err(interrupt),
+        (Ok(outcome), _) => outcome.map_err(error::of_build),
+    }
+}
+
+/// The cache in a folder; none where no folder is given.
+pub fn cache(folder: Option<PathBuf>) -> Cache {
+    folder.map_or_else(Cache::none, Cache::in_folder)
+}
+
+/// Opens a scene; what it names and is missing is made first, and told to Python's logger "throng".
+pub fn open(scene: &Scene, folder: Option<PathBuf>, signals: &Signals) -> Result<CompiledScene, BuildError> {
+    let tell = |news: News| {
+        Python::attach(|py| {
+            let logger = py.import("logging").and_then(|l| l.call_method1("getLogger", ("throng",)));
+            // Who cannot be told goes without.
+            _ = logger.and_then(|l| l.call_method1("info", (news.to_string(),)));
+        });
+    };
+    ensure(scene, &Cached { cache: &cache(folder), progress: signals, tell: &tell })?;
+    Ok(scene.open()?)
+}
