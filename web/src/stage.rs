@@ -1,0 +1,248 @@
+//! What a page shows: people who walk to targets, or agents who cross a square.
+
+use glam::{Vec2, Vec3};
+use std::f32::consts::{PI, TAU};
+use throng_base::{Inline, Result};
+use throng_core::characters::{
+    AvoidConfig, CharactersConfig, Instance, MotionSet, PolicyCharacters, SampleJob, Spawn, uniform,
+};
+use throng_core::{Bundle, Cast, Joint, Mat3x4, NUM_JOINTS, Planar};
+use throng_crowd::{Agent, AtEnd, Crowd, CrowdError, Route, Setup};
+
+/// Places at which people gather.
+const NUM_TARGETS: usize = 6;
+/// Who gathers at one place stands about so far apart (m).
+const APART_M: f32 = 0.9;
+/// Each agent's place when the square is full (m).
+const SPACING_M: f32 = 2.2;
+
+/// An open bundle, and whoever moves.
+#[derive(Debug)]
+pub struct Stage {
+    bundle: Bundle,
+    /// Joints in model space of every frame row (rows * NUM_JOINTS).
+    pub rows: Vec<Mat3x4>,
+    walk: Walk,
+    /// One of everybody.
+    pub records: Vec<Instance>,
+}
+
+/// Whoever moves.
+#[derive(Debug)]
+pub enum Walk {
+    /// Nobody.
+    Nobody,
+    /// People of a policy, each beside one of a few targets.
+    People {
+        /// Who.
+        cast: Box<PolicyCharacters>,
+        /// Where they gather (m).
+        targets: [Vec2; NUM_TARGETS],
+        /// The number of the policy.
+        policy: usize,
+    },
+    /// Agents without bodies.
+    Agents(Box<Crowd>),
+}
+
+impl Stage {
+    /// Opens a bundle that lies in memory.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn open(bytes: &[u8]) -> std::result::Result<Self, String> {
+        let bytes = throng_core::format::AlignedBytes::from_slice(bytes);
+        let bundle = Bundle::from_bytes(bytes).map_err(|e| e.to_string())?;
+        let motion_set = &MotionSet::new(&bundle);
+        let frames: Vec<u32> = (0..bundle.frames().len() as u32).collect();
+        let mut rows = vec![Mat3x4::default(); frames.len() * NUM_JOINTS];
+        let (frames, ratios) = (&frames[..], &vec![0.0; frames.len()][..]);
+        SampleJob { motion_set, frames, ratios, matrices: &mut rows }.run().map_err(|e| e.to_string())?;
+        Ok(Self { bundle, rows, walk: Walk::Nobody, records: Vec::new() })
+    }
+
+    /// Joints at rest, in model space (m).
+    pub fn rest(&self) -> [Vec3; NUM_JOINTS] {
+        self.bundle.skeleton().rest_positions()
+    }
+
+    /// The number of each joint's parent; -1 for the first.
+    pub fn parents() -> [i32; NUM_JOINTS] {
+        Joint::ALL.map(|j| j.parent().map_or(-1, |p| p.index() as i32))
+    }
+
+    /// Lets so many people stand on a square, who walk to targets and make way for each other.
+    ///
+    /// # Errors
+    /// Where the bundle has no policy, or a number is out of its range.
+    pub fn people(&mut self, count: usize, seed: u64) -> Result<()> {
+        let policy = self.bundle.find_policy("approach")?;
+        let avoid = Some(AvoidConfig::default());
+        let config = CharactersConfig { seed, avoid, instances: true, ..CharactersConfig::default() };
+        let mut cast = PolicyCharacters::with_capacity(&self.bundle, count, config)?;
+        let side = (count as f32).sqrt().ceil().max(1.0);
+        cast.gather();
+        for k in 0..count {
+            let place = |at: f32| SPACING_M * (at - 0.5 * (side - 1.0));
+            let heading = TAU * uniform(seed, k as u64, 0);
+            cast.spawn(Spawn::standing(Planar::new(
+                place(k as f32 % side),
+                place((k as f32 / side).floor()),
+                heading,
+            )))?;
+        }
+        cast.settle();
+        let targets = std::array::from_fn(|t| {
+            let angle = TAU * t as f32 / NUM_TARGETS as f32;
+            0.35 * side * SPACING_M * Vec2::new(throng_base::maths::sin(angle), throng_base::maths::cos(angle))
+        });
+        self.walk = Walk::People { cast: Box::new(cast), targets, policy };
+        self.aim()?;
+        self.step(0.0).map_err(|why| throng_base::Error::Unknown { what: "step", name: why, known: Vec::new() })
+    }
+
+    /// Lets so many agents cross a square in two streams, again and again.
+    ///
+    /// # Errors
+    /// [`CrowdError`] for numbers out of range.
+    pub fn agents(&mut self, count: usize, seed: u64) -> std::result::Result<(), CrowdError> {
+        let side = ((count as f32).sqrt().ceil().max(4.0) * SPACING_M).ceil();
+        let lanes = 24;
+        let line = |k: usize| side * ((k as f32 + 0.5) / lanes as f32 - 0.5);
+        let half = 0.5 * side + 3.0;
+        let between = |a: Vec3, b: Vec3| Route { subgoals: vec![a, b], arrival_radius: 1.5, at_end: AtEnd::Again };
+        let across = (0..lanes).map(|k| between(Vec3::new(-half, 0.0, line(k)), Vec3::new(half, 0.0, line(k))));
+        let along = (0..lanes).map(|k| between(Vec3::new(line(k), 0.0, -half), Vec3::new(line(k), 0.0, half)));
+        let columns = (count as f32).sqrt().ceil() as usize;
+        let agent = |k: usize| {
+            let place = |at: usize, draw: u64| {
+                SPACING_M * (at as f32 - 0.5 * (columns - 1) as f32) + uniform(seed, k as u64, draw) - 0.5
+            };
+            let at = Vec3::new(place(k % columns, 0), 0.0, place(k / columns, 1));
+            let route = (uniform(seed, k as u64, 2) * 2.0 * lanes as f32) as usize;
+            let speed = 1.1 + 0.5 * uniform(seed, k as u64, 3);
+            Agent { route: Some(route.min(2 * lanes - 1)), speed, ..Agent::at(at) }
+        };
+        let routes = across.chain(along).collect();
+        let setup = Setup { agents: (0..count).map(agent).collect(), routes, ..Setup::default() };
+        self.walk = Walk::Agents(Box::new(Crowd::on_ground(setup)?));
+        self.records.clear();
+        self.records.resize(count, Instance::default());
+        self.show_agents();
+        Ok(())
+    }
+
+    /// Where people gather (m).
+    pub fn targets(&self) -> &[Vec2] {
+        match &self.walk {
+            Walk::People { targets, .. } => targets,
+            _ => &[],
+        }
+    }
+
+    /// Moves a target.
+    ///
+    /// # Errors
+    /// For a place that is not finite, or far away.
+    pub fn move_target(&mut self, number: usize, to: Vec2) -> Result<()> {
+        if let Walk::People { targets, .. } = &mut self.walk
+            && let Some(target) = targets.get_mut(number)
+        {
+            *target = to;
+            self.aim()?;
+        }
+        Ok(())
+    }
+
+    /// Everybody has a place of its own near a target: they lie on a spiral of the golden angle.
+    fn aim(&mut self) -> Result<()> {
+        let Walk::People { cast, targets, policy } = &mut self.walk else { return Ok(()) };
+        for (k, id) in cast.ids().to_vec().into_iter().enumerate() {
+            let (target, ring) = (targets[k % NUM_TARGETS], (k / NUM_TARGETS) as f32);
+            let (angle, radius) = (ring * PI * (3.0 - 5.0_f32.sqrt()), APART_M * ring.sqrt());
+            let by = radius * Vec2::new(throng_base::maths::sin(angle), throng_base::maths::cos(angle));
+            let order = throng_core::characters::Order::aim(*policy, Vec3::new(target.x + by.x, 0.0, target.y + by.y));
+            cast.order(id, order)?;
+        }
+        Ok(())
+    }
+
+    /// Moves everybody on (s).
+    ///
+    /// # Errors
+    /// What the runtime says.
+    pub fn step(&mut self, dt_s: f32) -> std::result::Result<(), String> {
+        match &mut self.walk {
+            Walk::Nobody => self.records.clear(),
+            Walk::People { cast, .. } => {
+                cast.step(dt_s, &Inline).map_err(|e| e.to_string())?;
+                self.records.clear();
+                self.records.extend(cast.instances());
+            }
+            Walk::Agents(crowd) => {
+                let until = crowd.now() + f64::from(dt_s);
+                crowd.advance(until, &mut |_| ()).map_err(|e| e.to_string())?;
+                self.show_agents();
+            }
+        }
+        Ok(())
+    }
+
+    /// Places and headings of agents; who stands keeps its heading.
+    fn show_agents(&mut self) {
+        let Walk::Agents(crowd) = &self.walk else { return };
+        let now = crowd.now();
+        for (record, id) in self.records.iter_mut().zip(crowd.ids()) {
+            let at = crowd.position(id, now).unwrap_or_default();
+            let ahead = crowd.smooth_velocity(id).unwrap_or_default();
+            (record.x, record.z, record.variant) = (at.x, at.z, id.index);
+            if ahead.length() > 0.1 {
+                record.heading = throng_base::maths::atan2(ahead.x, ahead.z);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stage() -> Stage {
+        let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/golden/tables_v");
+        let path = format!("{golden}{}.throng", throng_core::format::VERSION);
+        Stage::open(&std::fs::read(path).expect("the golden bundle")).expect("opened")
+    }
+
+    #[test]
+    fn people_come_nearer_to_a_target_that_is_moved() {
+        let mut stage = stage();
+        stage.people(60, 3).expect("people");
+        let to = Vec2::new(9.0, -14.0);
+        stage.move_target(2, to).expect("moved");
+        let far = |stage: &Stage| -> f32 {
+            let of_target = stage.records.iter().skip(2).step_by(NUM_TARGETS);
+            of_target.map(|r| Vec2::new(r.x, r.z).distance(to)).sum::<f32>() / 10.0
+        };
+        let before = far(&stage);
+        (0..300).for_each(|_| stage.step(1.0 / 60.0).expect("a step"));
+        assert!(far(&stage) < before - 2.0, "{before} {}", far(&stage));
+        assert!(stage.move_target(0, Vec2::NAN).is_err());
+    }
+
+    #[test]
+    fn agents_cross_and_look_where_they_go() {
+        let mut stage = stage();
+        stage.agents(200, 5).expect("agents");
+        let before = stage.records.clone();
+        (0..120).for_each(|_| stage.step(1.0 / 30.0).expect("a step"));
+        let moved = stage.records.iter().zip(&before).filter(|(a, b)| Vec2::new(a.x - b.x, a.z - b.z).length() > 1.0);
+        assert!(moved.count() > 150);
+        assert!(stage.targets().is_empty());
+    }
+
+    #[test]
+    fn what_is_no_bundle_is_told() {
+        let told = Stage::open(b"no bundle").expect_err("nine bytes");
+        assert!(told.contains("Throng"), "{told}");
+    }
+}
