@@ -8,6 +8,7 @@ mod export;
 mod files;
 mod folders;
 mod keys;
+mod live;
 mod numbers;
 mod plan;
 mod refusals;
