@@ -126,11 +126,13 @@ pub(crate) struct Block {
 pub(crate) struct Body {
     /// 1 from the first pose on, 0 where the block is not posed: then feet and offsets count for nothing.
     pub awake: u32,
+    #[serde(skip)]
     pub(super) unused: [u32; 11],
     /// Left, right.
     pub feet: [FootLock; 2],
     pub offsets: Offsets,
     pub reaction: Reaction,
+    #[serde(skip)]
     pub(super) fill: [u32; 12],
 }
 
