@@ -108,10 +108,10 @@ pub extern "C" fn throng_targets() -> *const f32 {
     })
 }
 
-/// The records, 32 bytes each.
+/// The records, 32 bytes each; [`throng_size`] is their number.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_records() -> *const u8 {
-    on(|page| page.slice(|page| page.stage.as_ref().map_or(&[], |s| bytemuck::cast_slice(&s.records))))
+    on(|page| page.slice(|page| page.stage.as_ref().map_or(&[], |s| &s.records[..]))).cast()
 }
 
 /// Poses of all frame rows, 22 times 12 numbers each.
