@@ -167,6 +167,8 @@ class Stage:
                 body.modifiers.new("pose", "ARMATURE").object = made
                 body.parent = made
             self.collection.objects.link(made)
+            # It has no pose before.
+            bpy.context.view_layer.update()
             self.objects[who] = made
         return self.objects[who]
 
