@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{peak_megabytes, processor_seconds};
+use common::processor_seconds;
 use std::path::PathBuf;
 use std::time::Instant;
 use throng_precompute::annotate::{AnnotateConfig, Sidecars, annotate};
@@ -14,7 +14,7 @@ use throng_precompute::progress::Silent;
 use throng_precompute::resample::{ResampleConfig, resample};
 use throng_precompute::retarget::{RetargetConfig, onto};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
-use throng_precompute::{BuildError, Clip, ClipSet, Warnings, mirror};
+use throng_precompute::{BuildError, Clip, ClipSet, Warnings, memory, mirror};
 
 /// Frames of Lee, Choi and Lee (2006)'s playground.
 const PLAYGROUND: usize = 51_169;
@@ -48,7 +48,7 @@ fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), Build
             groups.max_diameter,
             begun.elapsed().as_secs_f64(),
             processor_seconds() - worked,
-            peak_megabytes().unwrap_or(f64::NAN)
+            memory::peak_bytes().map_or(f64::NAN, |b| b as f64 / 1e6)
         );
         if exact_frames > 0 {
             let begun = Instant::now();

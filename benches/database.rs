@@ -18,7 +18,7 @@ use throng_precompute::config::BuildConfig;
 use throng_precompute::progress::Silent;
 use throng_precompute::retarget::{RetargetConfig, onto};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
-use throng_precompute::{Clip, ClipSet, Warnings, export, import, mirror, pipeline};
+use throng_precompute::{Clip, ClipSet, Warnings, export, import, memory, mirror, pipeline};
 use throng_runtime::{Joint, NUM_JOINTS};
 
 type Failure = Box<dyn std::error::Error>;
@@ -65,7 +65,7 @@ fn bake(folder: &Path) -> Result<(), Failure> {
         "{:9.1} {:9.1} s {:9.0} {:10.1} {:8} {:9}                   {times}",
         report.minutes_in,
         common::processor_seconds(),
-        common::peak_megabytes().unwrap_or(f64::NAN),
+        memory::peak_bytes().map_or(f64::NAN, |b| b as f64 / 1e6),
         report.bundle_bytes as f64 / 1e6,
         report.states,
         report.actions,

@@ -7,6 +7,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use throng_precompute::activities::ActivityReport;
 use throng_precompute::config::BuildConfig;
+use throng_precompute::error::BuildError;
 use throng_precompute::examples::BlendReport;
 use throng_precompute::files;
 use throng_precompute::parts::Parts;
@@ -24,20 +25,11 @@ use throng_precompute::verdict::{self, Verdict};
 #[derive(clap::Args)]
 #[command(after_long_help = keys::of::<Report>())]
 pub struct Args {
-    /// Motion: files, folders and `.zip` archives, searched to any depth, and patterns, in which `**` stands for any
-    /// number of folders; or one config (`.toml`), of which `throng schema` prints what it may hold.
-    #[arg(required = true, value_name = "MOTION_OR_CONFIG")]
-    what: Vec<PathBuf>,
+    #[command(flatten)]
+    what: WhatArgs,
     /// Bundle to write; the database's name with `.throng`, in the current folder, where absent.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Motion instead of the config's: what it says of clips that are not there is left out, as is what the new ones do
-    /// not allow.
-    #[arg(long, value_name = "PATH", num_args = 1..)]
-    input: Vec<PathBuf>,
-    /// Stop at the first bad file instead of skipping it.
-    #[arg(long)]
-    strict: bool,
     /// Write the figures beside those of Lee and Lee (2004), as Markdown.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -46,6 +38,22 @@ pub struct Args {
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
+}
+
+/// What is to be built, as the command line says it.
+#[derive(clap::Args)]
+pub struct WhatArgs {
+    /// Motion: files, folders and `.zip` archives, searched to any depth, and patterns, in which `**` stands for any
+    /// number of folders; or one config (`.toml`), of which `throng schema` prints what it may hold.
+    #[arg(required = true, value_name = "MOTION_OR_CONFIG")]
+    what: Vec<PathBuf>,
+    /// Motion instead of the config's: what it says of clips that are not there is left out, as is what the new ones do
+    /// not allow.
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    input: Vec<PathBuf>,
+    /// Stop at the first bad file instead of skipping it.
+    #[arg(long)]
+    strict: bool,
 }
 
 /// What is printed.
@@ -62,16 +70,27 @@ struct Report {
 }
 
 /// What is to be built.
-struct Plan<'a> {
-    config: BuildConfig,
-    parts: Parts,
+pub struct Plan<'a> {
+    pub config: BuildConfig,
+    pub parts: Parts,
     /// The config's file, where there is one.
     file: Option<&'a Path>,
     /// What it says that does not hold.
     replaced: Vec<String>,
 }
 
-fn plan(args: &Args) -> Result<Plan<'_>, Box<dyn std::error::Error>> {
+impl Plan<'_> {
+    /// An error of the build, with the file of the config that it is about.
+    pub fn error(&self, e: BuildError) -> BuildError {
+        match self.file {
+            Some(file) => e.in_file(file),
+            None => e,
+        }
+    }
+}
+
+/// What the arguments ask for; what a config says that does not hold is told.
+pub fn plan(args: &WhatArgs) -> Result<Plan<'_>, Box<dyn std::error::Error>> {
     let mut plan = match (args.what.as_slice(), args.input.as_slice()) {
         ([file], input) if is_toml(file) => {
             let mut config = BuildConfig::load(file)?;
@@ -89,11 +108,13 @@ fn plan(args: &Args) -> Result<Plan<'_>, Box<dyn std::error::Error>> {
         }
     };
     plan.config.import.strict |= args.strict;
+    plan.replaced.iter().for_each(|r| eprintln!("config: {r}"));
     Ok(plan)
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let Plan { config, parts, file, replaced } = plan(args)?;
+    let plan = plan(&args.what)?;
+    let config = &plan.config;
     let out = match &args.out {
         Some(out) => out.clone(),
         None if config.name.contains(['/', '\\']) => {
@@ -101,18 +122,14 @@ pub fn run(args: &Args) -> Outcome {
         }
         None => PathBuf::from(format!("{}.throng", config.name)),
     };
-    replaced.iter().for_each(|r| eprintln!("config: {r}"));
     let bar = progress::Bar::on_interrupt(args.cache.folder());
-    let build = match parts {
+    let build = match plan.parts {
         Parts::All => pipeline::build,
         Parts::Possible => pipeline::build_possible,
     };
-    let report = build(&config, &out, &args.cache.cache(), &bar);
+    let report = build(config, &out, &args.cache.cache(), &bar);
     drop(bar);
-    let report = report.map_err(|e| match file {
-        Some(file) => e.in_file(file),
-        None => e,
-    })?;
+    let report = report.map_err(|e| plan.error(e))?;
     output::warnings(&report.skipped, &report.warnings);
     let (trial, verdict) = verdict::try_out(&crate::args::open(&out)?)?.unzip();
     if let Some(path) = &args.report {
@@ -120,10 +137,10 @@ pub fn run(args: &Args) -> Outcome {
         files::write_atomically(path, |w| w.write_all(text.as_bytes()))?;
     }
     if args.json {
-        return output::json(&Report { build: report, replaced, trial, verdict });
+        return output::json(&Report { build: report, replaced: plan.replaced, trial, verdict });
     }
     print(&report, &out.display().to_string())?;
-    if file.is_some() && report.hits.count > 0 {
+    if plan.file.is_some() && report.hits.count > 0 {
         print_paper(&report)?;
     }
     match verdict {

@@ -2,6 +2,7 @@
 
 mod allocations;
 mod args;
+mod bake;
 mod bench;
 mod build;
 mod cache;
@@ -42,6 +43,7 @@ enum Command {
     Demo(demo::Args),
     Synth(synth::Args),
     Build(build::Args),
+    Bake(bake::Args),
     Inspect(inspect::Args),
     Verify(verify::Args),
     Query(query::Args),
@@ -69,6 +71,7 @@ fn main() -> ExitCode {
         Command::Demo(a) => demo::run(&a),
         Command::Synth(a) => synth::run(&a),
         Command::Build(a) => build::run(&a),
+        Command::Bake(a) => bake::run(&a),
         Command::Inspect(a) => inspect::run(&a),
         Command::Verify(a) => verify::run(&a),
         Command::Query(a) => query::run(&a),

@@ -86,6 +86,7 @@ fn help_lists_exactly_the_keys_that_are_printed() {
     let (clips, out, environment) = (at(&folder, "clips"), at(&folder, "a.throng"), at(&folder, "ground.toml"));
     check(&["synth"], "JSON keys", &["--out", &clips, "--minutes", "0.5"]);
     check(&["build"], "JSON keys", &[&config, "--out", &out, "--no-cache"]);
+    check(&["bake"], "JSON keys", &[&config, "--shard", "0/1", "--cache", &at(&folder, "cache")]);
     check(&["verify"], "JSON keys", &[&bundle]);
     check(&["inspect"], "JSON keys (of a motion file)", &[&clip]);
     check(&["inspect"], "JSON keys (of a bundle)", &[&bundle]);

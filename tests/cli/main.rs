@@ -1,5 +1,6 @@
 //! Every command does what its help says: output, JSON keys, exit codes, and errors that show the way out.
 
+mod bake;
 mod build;
 mod bundle;
 mod clips;
@@ -23,10 +24,11 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 /// Every subcommand.
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 20] = [
     "demo",
     "synth",
     "build",
+    "bake",
     "inspect",
     "verify",
     "query",

@@ -34,6 +34,11 @@ impl Key {
         Ok(Self::hash([EPOCH.as_bytes(), stage.as_bytes(), &inputs, &config]))
     }
 
+    /// The hash as a number.
+    pub(crate) fn number(self) -> u128 {
+        self.0
+    }
+
     fn hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> Self {
         let mut h = Xxh3::new();
         for p in parts {
@@ -139,6 +144,11 @@ impl Cache {
         let entries = self.entries()?;
         entries.iter().try_for_each(|e| remove(&e.path))?;
         Ok((entries.len(), entries.iter().map(|e| e.bytes).sum()))
+    }
+
+    /// True where something is kept under a key; whether it is whole is not looked at.
+    pub(crate) fn has(&self, stage: &str, key: Key) -> bool {
+        self.path(stage, key).is_some_and(|path| path.is_file())
     }
 
     /// The output kept under a key. Damaged entries count as absent.

@@ -1,5 +1,10 @@
 //! Files, or motion made by rule, to annotated clips of one skeleton: file by file, but for what they settle together.
 
+mod shard;
+
+pub(crate) use shard::bake;
+pub use shard::{Shard, ShardReport};
+
 use crate::cache::{Cache, Key};
 use crate::config::BuildConfig;
 use crate::environment::UnitSet;
@@ -29,6 +34,27 @@ pub(crate) fn collect(
     from: &Provenance,
     s: &Stages<'_>,
 ) -> Result<Motion, BuildError> {
+    let Read { raw, maker, skipped, performers, files_kept, warnings } = begin(cfg, parts, from, s)?;
+    let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw, p))?;
+    if let Some(units) = units {
+        s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
+    }
+    Ok(Motion { clips, skipped, performers, files_kept, clips_kept, warnings })
+}
+
+/// All that was read, and what files settle together.
+struct Read<'a> {
+    raw: Vec<Imported>,
+    maker: Maker<'a>,
+    /// As in [`Motion`], as are the following.
+    skipped: Vec<String>,
+    performers: Vec<Performer>,
+    files_kept: usize,
+    warnings: Warnings,
+}
+
+/// Reads all files, and settles what they share.
+fn begin<'a>(cfg: &'a BuildConfig, parts: Parts, from: &Provenance, s: &'a Stages<'_>) -> Result<Read<'a>, BuildError> {
     let files = from.file_keys(&cfg.import);
     let ((mut raw, files_kept), sidecars) = s.run("import", |p| match &cfg.synth {
         Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import).map(|(set, marks)| ((set, 0), marks)),
@@ -58,11 +84,7 @@ pub(crate) fn collect(
     let marks = Sidecars::collect(&raw, &plan.names, &sidecars)?;
     let sources = raw.clips.iter().map(|c| from.seen_from_base(&c.clip.path).display().to_string()).collect();
     let maker = Maker { cfg, plan, marks, keys, sources, cache: s.cache() };
-    let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw.clips, p))?;
-    if let Some(units) = units {
-        s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
-    }
-    Ok(Motion { clips, skipped, performers, files_kept, clips_kept, warnings })
+    Ok(Read { raw: raw.clips, maker, skipped, performers, files_kept, warnings })
 }
 
 /// Reads files, or finds what an earlier build has read, file by file.

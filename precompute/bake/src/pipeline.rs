@@ -4,6 +4,7 @@ use crate::cache::{Cache, Key};
 use crate::config::BuildConfig;
 use crate::environment::UnitSet;
 use crate::examples::BlendSpaces;
+pub use crate::motion::{Shard, ShardReport};
 use crate::parts::{Attempts, Parts};
 use crate::patch::{self, PatchConfig, Patches, TileConfig};
 use crate::policy::Policy;
@@ -46,6 +47,22 @@ pub fn build_possible(
     progress: &dyn Progress,
 ) -> Result<BuildReport, BuildError> {
     make(cfg, Parts::Possible, out, cache, progress)
+}
+
+/// Does the share of one of several processes in a build: reads its files into the cache and, once the cache has those of all
+/// others, makes its clips. Run with the parts of the build that is to find them.
+///
+/// # Errors
+/// As the stages from import to annotate; motion that is made by rule.
+pub fn bake_shard(
+    cfg: &BuildConfig,
+    parts: Parts,
+    shard: Shard,
+    cache: &Cache,
+    progress: &dyn Progress,
+) -> Result<ShardReport, BuildError> {
+    cfg.check()?;
+    motion::bake(cfg, parts, shard, cache, progress)
 }
 
 /// Where a cache keeps the bundle of [`build_possible`] that is made to be run or seen; none where nothing is kept.

@@ -6,6 +6,7 @@ pub mod error;
 pub mod export;
 pub mod files;
 pub mod import;
+pub mod memory;
 pub mod mirror;
 pub mod onto;
 pub mod pod;

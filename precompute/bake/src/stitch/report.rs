@@ -58,11 +58,3 @@ pub struct StitchReport {
     /// Length of the world's sections (bytes).
     pub world_bytes: u64,
 }
-
-/// Most memory that the program has held so far, where the system tells; 0 elsewhere (bytes).
-pub(super) fn peak_bytes() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
-    let kilobytes = line.and_then(|l| l.trim().trim_end_matches("kB").trim().parse::<u64>().ok());
-    kilobytes.unwrap_or(0) * 1024
-}

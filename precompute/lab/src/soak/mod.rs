@@ -1,13 +1,12 @@
 //! Runs scenes in turns for as long as one likes, and checks every step.
 
-mod memory;
 mod pools;
 mod stock;
 mod turn;
 
-pub use memory::resident_bytes;
 pub use pools::Pools;
 pub use stock::scenes;
+pub use throng_motion::memory::resident_bytes;
 pub use turn::{hash_at_end, turn};
 
 use rand::{RngExt, SeedableRng};

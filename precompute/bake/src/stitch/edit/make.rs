@@ -15,13 +15,14 @@ use crate::stitch::library::{Library, STAGE};
 use crate::stitch::place::change::Edit;
 use crate::stitch::place::lay::Laid;
 use crate::stitch::place::relay::Relaid;
-use crate::stitch::report::{Reason, StitchReport, peak_bytes};
+use crate::stitch::report::{Reason, StitchReport};
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
 use throng_core::base::Hash128;
 use throng_core::patch::NONE;
 use throng_motion::error::BuildError;
+use throng_motion::memory;
 use throng_motion::progress::Progress;
 use throng_world::{WorldData, WorldMeta};
 
@@ -78,7 +79,7 @@ pub(in crate::stitch) fn make<'a>(
         None => stitcher.forget_all_but(&laid),
     }
     (report.tables, report.joints) = (world.tables.len(), world.joints.len());
-    (report.peak_bytes, report.seconds) = (peak_bytes(), begin.elapsed().as_secs_f64());
+    (report.peak_bytes, report.seconds) = (memory::peak_bytes().unwrap_or(0), begin.elapsed().as_secs_f64());
     Ok(Made { laid, joined, settled, remains, report })
 }
 

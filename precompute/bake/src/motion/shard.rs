@@ -1,0 +1,153 @@
+//! The share of a build's files that one of several processes reads and makes clips of. All of them share the folder of
+//! the cache, and nothing else.
+
+use super::{Read, begin};
+use crate::cache::{Cache, Key};
+use crate::config::BuildConfig;
+use crate::parts::Parts;
+use crate::provenance::{self, FileKeys};
+use crate::stages::Stages;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::str::FromStr;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use throng_motion::error::{BuildError, ImportError};
+use throng_motion::import::{self, Clips, MotionFile};
+use throng_motion::progress::Progress;
+
+/// Which of several processes this is: number `index` of `count`, from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    index: u32,
+    count: u32,
+}
+
+impl Shard {
+    /// True where the file, or clip, of a key is this shard's.
+    fn has(self, key: Key) -> bool {
+        key.number() % u128::from(self.count) == u128::from(self.index)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    /// Reads I/N.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let both = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+        match both {
+            Some((index, count)) if index < count => Ok(Self { index, count }),
+            _ => Err(format!("expected I/N with I from 0 to N - 1, such as 0/8, found `{text}`")),
+        }
+    }
+}
+
+/// What a shard has done, and what is left.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct ShardReport {
+    /// Files of the whole build.
+    pub files: usize,
+    /// Those of this shard.
+    pub own_files: usize,
+    /// Of these, those that this run has read; what was in the cache, or cannot be read, is not among them.
+    pub read: usize,
+    /// Files of this shard that cannot be read, and why.
+    pub skipped: Vec<String>,
+    /// Files of other shards that are not in the cache yet. Clips are made where there is none, as files settle skeleton
+    /// and floors together.
+    pub missing: usize,
+    /// Files of this shard whose clips this run has made.
+    pub made: usize,
+    /// True where the cache has all that this shard can give.
+    pub done: bool,
+    /// What is odd but tolerable.
+    pub warnings: Vec<String>,
+}
+
+/// The name under which the cache keeps why a file cannot be read, so that other shards do not wait for it.
+const REFUSED: &str = "refused";
+
+/// Reads the files of a shard into the cache and, once those of all shards are there, makes its clips. Whatever order
+/// shards run in, and however often, the cache holds the same bytes in the end; [`crate::pipeline::build`] finds them.
+///
+/// # Errors
+/// [`BuildError::Config`] for motion that is made by rule; the first bad file where `import.strict` is set; as the stages
+/// from import to annotate.
+pub(crate) fn bake(
+    cfg: &BuildConfig,
+    parts: Parts,
+    shard: Shard,
+    cache: &Cache,
+    progress: &dyn Progress,
+) -> Result<ShardReport, BuildError> {
+    if cfg.synth.is_some() {
+        return Err(BuildError::key(
+            "synth",
+            "shards share the work on files; write this motion to files first, with `throng synth`, and name them as inputs",
+        ));
+    }
+    let s = Stages::new(cache, progress);
+    let from = s.run("hash", |_| provenance::collect(cfg))?;
+    let mut report = s.run("import", |p| read(cfg, &from.file_keys(&cfg.import), shard, cache, p))?;
+    if report.missing == 0 && report.own_files > report.skipped.len() {
+        let Read { raw, maker, warnings, .. } = begin(cfg, parts, &from, &s)?;
+        let own: Vec<usize> = (0..raw.len()).filter(|&i| maker.keys[i].is_some_and(|key| shard.has(key))).collect();
+        report.made = s.run("clips", |p| {
+            p.begin("clips", own.len() as u64, "files");
+            let made = own.par_iter().map(|&i| {
+                p.check()?;
+                let (_, kept) = maker.of_file(i, &raw[i])?;
+                p.advance(1);
+                Ok(usize::from(!kept))
+            });
+            let made = made.sum::<Result<usize, BuildError>>();
+            p.end();
+            made
+        })?;
+        report.warnings = warnings.messages;
+    }
+    cache.settle();
+    report.done = report.missing == 0;
+    Ok(report)
+}
+
+/// Reads the files of a shard that the cache does not have.
+fn read(
+    cfg: &BuildConfig,
+    keys: &FileKeys<'_>,
+    shard: Shard,
+    cache: &Cache,
+    p: &dyn Progress,
+) -> Result<ShardReport, BuildError> {
+    let [files, own_files, read, missing] = [const { AtomicUsize::new(0) }; 4];
+    let count = |n: &AtomicUsize| _ = n.fetch_add(1, Ordering::Relaxed);
+    // Nothing is handed on: one file is held at a time, and no more.
+    let reader = |file: &MotionFile, import: &dyn Fn() -> Clips| -> Clips {
+        count(&files);
+        let Ok(key) = keys.key_of(&file.path) else { return Ok(Vec::new()) };
+        if !shard.has(key) {
+            if !cache.has("import", key) && !cache.has(REFUSED, key) {
+                count(&missing);
+            }
+            return Ok(Vec::new());
+        }
+        count(&own_files);
+        match cache.each("import", key, import) {
+            Ok((_, kept)) => {
+                if !kept {
+                    count(&read);
+                }
+                Ok(Vec::new())
+            }
+            Err(e @ ImportError::Stopped(_)) => Err(e),
+            Err(e) => {
+                _ = cache.each::<String, ImportError>(REFUSED, key, || Ok(e.to_string()));
+                Err(e)
+            }
+        }
+    };
+    let set = import::read_by(&reader, &cfg.inputs, &cfg.import, p)?;
+    let [files, own_files, read, missing] = [files, own_files, read, missing].map(AtomicUsize::into_inner);
+    let skipped = set.skipped.iter().map(ToString::to_string).collect();
+    Ok(ShardReport { files, own_files, read, skipped, missing, ..ShardReport::default() })
+}

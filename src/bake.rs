@@ -1,0 +1,65 @@
+//! `throng bake`: one process' share of a build.
+
+use crate::args::{CacheArgs, Outcome, fail};
+use crate::build::{WhatArgs, plan};
+use crate::{keys, output, progress};
+use schemars::JsonSchema;
+use serde::Serialize;
+use throng_precompute::memory;
+use throng_precompute::pipeline::{self, Shard, ShardReport};
+
+/// Do one of N shares of a build's work on single files, into a cache that all share.
+///
+/// Every file belongs to one shard, by a hash of what it holds. A shard reads its own; once the files of all shards are in
+/// the cache, it makes clips of its own, so that all shards are run, and then run again. They may run in any order, at once,
+/// and again after a failure. `throng build` with the same words and the same cache does the rest.
+#[derive(clap::Args)]
+#[command(after_long_help = keys::of::<Report>())]
+pub struct Args {
+    #[command(flatten)]
+    what: WhatArgs,
+    /// The share: I of N, from 0/N to N-1/N.
+    #[arg(long, value_name = "I/N")]
+    shard: Shard,
+    #[command(flatten)]
+    cache: CacheArgs,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is printed.
+#[derive(Serialize, JsonSchema)]
+struct Report {
+    #[serde(flatten)]
+    shard: ShardReport,
+    /// Most memory that this process held (bytes); absent where the system does not tell.
+    peak_bytes: Option<u64>,
+}
+
+pub fn run(args: &Args) -> Outcome {
+    let Some(folder) = args.cache.folder() else {
+        return fail("a shard leaves what it does in the cache: run it without --no-cache");
+    };
+    let plan = plan(&args.what)?;
+    let bar = progress::Bar::on_interrupt(Some(folder.clone()));
+    let shard = pipeline::bake_shard(&plan.config, plan.parts, args.shard, &args.cache.cache(), &bar);
+    drop(bar);
+    let shard = shard.map_err(|e| plan.error(e))?;
+    output::warnings(&shard.skipped, &shard.warnings);
+    let report = Report { shard, peak_bytes: memory::peak_bytes() };
+    if args.json { output::json(&report) } else { print(&report.shard, &folder.display().to_string()) }
+}
+
+fn print(r: &ShardReport, folder: &str) -> Outcome {
+    let left = match r.missing {
+        0 => "nothing: run `throng build` once all shards say so".to_owned(),
+        n => format!("{n} files of other shards are not in the cache: run this one again after them, for its clips"),
+    };
+    output::table(&[
+        ("files", format!("{} of {}; {} read, {} skipped", r.own_files, r.files, r.read, r.skipped.len())),
+        ("clips", format!("made of {} files", r.made)),
+        ("left", left),
+        ("cache", folder.to_owned()),
+    ])
+}
