@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # Are results the same everywhere? Compares the bytes of a bundle and the hashes of states at 1, 2 and 8 threads, of debug
 # and release builds, of builds for this very processor, from two folders, on an emulated processor without AVX2, and of the
-# runtime alone on aarch64 and wasm.
+# runtime alone on aarch64, on wasm, and built with the engines that crowds are compared with.
 #
-# `scripts/equal-results.sh [VARIANT ...]` with some of debug, release, native, folder, emulated, aarch64, wasm; all of them
-# by default.
+# `scripts/equal-results.sh [VARIANT ...]` with some of debug, release, native, folder, emulated, aarch64, wasm, engines; all
+# of them by default.
 # Builds go to target/equal-results; prints a table, and exits 1 where anything differs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD out=$PWD/target/equal-results
 variants=("$@")
-[ ${#variants[@]} -gt 0 ] || variants=(debug release native folder emulated aarch64 wasm)
+[ ${#variants[@]} -gt 0 ] || variants=(debug release native folder emulated aarch64 wasm engines)
 mkdir -p "$out"
 
 # Names of checks with the hashes that they found, one a line; seconds do not count.
@@ -28,7 +28,7 @@ for c in json.load(sys.stdin)["checks"]:
 runtime() { # TARGET RUNNER...
     local target=$1
     shift
-    cargo build -q -p throng-simulation --example state_hashes --target "$target"
+    cargo build -q -p throng-simulation --example state_hashes ${FEATURES:-} --target "$target"
     "$@" "$root/target/$target/debug/examples/state_hashes${SUFFIX:-}"
 }
 # The same here, once.
@@ -112,8 +112,14 @@ for variant in "${variants[@]}"; do
         SUFFIX=.wasm runtime wasm32-wasip1 node --no-warnings scripts/wasi.mjs > "$file"
         elsewhere "$variant" "$file"
         continue ;;
+    engines)
+        # What is there to compare with changes nothing else: a snapshot of one build is read by the other.
+        runtime_here
+        FEATURES="--features baselines" runtime "$(rustc -vV | sed -n 's/^host: //p')" env > "$file"
+        elsewhere "$variant" "$file"
+        continue ;;
     *)
-        echo "expected debug, release, native, folder, emulated, aarch64 or wasm, found $variant" >&2
+        echo "expected debug, release, native, folder, emulated, aarch64, wasm or engines, found $variant" >&2
         exit 2 ;;
     esac
     compare "$variant" "$file"

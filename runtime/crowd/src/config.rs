@@ -70,6 +70,18 @@ pub struct CrowdConfig {
     pub steering: SteeringConfig,
 }
 
+impl CrowdConfig {
+    /// What a state depends on: the same whether or not the build has engines to compare with, unless one of them runs.
+    pub(crate) fn hashed(&self) -> impl Serialize + use<> {
+        #[cfg(feature = "baselines")]
+        let fixed = (self.scheme != Scheme::Registration).then_some((self.step_s, self.halvings));
+        #[cfg(not(feature = "baselines"))]
+        let fixed = None::<(f32, u32)>;
+        let largest = (self.capacity, self.largest_radius_m, self.largest_speed_mps);
+        (self.scheme, self.smallest_interval_s, self.cell_side_m, fixed, largest, self.steering)
+    }
+}
+
 impl Default for CrowdConfig {
     fn default() -> Self {
         Self {

@@ -20,7 +20,16 @@ use std::collections::HashMap;
 use throng_base::{Error, Hash128, SnapshotKind, StateHash};
 
 /// Grows by one with every change of what is kept.
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
+
+/// A build without engines to compare with has none to keep. Its snapshots are those of a build that has them.
+#[cfg(not(feature = "baselines"))]
+#[derive(Serialize, Deserialize)]
+enum Baseline {}
+#[cfg(not(feature = "baselines"))]
+type Kept<V> = Option<(Baseline, V)>;
+#[cfg(feature = "baselines")]
+type Kept<V> = Option<Baseline<V>>;
 
 /// All that time changes.
 #[derive(Serialize, Deserialize)]
@@ -44,8 +53,7 @@ struct Saved<V> {
     sensing: Vec<(u32, Sensing)>,
     /// Of those who care for anything.
     bonds: Vec<(u32, Bond<V>)>,
-    #[cfg(feature = "baselines")]
-    baseline: Option<Baseline<V>>,
+    baseline: Kept<V>,
 }
 
 /// No agent can have walked farther from the starts (m).
@@ -62,7 +70,8 @@ impl<V: Space> Engine<V> {
         SnapshotKind { what: "crowd", tag: *b"CRWD", version: VERSION, setup: self.setup_hash }
     }
 
-    /// Hash of all that a state is meaningless without: the space, fields, obstacles, config and sizes.
+    /// Hash of all that a state is meaningless without: the space, fields, obstacles, config and sizes. The same with and
+    /// without the feature `baselines`.
     pub(crate) fn hash_setup(setup: &Setup<V>, scenery: &Scenery<V>, cells: &Cells<V>) -> u128 {
         let Scenery { fields, obstacles, interests, radius, speed, stopping, .. } = scenery;
         let sizes = [*radius, *speed, *stopping, cells.side(), V::DIMENSIONS as f32];
@@ -72,7 +81,7 @@ impl<V: Space> Engine<V> {
             fields,
             obstacles,
             (interests, &setup.senses),
-            setup.config,
+            setup.config.hashed(),
             sizes,
             cells.num_cells(),
             capacity,
@@ -102,6 +111,8 @@ impl<V: Space> Engine<V> {
             bonds: self.bonds.saved(),
             #[cfg(feature = "baselines")]
             baseline: self.baseline.clone(),
+            #[cfg(not(feature = "baselines"))]
+            baseline: None,
         };
         self.snapshot_kind().write(&saved, out);
     }
