@@ -30,6 +30,10 @@ pub(crate) struct Foot {
     pub rise_rate: Lane,
     /// Height over the ground in the examples, at the last step (m).
     pub height: Lane,
+    /// The plane that it is held over: height below the heel and below the ball (m), rise to the left a metre; and how fast they
+    /// change (1/s).
+    pub below: Lane3,
+    pub below_rate: Lane3,
     /// Cosine of half the knee's angle at the last step: 0 for a straight leg; -1 until the first step.
     pub bent: Lane,
     /// Progress of a corrective step, 0 to 1; 1 if none is taken.
@@ -47,6 +51,8 @@ impl Foot {
         rise: [0.0; LANES],
         rise_rate: [0.0; LANES],
         height: [0.0; LANES],
+        below: [[0.0; LANES]; 3],
+        below_rate: [[0.0; LANES]; 3],
         bent: [-1.0; LANES],
         step: [1.0; LANES],
     };
@@ -63,7 +69,8 @@ impl Foot {
         let one =
             [&mut self.down, &mut self.rise, &mut self.rise_rate, &mut self.height, &mut self.bent, &mut self.step];
         let three = [&mut self.offset, &mut self.offset_rate, &mut self.heel, &mut self.ball];
-        one.into_iter().chain(&mut self.turn).chain(three.into_iter().flatten())
+        let three = three.into_iter().chain([&mut self.below, &mut self.below_rate]);
+        one.into_iter().chain(&mut self.turn).chain(three.flatten())
     }
 }
 
@@ -89,6 +96,9 @@ pub(crate) struct Block {
     pub asked: [[f32; MAX_AXES]; LANES],
     /// Generic time, in [0, 1).
     pub phase: Lane,
+    /// Height of the ground that the hips are held over (m), and how fast it changes (m/s).
+    pub base: Lane,
+    pub base_rate: Lane,
     /// Lowering of the hips so that both legs reach (m).
     pub drop: Lane,
     /// How fast that changes (m/s).
@@ -111,6 +121,8 @@ impl Block {
         parameter_rates: [[0.0; MAX_AXES]; LANES],
         asked: [[0.0; MAX_AXES]; LANES],
         phase: [0.0; LANES],
+        base: [0.0; LANES],
+        base_rate: [0.0; LANES],
         drop: [0.0; LANES],
         drop_rate: [0.0; LANES],
         placed: [0.0; LANES],
@@ -126,7 +138,7 @@ impl Block {
     /// Every number of the lanes, foot by foot.
     fn lanes(&mut self) -> impl Iterator<Item = &mut Lane> {
         let own = [&mut self.aim, &mut self.speed, &mut self.turning, &mut self.phase, &mut self.drop];
-        let own = own.into_iter().chain([&mut self.drop_rate, &mut self.placed]);
+        let own = own.into_iter().chain([&mut self.drop_rate, &mut self.base, &mut self.base_rate, &mut self.placed]);
         own.chain(&mut self.root).chain(&mut self.travel).chain(self.feet.iter_mut().flat_map(Foot::lanes))
     }
 

@@ -7,6 +7,7 @@
 
 use super::block::Foot;
 use super::body::LaneLeg;
+use super::footing::Footing;
 use super::spring::Spring;
 use crate::pose::{Lane, Placement, load, store};
 use throng_base::simd::{Lanes, Q, V};
@@ -30,8 +31,8 @@ pub(crate) struct Tread<'a, F> {
     pub place: &'a Placement<F>,
     /// Length of the legs over those of the database skeleton.
     pub scale: F,
-    /// Height and slope (along model x, z) of the ground below the foot.
-    pub ground: [F; 3],
+    /// The ground below the foot.
+    pub ground: Footing<F>,
     /// 1 where the examples have the foot on the ground.
     pub contact: F,
     /// How much the foot's place matters, 0 to 1.
@@ -71,7 +72,7 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
     let wanted = tilt(t, wanted);
     let (heel, ball) = (wanted.foot.rotate(load(&t.leg.heel)), wanted.foot.rotate(load(&t.leg.ball)));
-    let share = ball_share(t, heel, ball);
+    let share = ball_share(t.leg, t.scale, over_ground(t, heel), over_ground(t, ball));
     let stepping = F::select_lt(F::load(&foot.step), one, one, zero);
     // Nobody stands on a foot that is far from the ground.
     let near = F::select_lt(F::load(&foot.height) + F::load(&foot.rise), F::splat(NEAR_M) * t.scale, one, zero);
@@ -97,7 +98,7 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
     foot.down = down.to_array();
     progress(t, foot, down, offset, turn[1]);
     // What still comes down does not stand yet.
-    let standing = F::select_lt(left, F::splat(SETTLED_M), held, zero);
+    let standing = F::select_lt(left, F::splat(SETTLED_M), held * t.ground.settled, zero);
     let heel = F::select_lt(share, F::splat(0.7), standing, zero);
     let ball = F::select_lt(share, F::splat(0.3), zero, standing);
     (sole, [heel.to_array(), ball.to_array()])
@@ -106,7 +107,7 @@ pub(crate) fn tread<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, wanted: Sole<F>
 /// Lays the sole along the slope of the ground, as far as the foot's place matters.
 #[inline(always)]
 fn tilt<F: Lanes>(t: &Tread<'_, F>, sole: Sole<F>) -> Sole<F> {
-    let [_, x, z] = t.ground;
+    let [_, x, z] = t.ground.plane;
     let up = V::new(F::splat(0.0), F::splat(1.0), F::splat(0.0));
     let normal = V::new(-(x * t.importance), F::splat(1.0), -(z * t.importance));
     let q = Q::between(up, normal);
@@ -114,17 +115,19 @@ fn tilt<F: Lanes>(t: &Tread<'_, F>, sole: Sole<F>) -> Sole<F> {
 }
 
 /// Share of the weight that the ball bears: 0 on the heel, a half where the foot is flat, 1 on the ball.
+///
+/// - `heel`, `ball`: heights of these parts over the ground, from any common height (m).
 #[inline(always)]
-fn ball_share<F: Lanes>(t: &Tread<'_, F>, heel: V<F>, ball: V<F>) -> F {
-    let higher = over_ground(t, heel) - (over_ground(t, ball) - F::load(&t.leg.thickness));
-    let share = F::splat(0.5) + higher / (t.scale * F::splat(2.0 * FLAT_M));
+pub(crate) fn ball_share<F: Lanes>(leg: &LaneLeg, scale: F, heel: F, ball: F) -> F {
+    let higher = heel - (ball - F::load(&leg.thickness));
+    let share = F::splat(0.5) + higher / (scale * F::splat(2.0 * FLAT_M));
     share.max(F::splat(0.0)).min(F::splat(1.0))
 }
 
 /// How much a vector rises over the slope of the ground.
 #[inline(always)]
 fn over_ground<F: Lanes>(t: &Tread<'_, F>, v: V<F>) -> F {
-    v.y - t.ground[1] * v.x - t.ground[2] * v.z
+    v.y - t.ground.plane[1] * v.x - t.ground.plane[2] * v.z
 }
 
 /// Sine and cosine of the turn about the vertical: it keeps a planted foot's direction, and fades in the air.
@@ -146,7 +149,7 @@ fn turn_of<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, held: F, along: V<F>) -> [F;
 
 /// The rotation about the vertical of that sine and cosine.
 #[inline(always)]
-fn about_y<F: Lanes>([sin, cos]: [F; 2]) -> Q<F> {
+pub(crate) fn about_y<F: Lanes>([sin, cos]: [F; 2]) -> Q<F> {
     let (zero, half) = (F::splat(0.0), F::splat(0.5));
     let w = ((F::splat(1.0) + cos) * half).max(F::splat(1e-6)).sqrt();
     Q::new(V::new(zero, sin * half / w, zero), w).normalize()
@@ -191,7 +194,7 @@ fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, ankle: V<F>, [heel
     let lowest = over_ground(t, heel).min(below_ball);
     let step = F::load(&foot.step).min(one);
     let arc = step * (one - step);
-    let height = ankle.y + lowest - t.ground[0] + arc * arc * F::splat(16.0 * STEP_HEIGHT_M) * t.scale;
+    let height = ankle.y + lowest - t.ground.plane[0] + arc * arc * F::splat(16.0 * STEP_HEIGHT_M) * t.scale;
     let (before, rate, was) = (F::load(&foot.rise), F::load(&foot.rise_rate), F::load(&foot.height));
     let (above, _) = t.landing.pull_lanes(before + was, rate + (height - was) * t.rate);
     let (fading, fading_rate) = t.air.pull_lanes(before, rate);
@@ -201,14 +204,14 @@ fn rise<F: Lanes>(t: &Tread<'_, F>, foot: &mut Foot, down: F, ankle: V<F>, [heel
     foot.rise = rise.to_array();
     foot.rise_rate = F::select_lt(half, down, changed, free).to_array();
     foot.height = height.to_array();
-    [height + rise - (ankle.y + lowest - t.ground[0]), height + rise]
+    [height + rise - (ankle.y + lowest - t.ground.plane[0]), height + rise]
 }
 
 /// Bends the toe up where its tip would go below the ground.
 #[inline(always)]
 fn bend_toe<F: Lanes>(t: &Tread<'_, F>, sole: &Sole<F>, ball: V<F>) -> Q<F> {
     let (zero, tip) = (F::splat(0.0), sole.toe.rotate(load(&t.leg.tip)));
-    let height = sole.ankle.y + over_ground(t, ball + tip) - t.ground[0];
+    let height = sole.ankle.y + over_ground(t, ball + tip) - t.ground.plane[0];
     let bent = V::new(tip.x, tip.y - height.min(zero), tip.z);
     Q::between(tip, bent) * sole.toe
 }

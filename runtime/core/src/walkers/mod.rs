@@ -5,6 +5,7 @@ mod body;
 mod cast;
 mod config;
 mod feet;
+mod footing;
 mod gaze;
 mod perform;
 mod reach;

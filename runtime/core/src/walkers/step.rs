@@ -6,7 +6,8 @@
 
 use super::block::{Block, Foot};
 use super::body::{LEGS, LaneBody};
-use super::feet::{Bearing, Sole, Tread, tread};
+use super::feet::{Bearing, Sole, Tread, about_y, ball_share, tread};
+use super::footing::{self, Footing, Over};
 use super::gaze::Eyes;
 use super::perform::Stage;
 use super::reach::{lower, reach_foot, reach_hand, slow_knee, stretched, tiptoe};
@@ -14,16 +15,16 @@ use super::spring::Spring;
 use super::steer::Steering;
 use super::{Act, Control, WalkersConfig};
 use crate::blend::BlendSpace;
+use crate::blend::HeightField;
 use crate::blend::Posture;
 use crate::blend::channel;
-use crate::blend::{Ground, HeightField};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::pose::{
     Lane, LanePose, LocalTransform, Mat3x4, ModelPose, Placement, load, to_model, write_locals, write_matrices,
 };
 use crate::skeleton::NUM_JOINTS;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use throng_base::maths;
 use throng_base::simd::{Functions, LANES, Lanes, Q, V, Work, dispatch};
 
@@ -40,8 +41,8 @@ const KNEE_RATE_BY_SPEED: f32 = 1.8;
 /// Share of the reach at which a foot of a character that stands takes a step.
 const STANDING_REACH: f32 = 0.4;
 
-/// Time in which a difference in how far the hips are lowered halves (s).
-const DROP_HALF_LIFE_S: f32 = 0.03;
+/// Time in which a difference in how far the hips are lowered halves, on flat ground and elsewhere (s).
+const DROP_HALF_LIVES_S: [f32; 2] = [0.03, 0.06];
 /// Time in which a planted foot's height over the ground halves (s).
 const LANDING_HALF_LIFE_S: f32 = 0.02;
 /// Share of the blend that has a foot on the ground from which it is planted, and down to which it stays.
@@ -64,6 +65,9 @@ pub(crate) struct Tick<'a> {
     landing: Spring,
     /// How the hips are lowered.
     drop: Spring,
+    /// How the ground below feet and hips changes.
+    footing: [Spring; 2],
+    base: Spring,
     stage: Stage<'a>,
     eyes: Eyes,
 }
@@ -82,7 +86,9 @@ impl<'a> Tick<'a> {
             keep,
             air: spring(config.foot_half_life_s),
             landing: spring(LANDING_HALF_LIFE_S),
-            drop: spring(DROP_HALF_LIFE_S),
+            drop: spring(DROP_HALF_LIVES_S[usize::from(!ground.is_flat())]),
+            footing: footing::HALF_LIVES_S.map(spring),
+            base: spring(footing::BASE_HALF_LIFE_S),
             stage: Stage::new(space.activities(), space.axes(), dt_s),
             eyes: Eyes::new(dt_s),
         }
@@ -181,8 +187,7 @@ impl Act {
         let share = if self.acting.is_idle() { 0.0 } else { self.acting.lay(tick.stage.activities, posture) };
         if look_at.is_some() || !self.gaze.is_off() {
             let root = block.root(lane);
-            let ground = tick.ground.at(Vec2::new(root.x, root.z)).height;
-            let point = look_at.map(|p| p - Vec3::Y * ground);
+            let point = look_at.map(|p| p - Vec3::Y * block.base[lane]);
             self.gaze.turn(&tick.eyes, (point, root), (body, lane), share, posture);
         }
         share
@@ -256,7 +261,7 @@ fn retarget<F: Lanes>(
     tick: &Tick<'_>,
 ) -> ModelPose<F> {
     let t = transpose::<F>(postures);
-    let place = placement::<F>(block, tick.ground);
+    let place = placement::<F>(block, tick);
     let mut root = t.hips * F::load(&body.scale);
     root.y = root.y + F::load(&body.lift) + place.y;
     let mut model = to_model(|j| load(&body.offsets[j]), LanePose { root, rotations: t.rotations });
@@ -300,13 +305,25 @@ fn release<F: Lanes>(foot: &mut Foot, bearing: &mut Bearing, stretched: F) {
     }
 }
 
-/// Where eight characters stand.
+/// Where eight characters stand. The hips follow the ground smoothly.
 #[inline(always)]
-fn placement<F: Lanes>(block: &Block, ground: &HeightField) -> Placement<F> {
+fn placement<F: Lanes>(block: &mut Block, tick: &Tick<'_>) -> Placement<F> {
+    if tick.ground.is_flat() {
+        (block.base, block.base_rate) = ([0.0; LANES], [0.0; LANES]);
+    } else {
+        for lane in 0..LANES {
+            let wanted = footing::base(tick.ground, block.root(lane), block.speed[lane]);
+            let (off, rate) = tick.base.pull(block.base[lane] - wanted, block.base_rate[lane]);
+            let is_new = block.feet[0].bent[lane] < 0.0;
+            (block.base[lane], block.base_rate[lane]) = match is_new {
+                true => (wanted, 0.0),
+                false => (wanted + off, rate),
+            };
+        }
+    }
     let [x, z, heading] = &block.root;
     let (sin, cos) = F::load(heading).sin_cos8();
-    let y = std::array::from_fn(|lane| ground.at(Vec2::new(x[lane], z[lane])).height);
-    Placement { x: F::load(x), y: F::from_array(y), z: F::load(z), sin, cos }
+    Placement { x: F::load(x), y: F::load(&block.base), z: F::load(z), sin, cos }
 }
 
 /// Where one foot goes, and which of its parts bear.
@@ -333,8 +350,19 @@ fn plant<F: Lanes>(
     let by_angles = model.positions[foot] - V::new(zero, place.y, zero);
     let scaled = (t.hips + t.ankles[side]) * scale + load(&leg.ankle);
     let mut ankle = by_angles + (scaled - by_angles) * importance;
-    let ground = ground_below(tick.ground, place, ankle, &block.feet[side]);
-    ankle.y = ankle.y + ground[0];
+    let ground = match tick.ground.is_flat() {
+        true => Footing::level(),
+        false => {
+            let turned = model.rotations[foot];
+            let [heel, ball] = [&leg.heel, &leg.ball].map(|part| turned.rotate(load(part)));
+            let spin = about_y(block.feet[side].turn.map(|of| F::load(&of)));
+            let share = ball_share(leg, scale, heel.y, ball.y);
+            let [heel, ball] = [heel, ball].map(|part| spin.rotate(part));
+            let over = Over { leg, place, ankle, heel, ball, share, rate: F::splat(tick.rate) };
+            footing::follow(tick.ground, &over, &tick.footing, &mut block.feet[side])
+        }
+    };
+    ankle.y = ankle.y + ground.plane[0];
     let other = &block.feet[1 - side];
     // Who stands brings a foot back that is only a little off.
     let going = (F::load(&block.speed) * F::splat(2.0)).min(one);
@@ -358,21 +386,9 @@ fn plant<F: Lanes>(
         other_stands: F::select_lt(F::load(&other.step), one, zero, F::load(&other.down)),
     };
     let wanted = Sole { ankle, foot: model.rotations[foot], toe: model.rotations[toe] };
-    tread(&tread_in, &mut block.feet[side], wanted)
-}
-
-/// Height of the ground below a foot, and its slope along x and z of model space.
-#[inline(always)]
-fn ground_below<F: Lanes>(ground: &HeightField, place: &Placement<F>, ankle: V<F>, foot: &Foot) -> [F; 3] {
-    if ground.is_flat() {
-        return [F::splat(0.0); 3];
-    }
-    let at = place.to_world(ankle) + load(&foot.offset);
-    let (x, z) = (at.x.to_array(), at.z.to_array());
-    let below: [Ground; LANES] = std::array::from_fn(|lane| ground.at(Vec2::new(x[lane], z[lane])));
-    let [x, z] = [0, 1].map(|axis| F::from_array(below.map(|g| g.slope[axis])));
-    let slope = place.vector_to_model(V::new(x, F::splat(0.0), z));
-    [F::from_array(below.map(|g| g.height)), slope.x, slope.z]
+    let (sole, mut bearing) = tread(&tread_in, &mut block.feet[side], wanted);
+    footing::standing(tick.ground, leg, &block.feet[side], &mut bearing);
+    (sole, bearing)
 }
 
 /// 1 where more than half of the blend has a foot on the ground.

@@ -2,6 +2,7 @@
 
 mod cast;
 mod feet;
+mod ground;
 mod state;
 mod ways;
 

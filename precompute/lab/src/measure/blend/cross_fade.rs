@@ -12,6 +12,8 @@ use throng_runtime::{Contacts, Joint, NUM_JOINTS, Skeleton};
 const FEET: [[Joint; 2]; 2] = [[Joint::LeftFoot, Joint::LeftToe], [Joint::RightFoot, Joint::RightToe]];
 /// Time of a fade (s).
 const FADE_S: f32 = 0.3;
+/// Height of heel over ball, and of ball over heel, up to which both stand (m).
+const FLAT_M: f32 = 0.005;
 
 /// An example that plays.
 #[derive(Clone, Copy, Debug, Default)]
@@ -93,7 +95,8 @@ impl CrossFade {
             let [(ankle, turned), (ball, _)] = FEET[side].map(|j| joints[j.index()]);
             [place(ankle + turned * heels[side]), place(ball)]
         });
-        self.contacts = contacts(&to);
+        let balls = FEET.map(|[_, toe]| skeleton.rest_positions()[toe.index()].y);
+        self.contacts = contacts(&to, &self.soles, balls);
         Ok(())
     }
 }
@@ -108,13 +111,21 @@ fn nearest(space: &BlendSpace, parameters: &[f32; MAX_AXES]) -> usize {
     all.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i)
 }
 
-/// Feet on the ground, heel and toe alike.
-fn contacts(posture: &Posture) -> Contacts {
-    let feet = [(channel::LEFT_CONTACT, Contacts::LEFT), (channel::RIGHT_CONTACT, Contacts::RIGHT)];
+/// Parts of the feet on the ground: of a foot that is, those that are no higher than the other.
+///
+/// - `balls`: heights of the balls of flat feet (m).
+fn contacts(posture: &Posture, soles: &Soles, balls: [f32; 2]) -> Contacts {
+    let feet = [
+        (channel::LEFT_CONTACT, [Contacts::LEFT_HEEL, Contacts::LEFT_TOE]),
+        (channel::RIGHT_CONTACT, [Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE]),
+    ];
     let mut out = Contacts::NONE;
-    for (channel, foot) in feet {
-        if posture.channel(channel) > 0.5 {
-            out.insert(foot);
+    for (((channel, parts), [heel, ball]), flat) in feet.into_iter().zip(soles).zip(balls) {
+        let higher = heel.y - (ball.y - flat);
+        for (part, over) in parts.into_iter().zip([higher, -higher]) {
+            if posture.channel(channel) > 0.5 && over < FLAT_M {
+                out.insert(part);
+            }
         }
     }
     out

@@ -1,0 +1,185 @@
+//! The ground that a foot is held over: a plane through what lies below its heel and below its ball.
+//!
+//! A plane at the ankle alone flips where the ankle passes a crease. Heel and ball find their own ground, and so does the
+//! slope to the side. In the air the plane follows what the foot passes next, so that a foot rises before a step and never
+//! jumps. A planted foot keeps its places, and so its plane comes to rest.
+
+use super::block::Foot;
+use super::body::LaneLeg;
+use super::feet::Bearing;
+use super::spring::Spring;
+use crate::blend::HeightField;
+use crate::planar::Planar;
+use crate::pose::{Lane3, Placement, load};
+use glam::Vec2;
+use throng_base::simd::{LANES, Lanes, V};
+
+/// Steepest plane along a foot, and to its side. Over an edge a foot stands on the higher side.
+const STEEPEST: [f32; 2] = [0.35, 0.35];
+/// Moments at which the ground ahead of a foot in the air is looked at (s).
+const AHEAD_S: [f32; 2] = [0.05, 0.1];
+/// Distance of the two places whose heights give the slope to the side (m).
+const WIDTH_M: f32 = 0.1;
+/// How far the plane may still be from the ground where it counts as come to rest (m).
+const SETTLED_M: f32 = 0.0015;
+/// Distance from the ground up to which a part of a foot stands (m).
+const STANDING_M: f32 = 0.005;
+/// Places along the heading whose mean height the hips are held over, from the root (m).
+const BASE_M: [f32; 5] = [-0.3, -0.15, 0.0, 0.15, 0.3];
+/// Time in which a difference to the ground below a foot halves, in the air and planted (s).
+pub(crate) const HALF_LIVES_S: [f32; 2] = [0.03, 0.015];
+/// Time in which a difference to the ground below the hips halves (s).
+pub(crate) const BASE_HALF_LIFE_S: f32 = 0.08;
+/// By how much hips that follow so come later than the ground (s).
+const BASE_LAG_S: f32 = BASE_HALF_LIFE_S / std::f32::consts::LN_2;
+
+/// The plane below the feet of eight walkers.
+#[derive(Clone, Copy)]
+pub(crate) struct Footing<F> {
+    /// Height below the ankle (m), and slope along x and z of model space.
+    pub plane: [F; 3],
+    /// 1 where the plane has come to rest on the ground, else 0.
+    pub settled: F,
+}
+
+impl<F: Lanes> Footing<F> {
+    /// Level ground at height 0.
+    #[inline(always)]
+    pub fn level() -> Self {
+        Self { plane: [F::splat(0.0); 3], settled: F::splat(1.0) }
+    }
+}
+
+/// Where a foot is, as far as its ground depends on it.
+pub(crate) struct Over<'a, F> {
+    pub leg: &'a LaneLeg,
+    pub place: &'a Placement<F>,
+    /// Ankle, heel and ball where the examples have them, in model space.
+    pub ankle: V<F>,
+    pub heel: V<F>,
+    pub ball: V<F>,
+    /// Share of the weight that the ball bears.
+    pub share: F,
+    /// Ticks a second; 0 for a tick of no time (1/s).
+    pub rate: F,
+}
+
+/// Moves the plane of a foot on; on flat ground it is [`Footing::level`].
+///
+/// - `springs`: how a difference to the ground fades in the air, and where the foot is planted.
+#[inline(always)]
+pub(crate) fn follow<F: Lanes>(
+    ground: &HeightField,
+    over: &Over<'_, F>,
+    springs: &[Spring; 2],
+    foot: &mut Foot,
+) -> Footing<F> {
+    let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
+    let share = over.share;
+    let mix = |heel: V<F>, ball: V<F>| heel * (one - share) + ball * share;
+    let offset = load::<F>(&foot.offset);
+    let (was_heel, was_ball) = (load::<F>(&foot.heel), load::<F>(&foot.ball));
+    let was = mix(was_heel, was_ball);
+    let is_down = F::load(&foot.down);
+    let at = over.place.to_world(over.ankle + mix(over.heel, over.ball)) + offset;
+    let at = V::select_lt(half, is_down, was, at);
+    let along = V::select_lt(half, is_down, was_ball - was_heel, over.place.vector_to_world(over.ball - over.heel));
+    let [dx, dz] = level_direction(along);
+    let length = level_length(&over.leg.heel, &over.leg.ball);
+
+    // A foot that is seen for the first time has not moved, nor has one that stands.
+    let is_new = F::select_lt(F::load(&foot.bent), zero, one, zero);
+    let moves = (one - is_down) * (one - is_new) * over.rate;
+    let velocity = [(at.x - was.x) * moves, (at.z - was.z) * moves];
+    let heel = [at.x - dx * length * share, at.z - dz * length * share];
+    let ball = [heel[0] + dx * length, heel[1] + dz * length];
+    let below = [heel, ball].map(|[x, z]| heights(ground, x, z));
+    let mut wanted = below;
+    for ahead in AHEAD_S.map(F::splat) {
+        let further = |[x, z]: [F; 2]| heights(ground, x + velocity[0] * ahead, z + velocity[1] * ahead);
+        wanted = [wanted[0].max(further(heel)), wanted[1].max(further(ball))];
+    }
+    // To the left of the foot's direction.
+    let side = F::splat(0.5 * WIDTH_M);
+    let (mx, mz) = ((heel[0] + ball[0]) * half, (heel[1] + ball[1]) * half);
+    let left = heights(ground, mx + dz * side, mz - dx * side);
+    let right = heights(ground, mx - dz * side, mz + dx * side);
+    let [steepest, steepest_aside] = STEEPEST.map(F::splat);
+    let aside = ((left - right) / F::splat(WIDTH_M)).min(steepest_aside).max(-steepest_aside);
+    let drop = steepest * length;
+    let wanted = [wanted[0].max(wanted[1] - drop), wanted[1].max(wanted[0] - drop), aside];
+
+    let mut plane = [zero; 3];
+    for (k, &wanted) in wanted.iter().enumerate() {
+        let (off, rate) = (F::load(&foot.below[k]) - wanted, F::load(&foot.below_rate[k]));
+        let [air, planted] = [0, 1].map(|k: usize| springs[k].pull_lanes(off, rate));
+        let off = F::select_lt(half, is_down, planted.0, air.0);
+        let rate = F::select_lt(half, is_down, planted.1, air.1);
+        plane[k] = F::select_lt(half, is_new, wanted, wanted + off);
+        foot.below[k] = plane[k].to_array();
+        foot.below_rate[k] = F::select_lt(half, is_new, zero, rate).to_array();
+    }
+    let [height, height_ball, aside] = plane;
+    let slope = (height_ball - height) / length;
+    let world = V::new(slope * dx + aside * dz, zero, slope * dz - aside * dx);
+    let ankle = over.place.to_world(over.ankle) + offset;
+    let height = height + world.x * (ankle.x - heel[0]) + world.z * (ankle.z - heel[1]);
+    let slopes = over.place.vector_to_model(world);
+    let left = [0, 1].map(|k: usize| (plane[k] - wanted[k]).abs());
+    // The part that does not bear has time.
+    let left = (left[0] * (one - share)).max(left[1] * share);
+    let settled = F::select_lt(left, F::splat(SETTLED_M), one, zero);
+    Footing { plane: [height, slopes.x, slopes.z], settled }
+}
+
+/// Height of the ground that somebody's hips are held over (m): the mean along a stride, a little ahead.
+///
+/// - `speed`: (m/s)
+pub(crate) fn base(ground: &HeightField, root: Planar, speed: f32) -> f32 {
+    let at = |along: f32| {
+        let p = root.transform_point(Vec2::new(0.0, along + speed * BASE_LAG_S));
+        ground.at(p).height
+    };
+    BASE_M.iter().map(|&along| at(along)).sum::<f32>() / BASE_M.len() as f32
+}
+
+/// Keeps those parts of a foot that are on the ground, of heel and ball.
+#[inline(always)]
+pub(crate) fn standing(ground: &HeightField, leg: &LaneLeg, foot: &Foot, bearing: &mut Bearing) {
+    if ground.is_flat() {
+        return;
+    }
+    let parts = [(&foot.heel, &[0.0; LANES]), (&foot.ball, &leg.thickness)];
+    for ((part, thickness), bearing) in parts.into_iter().zip(bearing) {
+        for (lane, bears) in bearing.iter_mut().enumerate() {
+            let height = ground.at(Vec2::new(part[0][lane], part[2][lane])).height + thickness[lane];
+            if *bears > 0.5 && (part[1][lane] - height).abs() > STANDING_M {
+                *bears = 0.0;
+            }
+        }
+    }
+}
+
+/// Horizontal unit vector along another: x, z; along z where it has no direction.
+#[inline(always)]
+fn level_direction<F: Lanes>(along: V<F>) -> [F; 2] {
+    let length = (along.x * along.x + along.z * along.z).sqrt();
+    let tiny = F::splat(1e-4);
+    let of = |v: F, otherwise: f32| F::select_lt(tiny, length, v / length.max(tiny), F::splat(otherwise));
+    [of(along.x, 0.0), of(along.z, 1.0)]
+}
+
+/// Horizontal distance of heel and ball of a flat foot (m).
+#[inline(always)]
+fn level_length<F: Lanes>(heel: &Lane3, ball: &Lane3) -> F {
+    let along = load::<F>(ball) - load(heel);
+    (along.x * along.x + along.z * along.z).sqrt().max(F::splat(1e-3))
+}
+
+/// Heights of the ground at eight places (m).
+#[inline(always)]
+fn heights<F: Lanes>(ground: &HeightField, x: F, z: F) -> F {
+    let (x, z) = (x.to_array(), z.to_array());
+    let heights: [f32; LANES] = std::array::from_fn(|lane| ground.at(Vec2::new(x[lane], z[lane])).height);
+    F::from_array(heights)
+}
