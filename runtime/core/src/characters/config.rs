@@ -87,6 +87,8 @@ impl CharactersConfig {
         )?;
         let most = self.foot_lock.max_correction_m;
         check("foot_lock.max_correction_m", None, most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
+        let clearance = self.foot_lock.swing_clearance_m;
+        check("foot_lock.swing_clearance_m", None, clearance, (0.0..1.0).contains(&clearance), "between 0 and 1")?;
         self.reaction.check()?;
         self.avoid.map_or(Ok(()), |avoid| avoid.check())?;
         BEND.check("bend_rad_per_m", None, self.bend_rad_per_m)?;

@@ -23,16 +23,30 @@ pub struct FootLockConfig {
     pub planted_half_life_s: f32,
     /// Largest horizontal correction; a foot that would need more slides (m).
     pub max_correction_m: f32,
+    /// How high over the ground the toe of a foot in the air passes at least where it is fast: transitions would let it
+    /// skim the ground. 0 leaves it where it is (m, >= 0).
+    pub swing_clearance_m: f32,
 }
 
 impl Default for FootLockConfig {
     fn default() -> Self {
-        Self { enabled: true, half_life_s: 0.1, planted_half_life_s: 2.0, max_correction_m: 0.25 }
+        Self {
+            enabled: true,
+            half_life_s: 0.1,
+            planted_half_life_s: 2.0,
+            max_correction_m: 0.25,
+            swing_clearance_m: 0.02,
+        }
     }
 }
 
 /// Time in which the vertical correction of a planted foot halves (s).
 const PLANTED_HEIGHT_HALF_LIFE_S: f32 = 0.3;
+
+/// Speed over the ground at which a toe begins to clear it, and at which it clears it wholly (m/s).
+const SWING_MPS: [f32; 2] = [0.2, 0.5];
+/// Fastest that a toe is raised to clear the ground (m/s).
+const RAISED_MPS: f32 = 0.8;
 
 /// The lock of one foot of eight characters.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize, bytemuck::Zeroable)]
@@ -111,8 +125,15 @@ fn update_correction<F: Lanes>(
     let height = (old.y - slide.y) * F::splat(keep(PLANTED_HEIGHT_HALF_LIFE_S));
     new.y = F::select_lt(sum, half, new.y, height);
 
-    // No toe goes below the ground.
-    new.y = new.y.max(ground + F::splat(leg.toe_height) - toe.y);
+    // A fast toe passes over the ground, and none goes below it.
+    let floor = ground + F::splat(leg.toe_height) - toe.y;
+    let moved = toe - load(&lock.toe);
+    let way = (moved.x * moved.x + moved.z * moved.z).sqrt();
+    let [slow, fast] = SWING_MPS.map(|speed| speed * dt_s);
+    let share = ((way - F::splat(slow)) / F::splat((fast - slow).max(1e-6))).max(F::splat(0.0)).min(one);
+    let clear = floor + (one - heel.max(toe_planted)) * share * F::splat(config.swing_clearance_m);
+    let raised = clear.min(old.y + F::splat(RAISED_MPS * dt_s));
+    new.y = new.y.max(raised).max(floor);
 
     // No further than the largest correction over the ground.
     let length = (new.x * new.x + new.z * new.z).sqrt();
@@ -121,4 +142,43 @@ fn update_correction<F: Lanes>(
     new.x = new.x * scale;
     new.z = new.z * scale;
     new
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::skeleton::Skeleton;
+    use glam::Vec3;
+    use throng_base::simd::Array;
+
+    /// Height over that of a flat foot of a toe that moves so fast, step by step (m).
+    ///
+    /// - `height`: where its clip has it (m).
+    fn heights(speed_mps: f32, height: f32, planted: f32) -> Vec<f32> {
+        let (leg, config, dt_s) = (Leg::both(&Skeleton::default())[0], FootLockConfig::default(), 1.0 / 60.0);
+        let mut lock = FootLock::ZERO;
+        let step = |i: i32| {
+            let toe = Vec3::new(0.0, leg.toe_height + height, speed_mps * dt_s * i as f32);
+            let (ankle, toe) = (V::<Array>::splat(toe + Vec3::Y * 0.1), V::splat(toe));
+            let planted = ([0.0; LANES], [planted; LANES]);
+            let new = update_correction(&leg, &config, dt_s, planted, &lock, ankle, toe, Array::splat(0.0));
+            store(&mut lock.correction, new);
+            (store(&mut lock.ankle, ankle), store(&mut lock.toe, toe));
+            (lock.heel_down, lock.toe_down) = planted;
+            height + new.y.to_array()[3]
+        };
+        (0..30).map(step).collect()
+    }
+
+    #[test]
+    fn fast_toes_in_the_air_clear_the_ground_without_a_jump() {
+        let skimming = heights(2.0, 0.005, 0.0);
+        assert!((skimming[29] - 0.02).abs() < 1e-4, "{skimming:?}");
+        assert!(skimming.windows(2).all(|w| w[1] - w[0] < 0.8 / 60.0 + 1e-4), "{skimming:?}");
+        // Slow ones come down, high ones and planted ones stay where they are.
+        assert!((heights(0.1, 0.005, 0.0)[29] - 0.005).abs() < 1e-4);
+        assert!((heights(2.0, 0.05, 0.0)[29] - 0.05).abs() < 1e-4);
+        assert!((heights(2.0, 0.005, 1.0)[29] - 0.005).abs() < 1e-4);
+        assert!(heights(0.1, -0.03, 0.0).iter().all(|h| *h > -1e-4), "no toe goes below the ground");
+    }
 }
