@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use throng_runtime::base::limits;
-use throng_runtime::policy::{BestActionJob, MAX_ACTIONS};
+use throng_runtime::policy::{BestActionJob, MAX_ACTIONS, TargetGrid};
 
 /// Ask a policy of a bundle for the action of a state and a target.
 #[derive(clap::Args)]
@@ -25,6 +25,13 @@ pub struct Args {
     /// Target in the frame of the character, in metres: X to its left, Z ahead.
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_point)]
     target: [f32; 2],
+    /// Height of the target over the ground, in metres, where the policy asks for one, as blows do; the middle of what it
+    /// knows by default.
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = limits::number::<f32>(&limits::COORDINATE))]
+    height: Option<f32>,
+    /// Time left until the blow lands, in seconds, where the policy asks for one, as evading does.
+    #[arg(long, value_name = "S", value_parser = limits::number::<f32>(&limits::SECONDS))]
+    time_left: Option<f32>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -46,6 +53,10 @@ struct Report {
     state: u32,
     /// Target in the frame of the character: X to its left, Z ahead (m).
     target_m: [f32; 2],
+    /// Its height over the ground, where the policy asks for one (m).
+    height_m: Option<f32>,
+    /// Time left until the blow lands, where the policy asks for one (s).
+    time_left_s: Option<f32>,
     /// Best action, as an index within the actions of the state.
     action: usize,
     /// Value of the state for this target.
@@ -60,6 +71,45 @@ struct Report {
     single_load_action: u8,
     /// The best few actions, best first.
     best: Vec<Ranked>,
+}
+
+/// What a policy asks for beside the place on the ground.
+#[derive(Clone, Copy)]
+enum Third {
+    Nothing,
+    Height(f32),
+    TimeLeft(f32),
+}
+
+impl Third {
+    fn value(self) -> f32 {
+        self.height_m().or(self.time_left_s()).unwrap_or(0.0)
+    }
+
+    fn height_m(self) -> Option<f32> {
+        if let Self::Height(height) = self { Some(height) } else { None }
+    }
+
+    fn time_left_s(self) -> Option<f32> {
+        if let Self::TimeLeft(time) = self { Some(time) } else { None }
+    }
+}
+
+/// What is given of it, or why it does not fit.
+fn third(args: &Args, grid: &TargetGrid) -> Result<Third, String> {
+    let record = grid.record();
+    let [first, last] = [0.0, (record.num_heights - 1) as f32].map(|k| record.height_start + k * record.height_spacing);
+    match (grid.is_space_time(), record.num_heights > 1) {
+        (true, _) if args.height.is_some() => Err("it knows no height. Leave --height out".into()),
+        (true, _) => args
+            .time_left
+            .map(Third::TimeLeft)
+            .ok_or_else(|| format!("it is about a blow that lands soon. Add --time-left S, from {first} to {last:.2}")),
+        (false, _) if args.time_left.is_some() => Err("it is not about a moment. Leave --time-left out".into()),
+        (false, true) => Ok(Third::Height(args.height.unwrap_or(0.5 * (first + last)))),
+        (false, false) if args.height.is_some() => Err("it knows no height. Leave --height out".into()),
+        (false, false) => Ok(Third::Nothing),
+    }
 }
 
 pub fn run(args: &Args) -> Outcome {
@@ -78,7 +128,11 @@ pub fn run(args: &Args) -> Outcome {
             num_states.saturating_sub(1)
         ));
     }
-    let target = Vec3::new(args.target[0], 0.0, args.target[1]);
+    let third = match third(args, policy.grid()) {
+        Ok(third) => third,
+        Err(why) => return fail(format!("policy `{}` of {}: {why}", args.behaviour, args.file.display())),
+    };
+    let target = Vec3::new(args.target[0], third.value(), args.target[1]);
     let mut scores = [0.0; MAX_ACTIONS];
     let n = policy.action_scores(state, target, &mut scores)?;
     let mut single_load = [0u8];
@@ -92,6 +146,8 @@ pub fn run(args: &Args) -> Outcome {
         behaviour: args.behaviour.clone(),
         state,
         target_m: args.target,
+        height_m: third.height_m(),
+        time_left_s: third.time_left_s(),
         action: order[0],
         value: policy.value(state, target),
         score: scores[order[0]],

@@ -46,6 +46,30 @@ fn bundle() -> String {
 }
 
 #[test]
+fn queries_ask_for_the_height_of_a_target_and_the_moment_of_a_blow() {
+    let bundle = bundle();
+    let ask = |behaviour, more: &[&str]| {
+        let words = ["query", "action", &bundle, "--behaviour", behaviour, "--state", "0", "--target", "0,0.6"];
+        words.into_iter().chain(more.iter().copied()).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let words = |all: &[String]| json(&all.iter().map(String::as_str).collect::<Vec<_>>(), &["value", "height_m"]);
+    let refused = |all: &[String]| failed(&all.iter().map(String::as_str).collect::<Vec<_>>());
+
+    let [low, high] = ["0.2", "1.4"].map(|m| words(&ask("throw-punches", &["--height", m, "--json"])));
+    assert_eq!((low["height_m"].as_f64(), low["time_left_s"].as_f64()), (Some(f64::from(0.2f32)), None));
+    assert!(high["value"].as_f64() > low["value"].as_f64(), "nobody strikes at shins: {low} {high}");
+    let middle = words(&ask("throw-punches", &["--json"]))["height_m"].as_f64().unwrap_or(0.0);
+    assert!((0.8..1.8).contains(&middle), "{middle}");
+
+    let soon = words(&ask("evade", &["--time-left", "0.3", "--json"]));
+    assert!(soon["time_left_s"].as_f64().is_some_and(|s| (s - 0.3).abs() < 1e-6), "{soon}");
+    let e = refused(&ask("evade", &[]));
+    assert!(e.contains("policy `evade`") && e.contains("Add --time-left S, from 0 to"), "{e}");
+    assert!(refused(&ask("approach", &["--height", "1"])).contains("knows no height"));
+    assert!(refused(&ask("throw-punches", &["--time-left", "1"])).contains("not about a moment"));
+}
+
+#[test]
 fn pairs_spar_and_are_measured_and_drawn() {
     let bundle = bundle();
     let (scene, png) = (at(&PLACE, "pair.toml"), at(&PLACE, "pair.png"));
