@@ -8,6 +8,7 @@
 use bevy::app::PluginsState;
 use bevy::asset::AssetPlugin;
 use bevy::camera::RenderTarget;
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::light::{CascadeShadowConfigBuilder, GlobalAmbientLight};
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
@@ -74,14 +75,14 @@ fn stage(app: &mut App, bundle: &Path, people: usize) -> Result<Handle<Image>, S
     let world = app.world_mut();
     let side = (people as f32).sqrt().ceil().max(1.0);
     let half = 0.5 * side * SPACING_M;
-    let mut image = Image::new_target_texture(1600, 900, TextureFormat::Rgba8UnormSrgb, None);
+    let mut image = Image::new_target_texture(1280, 720, TextureFormat::Rgba8UnormSrgb, None);
     image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
     let target = world.resource_mut::<Assets<Image>>().add(image);
     let ground = world.resource_mut::<Assets<Mesh>>().add(Plane3d::new(Vec3::Y, Vec2::splat(half + 60.0)));
     let grey = StandardMaterial { base_color: Color::srgb(0.62, 0.62, 0.6), perceptual_roughness: 1.0, ..default() };
     let grey = world.resource_mut::<Assets<StandardMaterial>>().add(grey);
     world.spawn((Mesh3d(ground), MeshMaterial3d(grey)));
-    let cascades = CascadeShadowConfigBuilder { maximum_distance: 120.0, ..default() };
+    let cascades = CascadeShadowConfigBuilder { num_cascades: 2, maximum_distance: 90.0, ..default() };
     world.spawn((
         DirectionalLight { illuminance: 9000.0, shadow_maps_enabled: true, ..default() },
         cascades.build(),
@@ -91,6 +92,8 @@ fn stage(app: &mut App, bundle: &Path, people: usize) -> Result<Handle<Image>, S
     world.insert_resource(ClearColor(Color::srgb(0.78, 0.86, 0.93)));
     world.spawn((
         Camera3d::default(),
+        // One that needs no table.
+        Tonemapping::AcesFitted,
         Camera { is_active: false, ..default() },
         RenderTarget::Image(target.clone().into()),
         Transform::from_xyz(0.0, 4.5, half + 3.0).looking_at(Vec3::new(0.0, 0.0, half - 18.0), Vec3::Y),
@@ -105,7 +108,7 @@ fn stage(app: &mut App, bundle: &Path, people: usize) -> Result<Handle<Image>, S
         let at = Vec3::new(place(column), 0.0, place(row));
         let start =
             Transform::from_translation(at).with_rotation(Quat::from_rotation_y(0.5 * way * std::f32::consts::PI));
-        world.spawn((Character { crowd }, start, Aim::approach(at + 100.0 * way * Vec3::X)));
+        world.spawn((Character { crowd }, start, Aim::approach(at + 30.0 * way * Vec3::X)));
     }
     Ok(target)
 }
@@ -131,10 +134,10 @@ fn draw(app: &mut App, target: Handle<Image>, png: &Path) -> Result<(), String> 
     let mut cameras = app.world_mut().query::<&mut Camera>();
     cameras.iter_mut(app.world_mut()).for_each(|mut camera| camera.is_active = true);
     // Buffers, shaders and shadows are there after a few.
-    (0..4).for_each(|_| app.update());
+    (0..2).for_each(|_| app.update());
     let begun = Instant::now();
-    (0..3).for_each(|_| app.update());
-    let frame_s = begun.elapsed().as_secs_f64() / 3.0;
+    (0..2).for_each(|_| app.update());
+    let frame_s = begun.elapsed().as_secs_f64() / 2.0;
     let near = app.world_mut().query::<&Joints>().iter(app.world()).count();
     let adapter = app.world().resource::<RenderAdapterInfo>();
     println!("drawn, {near} of them with joints: {:.2} s a frame on {}", frame_s, adapter.name);

@@ -144,7 +144,8 @@ fn people_walk_as_they_do_without_bevy() {
         let (root, at) = (rust.bodies().get(entered.id).expect("it is there").root, stage.place(*entity));
         assert_eq!([at.x, at.z], [root.x, root.z]);
         let ahead = stage.app.world().get::<Transform>(*entity).expect("it is there").rotation * Vec3::Z;
-        assert!((ahead.x.atan2(ahead.z) - root.heading).rem_euclid(std::f32::consts::TAU).sin().abs() < 1e-4);
+        let expected = Vec2::new(root.heading.sin(), root.heading.cos());
+        assert!(ahead.xz().distance(expected) < 1e-4, "{ahead} {expected}");
         came_nearer += usize::from(at.distance(TARGET) < start(k).distance(TARGET) - 0.5);
     }
     assert!(came_nearer > 20, "{came_nearer} of 40 came nearer");
