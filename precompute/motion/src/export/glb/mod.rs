@@ -14,6 +14,7 @@ use crate::error::BuildError;
 pub(crate) use figure::empty;
 use parts::Parts;
 use std::io::{self, Write};
+use throng_core::PlainBody;
 
 /// A document of a take, ready to be written.
 pub struct Glb<'a> {
