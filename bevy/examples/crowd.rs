@@ -18,6 +18,7 @@ use bevy::render::view::screenshot::{Screenshot, save_to_disk};
 use bevy::time::TimeUpdateStrategy;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use throng_bevy::runtime::characters::{AvoidConfig, CharactersConfig, Choice};
 use throng_bevy::{Aim, Character, Crowd, CrowdMessage, Joints, ThrongPlugin};
 
 /// Each has a square of this side to start in (m).
@@ -99,15 +100,19 @@ fn stage(app: &mut App, bundle: &Path, people: usize) -> Result<Handle<Image>, S
         Transform::from_xyz(0.0, 4.5, half + 3.0).looking_at(Vec3::new(0.0, 0.0, half - 18.0), Vec3::Y),
     ));
     let bundle = world.resource::<AssetServer>().load(name);
-    let crowd = world.spawn(Crowd::new(bundle, people)).id();
+    let (avoid, choice) = (Some(AvoidConfig::default()), Choice::LookAhead { temperature: 0.5 });
+    let config = CharactersConfig { avoid, choice, ..CharactersConfig::default() };
+    let crowd = world.spawn(Crowd::new(bundle, people).with_config(config)).id();
     for k in 0..people {
         let (column, row) = (k as f32 % side, (k as f32 / side).floor());
         let place = |at: f32| SPACING_M * (at + 0.5) - half;
         // Lanes in turn walk left and right.
         let way = if row as usize % 2 == 0 { 1.0 } else { -1.0 };
-        let at = Vec3::new(place(column), 0.0, place(row));
-        let start =
-            Transform::from_translation(at).with_rotation(Quat::from_rotation_y(0.5 * way * std::f32::consts::PI));
+        // Scattered, each in its square, as the golden ratio scatters.
+        let scattered = |by: f32| 0.9 * ((k as f32 * by).fract() - 0.5);
+        let at = Vec3::new(place(column) + scattered(0.618_034), 0.0, place(row) + scattered(0.754_877));
+        let turn = way * std::f32::consts::FRAC_PI_2 + 0.6 * scattered(0.569_84);
+        let start = Transform::from_translation(at).with_rotation(Quat::from_rotation_y(turn));
         world.spawn((Character { crowd }, start, Aim::approach(at + 30.0 * way * Vec3::X)));
     }
     Ok(target)
