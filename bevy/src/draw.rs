@@ -102,7 +102,7 @@ fn dress(
         let most = device.limits().max_storage_buffer_binding_size;
         let made = look.meshes(&live.bundle).and_then(|meshes| {
             let rows = rows(&live.bundle).map_err(|e| e.to_string())?;
-            match rows.len() as u64 <= most as u64 {
+            match rows.len() as u64 <= most {
                 true => Ok((meshes, rows)),
                 false => Err(format!(
                     "its frame rows take {} bytes where the adapter takes {most} in one buffer; bake fewer clips",

@@ -60,26 +60,32 @@ pub fn open(
     }
 }
 
-/// Lets those enter who wait; all at once, so that they may stand close.
+/// Lets those enter who wait. Into an empty crowd all come at once, so that they may stand close.
 pub fn enter(
     mut commands: Commands,
-    mut crowds: Query<&mut Crowd>,
+    mut crowds: Query<(Entity, &mut Crowd)>,
     waiting: Query<(Entity, &Character, &Transform), (Without<Entered>, Without<Refused>)>,
     mut told: MessageWriter<CrowdMessage>,
 ) {
     if waiting.is_empty() {
         return;
     }
-    crowds.iter_mut().filter_map(|crowd| crowd.into_inner().live.as_mut()).for_each(|live| live.cast.gather());
+    // Those who come first come together.
+    let mut gathering = Vec::new();
+    for (entity, mut crowd) in &mut crowds {
+        if let Some(live) = crowd.live.as_mut().filter(|live| live.cast.ids().is_empty()) {
+            live.cast.gather();
+            gathering.push(entity);
+        }
+    }
     for (entity, character, transform) in &waiting {
-        let done = match crowds.get_mut(character.crowd).map(|crowd| crowd.into_inner().live.as_mut()) {
+        let done = match crowds.get_mut(character.crowd).map(|(_, crowd)| crowd.into_inner().live.as_mut()) {
             Ok(None) => continue,
-            Ok(Some(live)) => {
-                live.cast.spawn(Spawn::standing(planar(transform))).map_err(|e| e.to_string()).map(|id| {
-                    live.entities[id.index()] = entity;
-                    id
-                })
-            }
+            Ok(Some(live)) => live
+                .cast
+                .spawn(Spawn::standing(planar(transform)))
+                .inspect(|id| live.entities[id.index()] = entity)
+                .map_err(|e| e.to_string()),
             Err(_) => Err(format!("{} is no crowd; spawn a Crowd first", character.crowd)),
         };
         match done {
@@ -90,7 +96,13 @@ pub fn enter(
             }
         }
     }
-    crowds.iter_mut().filter_map(|crowd| crowd.into_inner().live.as_mut()).for_each(|live| live.cast.settle());
+    for entity in gathering {
+        if let Ok((_, mut crowd)) = crowds.get_mut(entity)
+            && let Some(live) = &mut crowd.live
+        {
+            live.cast.settle();
+        }
+    }
 }
 
 /// Where a transform stands and looks.
