@@ -3,6 +3,7 @@
 #
 #   scripts/web.sh [PORT]        http://localhost:8000/
 #   scripts/web.sh --build       build alone, and say the sizes
+#   scripts/web.sh --compare     build the module alone, and compare a thousand people and agents in it with a native run
 #   scripts/web.sh --test        build, and try it in headless Chromium; says why it is skipped where there is none
 #
 # Needs npm, and of rustup the target wasm32-unknown-unknown, which it adds.
@@ -14,10 +15,21 @@ if [ "${1:-}" = --test ]; then
     chromium="$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)"
     [ -n "$chromium" ] || { echo "web: skipped: there is no Chromium (Debian: apt-get install chromium)"; exit 0; }
 fi
+module() {
+    rustup target add wasm32-unknown-unknown >/dev/null 2>&1 || true
+    RUSTFLAGS="-C target-feature=+simd128" cargo build -q -p throng-web --profile web --target wasm32-unknown-unknown
+}
+if [ "${1:-}" = --compare ]; then
+    command -v node >/dev/null || { echo "web: there is no node; install Node.js" >&2; exit 1; }
+    module
+    mkdir -p "$target/web"
+    bundle="$(ls data/golden/tables_v*.throng | sort -V | tail -1)"
+    cargo run -q -p throng-web --example records -- "$bundle" 1000 600 > "$target/web/records"
+    exec node scripts/compare-web.mjs "$target/wasm32-unknown-unknown/web/throng_web.wasm" "$bundle" 1000 600 "$target/web/records"
+fi
 command -v npm >/dev/null || { echo "web: there is no npm; install Node.js" >&2; exit 1; }
 mkdir -p "$out"
-rustup target add wasm32-unknown-unknown >/dev/null 2>&1 || true
-RUSTFLAGS="-C target-feature=+simd128" cargo build -q -p throng-web --profile web --target wasm32-unknown-unknown
+module
 cp "$target/wasm32-unknown-unknown/web/throng_web.wasm" "$out/"
 # A pinned version of what draws, and of what packs it.
 (cd "$target/web" && { [ -e package.json ] || echo '{ "private": true }' > package.json; } &&

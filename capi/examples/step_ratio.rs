@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let number = unsafe {
         said(throng_bundle_open(path.as_ptr(), &mut bundle));
         let mut config = std::mem::MaybeUninit::uninit();
-        said(throng_characters_config_init(config.as_mut_ptr()));
+        said(throng_characters_config_init(config.as_mut_ptr(), size_of_val(&config)));
         said(throng_characters_new(bundle, config.as_ptr(), &mut c));
         let mut number = 0;
         said(throng_bundle_policy(bundle, c"approach".as_ptr(), &mut number));

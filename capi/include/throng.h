@@ -190,7 +190,7 @@ typedef struct ThrongSimulation {
  */
 typedef struct ThrongCharactersConfig {
   /**
-   * `sizeof(ThrongCharactersConfig)`: fields that a later version has keep their defaults.
+   * `sizeof(ThrongCharactersConfig)`, as `throng_characters_config_init` writes it.
    */
   size_t struct_size;
   /**
@@ -213,6 +213,14 @@ typedef struct ThrongCharactersConfig {
    * Time in which the offset of a transition halves (s).
    */
   float half_life_s;
+  /**
+   * 1: steps also leave a `ThrongInstance` of everybody.
+   */
+  uint32_t instances;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
 } ThrongCharactersConfig;
 
 /**
@@ -281,6 +289,76 @@ typedef struct ThrongEvent {
    */
   float at[3];
 } ThrongEvent;
+
+/**
+ * Where characters are looked at from, and who is near enough for what. They go where they would go without it.
+ *
+ * Eight characters whose rows are neighbours have one level: that of the nearest.
+ */
+typedef struct ThrongDetail {
+  /**
+   * The eye, along X (m).
+   */
+  float eye_x;
+  /**
+   * The eye, along Z (m).
+   */
+  float eye_z;
+  /**
+   * Feet stay in place up to this distance; -1 for nobody (m).
+   */
+  float full_m;
+  /**
+   * Poses are computed up to this distance, at least `full_m`; the matrices of others stay as they were (m).
+   */
+  float posed_m;
+} ThrongDetail;
+
+/**
+ * What a GPU needs to pose a character from the frame rows of its bundle (32 bytes; `throng_bundle_write_rows`).
+ *
+ * The pose is `mix(mix(row_a, row_a + 1, frac), mix(row_b, row_b + 1, frac), blend)`: what is played, and what a
+ * transition left and fades out. It stands at (x, y, z) and is turned by the heading, in Throng's axes: that is
+ * (-x, y, z) and -heading in Unity, (100 z, -100 x, 100 y) and a yaw of -heading in Unreal.
+ */
+typedef struct ThrongInstance {
+  /**
+   * Frame row; the one after it is of the same clip, or `frac` is 0.
+   */
+  uint32_t row_a;
+  /**
+   * Frame row of what fades out; `row_a` where nothing does.
+   */
+  uint32_t row_b;
+  /**
+   * How far to the next rows (65535 is 1).
+   */
+  uint16_t frac;
+  /**
+   * The weight of `row_b` (65535 is 1).
+   */
+  uint16_t blend;
+  /**
+   * Number of the character's place, for looks (< capacity).
+   */
+  uint32_t variant;
+  /**
+   * Along X, to the left of heading 0 (m).
+   */
+  float x;
+  /**
+   * Height of the ground there (m).
+   */
+  float y;
+  /**
+   * Along Z (m).
+   */
+  float z;
+  /**
+   * About +Y from +Z (rad).
+   */
+  float heading;
+} ThrongInstance;
 
 #ifdef __cplusplus
 extern "C" {
@@ -420,10 +498,12 @@ enum ThrongStatus throng_simulation_restore(struct ThrongSimulation simulation, 
 /**
  * Fills in the defaults: seed 1, 1000 characters who make way.
  *
+ * @param size `sizeof(ThrongCharactersConfig)`.
+ *
  * @pre
- * `config` can be written.
+ * `config` has room for `size` bytes.
  */
-enum ThrongStatus throng_characters_config_init(struct ThrongCharactersConfig *config);
+enum ThrongStatus throng_characters_config_init(struct ThrongCharactersConfig *config, size_t size);
 
 /**
  * Room for characters that policies of a bundle move; nobody is there yet.
@@ -554,6 +634,54 @@ enum ThrongStatus throng_simulation_write_matrices(struct ThrongSimulation simul
                                                    size_t size,
                                                    size_t stride,
                                                    uint32_t layout);
+
+/**
+ * Says who is posed in the next steps.
+ *
+ * @param detail null for everybody, as it is at first.
+ *
+ * @pre
+ * `detail` is null or can be read.
+ */
+enum ThrongStatus throng_characters_set_detail(struct ThrongSimulation simulation, const struct ThrongDetail *detail);
+
+/**
+ * Copies the records of everybody, in the order of rows. None are there unless `ThrongCharactersConfig.instances`.
+ *
+ * @param instances room for `capacity` records.
+ * @param count how many there are; more than `capacity` are left out.
+ *
+ * @pre
+ * `instances` has this room, `count` can be written.
+ */
+enum ThrongStatus throng_characters_instances(struct ThrongSimulation simulation,
+                                              struct ThrongInstance *instances,
+                                              size_t capacity,
+                                              size_t *count);
+
+/**
+ * How many frame rows a bundle has.
+ *
+ * @pre
+ * `count` can be written.
+ */
+enum ThrongStatus throng_bundle_num_rows(struct ThrongBundle bundle, size_t *count);
+
+/**
+ * Writes the poses of all frame rows, once for a bundle: the matrix from each joint to the character's own frame. A body
+ * is skinned by such a matrix after the inverse of the joint's one at rest, which does not turn.
+ *
+ * @param matrices rows times `THRONG_NUM_JOINTS` matrices, without gaps.
+ * @param size its length (bytes).
+ * @param layout a `ThrongLayout`.
+ *
+ * @pre
+ * `matrices` has room for `size` bytes.
+ */
+enum ThrongStatus throng_bundle_write_rows(struct ThrongBundle bundle,
+                                           float *matrices,
+                                           size_t size,
+                                           uint32_t layout);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -66,6 +66,14 @@ public:
         check(throng_bundle_skeleton(handle_, joints.data()));
         return joints;
     }
+    /// Poses of all frame rows, for a vertex shader that makes poses from ThrongInstance.
+    std::vector<float> rows(ThrongLayout layout) const {
+        std::size_t count = 0;
+        check(throng_bundle_num_rows(handle_, &count));
+        std::vector<float> all(count * THRONG_NUM_JOINTS * throng_layout_floats(layout));
+        check(throng_bundle_write_rows(handle_, all.data(), all.size() * sizeof(float), layout));
+        return all;
+    }
 };
 
 /// Characters who move: what scenes and characters of a bundle have in common.
@@ -109,19 +117,19 @@ public:
 
 protected:
     Simulation() = default;
-
-private:
-    template <typename T> T asked(ThrongStatus (*call)(ThrongSimulation, T *)) const {
-        T value{};
-        check(call(handle_, &value));
-        return value;
-    }
     template <typename T> std::vector<T> records(ThrongStatus (*call)(ThrongSimulation, T *, std::size_t, std::size_t *)) const {
         std::size_t count = 0;
         check(call(handle_, nullptr, 0, &count));
         std::vector<T> all(count);
         check(call(handle_, all.data(), all.size(), &count));
         return all;
+    }
+
+private:
+    template <typename T> T asked(ThrongStatus (*call)(ThrongSimulation, T *)) const {
+        T value{};
+        check(call(handle_, &value));
+        return value;
     }
 };
 
@@ -130,7 +138,7 @@ class Characters : public Simulation {
 public:
     static ThrongCharactersConfig config() {
         ThrongCharactersConfig config;
-        check(throng_characters_config_init(&config));
+        check(throng_characters_config_init(&config, sizeof config));
         return config;
     }
     explicit Characters(const Bundle &bundle, const ThrongCharactersConfig &with = config()) {
@@ -148,6 +156,10 @@ public:
     void order(ThrongId id, uint32_t policy, float x, float y, float z) {
         check(throng_characters_order(handle_, id, policy, x, y, z));
     }
+    /// Records of everybody; none unless config().instances.
+    std::vector<ThrongInstance> instances() const { return records<ThrongInstance>(throng_characters_instances); }
+    /// Who is posed from now on; null for everybody.
+    void set_detail(const ThrongDetail *detail) { check(throng_characters_set_detail(handle_, detail)); }
     std::pair<ThrongProgress, float> progress(ThrongId id) const {
         std::pair<ThrongProgress, float> found{};
         check(throng_characters_progress(handle_, id, &found.first, &found.second));

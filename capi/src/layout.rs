@@ -1,5 +1,6 @@
 //! Axes and matrices of engines.
 
+use crate::fault::{Fault, ThrongStatus};
 use throng_runtime::{Mat3x4, Planar};
 
 /// How matrices lie in memory, and in which axes.
@@ -22,8 +23,17 @@ pub extern "C" fn throng_layout_floats(layout: u32) -> usize {
 }
 
 /// The layout of a number of C, where there is one.
-pub fn named(layout: u32) -> Option<ThrongLayout> {
+fn named(layout: u32) -> Option<ThrongLayout> {
     [ThrongLayout::Throng, ThrongLayout::Unity, ThrongLayout::Unreal].into_iter().find(|l| *l as u32 == layout)
+}
+
+/// The layout of a number of C.
+///
+/// # Errors
+/// [`ThrongStatus::Value`] where there is none.
+pub fn layout_of(layout: u32) -> Result<ThrongLayout, Fault> {
+    named(layout)
+        .ok_or_else(|| Fault::new(ThrongStatus::Value, format!("there is no layout {layout}, expected 0 to 2")))
 }
 
 /// Floats of one matrix.

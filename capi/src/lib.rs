@@ -7,6 +7,7 @@
 mod desk;
 mod fault;
 mod handles;
+mod instances;
 mod layout;
 mod read;
 mod scene;
@@ -14,6 +15,10 @@ mod stage;
 mod tables;
 
 pub use fault::{ThrongStatus, throng_last_error};
+pub use instances::{
+    ThrongDetail, ThrongInstance, throng_bundle_num_rows, throng_bundle_write_rows, throng_characters_instances,
+    throng_characters_set_detail,
+};
 pub use layout::{ThrongLayout, throng_layout_floats};
 pub use read::{
     ThrongEvent, ThrongHappened, ThrongRoot, throng_simulation_events, throng_simulation_roots,

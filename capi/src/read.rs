@@ -1,7 +1,7 @@
 //! Where characters are, how they stand, and what happened to them.
 
 use crate::fault::{Fault, ThrongStatus, call, check_pointer, copy_records};
-use crate::layout::{floats, named, place, write};
+use crate::layout::{floats, layout_of, place, write};
 use crate::scene::ThrongId;
 use crate::stage::{Stage, ThrongSimulation, with};
 use throng_base::Id;
@@ -154,8 +154,7 @@ pub unsafe extern "C" fn throng_simulation_write_matrices(
     layout: u32,
 ) -> ThrongStatus {
     call(|| {
-        let why = || Fault::new(ThrongStatus::Value, format!("there is no layout {layout}, expected 0 to 2"));
-        let layout = named(layout).ok_or_else(why)?;
+        let layout = layout_of(layout)?;
         with(simulation.handle, |stage, _| {
             let (n, length) = (stage.num_characters(), NUM_JOINTS * floats(layout));
             if n == 0 {

@@ -24,7 +24,7 @@ pub struct ThrongId {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ThrongCharactersConfig {
-    /// `sizeof(ThrongCharactersConfig)`: fields that a later version has keep their defaults.
+    /// `sizeof(ThrongCharactersConfig)`, as `throng_characters_config_init` writes it.
     pub struct_size: usize,
     /// Seed of random choices.
     pub seed: u64,
@@ -36,9 +36,13 @@ pub struct ThrongCharactersConfig {
     pub temperature: f32,
     /// Time in which the offset of a transition halves (s).
     pub half_life_s: f32,
+    /// 1: steps also leave a `ThrongInstance` of everybody.
+    pub instances: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
-const _: () = assert!(size_of::<ThrongCharactersConfig>() == 32);
+const _: () = assert!(size_of::<ThrongCharactersConfig>() == 40);
 
 impl ThrongCharactersConfig {
     fn standard() -> Self {
@@ -50,18 +54,38 @@ impl ThrongCharactersConfig {
             makes_way: 1,
             temperature: 0.0,
             half_life_s: standard.half_life_s,
+            instances: 0,
+            reserved: 0,
         }
     }
 }
 
+/// This version's size, so that a caller of another one is refused before anything of it is touched.
+fn check_size(what: &str, size: usize) -> Result<(), Fault> {
+    let expected = size_of::<ThrongCharactersConfig>();
+    if size == expected {
+        return Ok(());
+    }
+    let why = format!("`{what}` is {size}, expected {expected}; compile with the header of this library");
+    Err(Fault::new(ThrongStatus::Value, why))
+}
+
 /// Fills in the defaults: seed 1, 1000 characters who make way.
 ///
+/// @param size `sizeof(ThrongCharactersConfig)`.
+///
 /// # Safety
-/// `config` can be written.
+/// `config` has room for `size` bytes.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn throng_characters_config_init(config: *mut ThrongCharactersConfig) -> ThrongStatus {
-    // SAFETY: promised by the caller.
-    call(|| unsafe { write("config", config, ThrongCharactersConfig::standard()) })
+pub unsafe extern "C" fn throng_characters_config_init(
+    config: *mut ThrongCharactersConfig,
+    size: usize,
+) -> ThrongStatus {
+    call(|| {
+        check_size("size", size)?;
+        // SAFETY: it has this size; promised by the caller.
+        unsafe { write("config", config, ThrongCharactersConfig::standard()) }
+    })
 }
 
 /// Room for characters that policies of a bundle move; nobody is there yet.
@@ -79,13 +103,7 @@ pub unsafe extern "C" fn throng_characters_new(
         check_pointer("config", config)?;
         check_pointer("simulation", simulation)?;
         // SAFETY: the first field, which every version has.
-        let size = unsafe { (&raw const (*config).struct_size).read() };
-        let expected = size_of::<ThrongCharactersConfig>();
-        if size != expected {
-            let why =
-                format!("`config.struct_size` is {size}, expected {expected}; call throng_characters_config_init");
-            return Err(Fault::new(ThrongStatus::Value, why));
-        }
+        check_size("config.struct_size", unsafe { (&raw const (*config).struct_size).read() })?;
         // SAFETY: it has this size.
         let c = unsafe { config.read() };
         let config = CharactersConfig {
@@ -93,6 +111,7 @@ pub unsafe extern "C" fn throng_characters_new(
             choice: Choice::LookAhead { temperature: c.temperature },
             half_life_s: c.half_life_s,
             avoid: (c.makes_way != 0).then(AvoidConfig::default),
+            instances: c.instances != 0,
             ..CharactersConfig::default()
         };
         let characters = PolicyCharacters::with_capacity(&bundle, c.capacity as usize, config)?;

@@ -4,9 +4,9 @@
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use throng_runtime::characters::{AvoidConfig, CharactersConfig, PolicyCharacters, Spawn};
+use throng_runtime::characters::{AvoidConfig, CharactersConfig, MotionSet, PolicyCharacters, SampleJob, Spawn};
 use throng_runtime::simulation::{Scene, Simulation};
-use throng_runtime::{Bundle, Cast, Inline, Mat3x4, Planar};
+use throng_runtime::{Bundle, Cast, Inline, Mat3x4, NUM_JOINTS, Planar};
 
 fn folder() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -61,7 +61,8 @@ fn run(source: &str, compiler: &str, options: &[&str], arguments: &[&Path]) -> O
 /// The walk of the clients.
 fn walk() -> PolicyCharacters {
     let bundle = Bundle::open(bundle()).expect("the golden bundle");
-    let config = CharactersConfig { avoid: Some(AvoidConfig::default()), ..CharactersConfig::default() };
+    let config =
+        CharactersConfig { avoid: Some(AvoidConfig::default()), instances: true, ..CharactersConfig::default() };
     let mut people = PolicyCharacters::with_capacity(&bundle, 40, config).expect("room");
     let approach = bundle.policy("approach").expect("a policy");
     for k in 0..40 {
@@ -109,10 +110,20 @@ fn c_sees_what_rust_sees_and_misuse_is_refused() {
         floats
     };
     let ours = |m: &Mat3x4| m.rows.as_flattened().to_vec();
+    let bundle = Bundle::open(bundle()).expect("the golden bundle");
+    let (motion_set, frames) = (&MotionSet::new(&bundle), (0..bundle.frames().len() as u32).collect::<Vec<_>>());
+    let mut rows = vec![Mat3x4::default(); frames.len() * NUM_JOINTS];
+    let job = SampleJob { motion_set, frames: &frames, ratios: &vec![0.0; frames.len()], matrices: &mut rows };
+    job.run().expect("frames that there are");
+    let rows = |floats: &dyn Fn(&Mat3x4) -> Vec<f32>| of_floats(rows.iter().flat_map(floats));
     let expected = format!(
-        "hash {:016x}\nroots{}\nmatrices {:016x}\nmatrices {:016x}\nmatrices {:016x}\n",
+        "rows {:016x}\nrows {:016x}\nrows {:016x}\nhash {:016x}\nroots{}\ninstances {:016x}\nmatrices {:016x}\nmatrices {:016x}\nmatrices {:016x}\n",
+        rows(&ours),
+        rows(&unity),
+        rows(&unreal),
         people.hash(),
         roots.collect::<String>(),
+        fnv(bytemuck::cast_slice(people.instances()).iter().copied()),
         all(&ours),
         all(&unity),
         all(&unreal)

@@ -26,7 +26,7 @@ trait Sources {
 impl Sources for cbindgen::Builder {
     /// Every source file, in the order in which readers meet them.
     fn with_src_dirs(self, folder: &Path) -> Self {
-        ["fault", "tables", "stage", "scene", "layout", "read"]
+        ["fault", "tables", "stage", "scene", "layout", "read", "instances"]
             .iter()
             .fold(self, |builder, name| builder.with_src(folder.join(format!("src/{name}.rs"))))
     }

@@ -39,12 +39,30 @@ namespace Throng
         public ulong Seed;
         public uint Capacity, MakesWay;
         public float Temperature, HalfLifeSeconds;
+        /// 1: steps also leave an Instance of everybody.
+        public uint Instances;
+        uint reserved;
 
         public static Config Standard
         {
-            get { Config config; Native.Check(Native.throng_characters_config_init(out config)); return config; }
+            get { Config config; Native.Check(Native.throng_characters_config_init(out config, (UIntPtr)Marshal.SizeOf(typeof(Config)))); return config; }
         }
     }
+
+    /// What a vertex shader needs to pose a character from Bundle.Rows (32 bytes), in Throng's axes: in Unity the place is
+    /// (-X, Y, Z), and the turn about Y is -Heading.
+    [StructLayout(LayoutKind.Sequential)]
+    public struct Instance
+    {
+        public uint RowA, RowB;
+        public ushort Frac, Blend;
+        public uint Variant;
+        public float X, Y, Z, Heading;
+    }
+
+    /// Who is posed: feet stay in place up to FullMetres from the eye, poses are computed up to PosedMetres.
+    [StructLayout(LayoutKind.Sequential)]
+    public struct Detail { public float EyeX, EyeZ, FullMetres, PosedMetres; }
 
     /// Tables of motion.
     public sealed class Bundle : IDisposable
@@ -62,6 +80,15 @@ namespace Throng
             uint number;
             Native.Check(Native.throng_bundle_policy(handle, Native.Text(behaviour), out number));
             return number;
+        }
+        /// Poses of all frame rows, as Simulation.Matrices has them: from each joint to the character's own frame.
+        public float[] Rows(Layout layout = Layout.Unity)
+        {
+            UIntPtr count;
+            Native.Check(Native.throng_bundle_num_rows(handle, out count));
+            var rows = new float[(ulong)count * Simulation.NumJoints * (ulong)Native.throng_layout_floats(layout)];
+            Native.Check(Native.throng_bundle_write_rows(handle, rows, (UIntPtr)(4 * (ulong)rows.LongLength), layout));
+            return rows;
         }
         public void Dispose()
         {
@@ -142,6 +169,21 @@ namespace Throng
             return matrices;
         }
 
+        /// Records of everybody, none unless Config.Instances; the array is used again where it has the length.
+        public Instance[] Instances(Instance[] instances = null)
+        {
+            UIntPtr count;
+            Native.Check(Native.throng_characters_instances(handle, null, UIntPtr.Zero, out count));
+            if (instances == null || instances.Length != (int)count) instances = new Instance[(int)count];
+            Native.Check(Native.throng_characters_instances(handle, instances, count, out count));
+            return instances;
+        }
+        /// Who is posed from now on; null for everybody.
+        public void SetDetail(Detail? detail)
+        {
+            Native.Check(Native.throng_characters_set_detail(handle, detail.HasValue ? new[] { detail.Value } : null));
+        }
+
         public byte[] Save()
         {
             UIntPtr size;
@@ -184,7 +226,7 @@ namespace Throng
         [DllImport(Library)] internal static extern Status throng_bundle_from_memory(byte[] bytes, UIntPtr size, out ulong bundle);
         [DllImport(Library)] internal static extern Status throng_bundle_free(ulong bundle);
         [DllImport(Library)] internal static extern Status throng_bundle_policy(ulong bundle, byte[] behaviour, out uint policy);
-        [DllImport(Library)] internal static extern Status throng_characters_config_init(out Config config);
+        [DllImport(Library)] internal static extern Status throng_characters_config_init(out Config config, UIntPtr size);
         [DllImport(Library)] internal static extern Status throng_characters_new(ulong bundle, ref Config config, out ulong made);
         [DllImport(Library)] internal static extern Status throng_characters_spawn(ulong of, float x, float z, float heading, out Id id);
         [DllImport(Library)] internal static extern Status throng_characters_despawn(ulong of, Id id);
@@ -199,6 +241,10 @@ namespace Throng
         [DllImport(Library)] internal static extern Status throng_simulation_time(ulong of, out double seconds);
         [DllImport(Library)] internal static extern Status throng_simulation_hash(ulong of, out ulong hash);
         [DllImport(Library)] internal static extern Status throng_simulation_roots(ulong of, [Out] Root[] roots, UIntPtr capacity, out UIntPtr count);
+        [DllImport(Library)] internal static extern Status throng_characters_instances(ulong of, [Out] Instance[] to, UIntPtr capacity, out UIntPtr count);
+        [DllImport(Library)] internal static extern Status throng_characters_set_detail(ulong of, Detail[] detail);
+        [DllImport(Library)] internal static extern Status throng_bundle_num_rows(ulong of, out UIntPtr count);
+        [DllImport(Library)] internal static extern Status throng_bundle_write_rows(ulong of, [Out] float[] to, UIntPtr bytes, Layout layout);
         [DllImport(Library)] internal static extern UIntPtr throng_layout_floats(Layout layout);
         [DllImport(Library)] internal static extern Status throng_simulation_write_matrices(ulong of, [Out] float[] to, UIntPtr bytes, UIntPtr stride, Layout layout);
         [DllImport(Library)] internal static extern Status throng_simulation_save(ulong of, [Out] byte[] to, UIntPtr capacity, out UIntPtr size);

@@ -6,16 +6,18 @@ use crate::simulation::write_pose;
 use numpy::{PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use throng_runtime::base::glam::Vec3;
+use throng_runtime::base::glam::{Vec2, Vec3};
 use throng_runtime::base::{Id, Inline};
-use throng_runtime::characters::{CharactersConfig, PolicyCharacters, Spawn};
+use throng_runtime::characters::{AvoidConfig, CharactersConfig, Detail, PolicyCharacters, Spawn};
 use throng_runtime::{Cast, NUM_JOINTS, Planar};
 
-/// Characters who follow one behaviour of a bundle to targets of their own, and make no way for each other.
+/// Characters who follow one behaviour of a bundle to targets of their own.
 ///
 /// - `roots`: where they start: x, z, heading (n x 3; m, radians).
 /// - `behaviour`: its name; the first one by default.
-#[pyclass(name = "Characters", module = "throng")]
+/// - `makes_way`: they keep clear of each other, and start apart.
+/// - `instances`: steps also leave records for a GPU, see `instances`.
+#[pyclass(name = "Characters", module = "throng", subclass)]
 pub struct PyCharacters {
     cast: PolicyCharacters,
     /// Nobody leaves, so that these are the rows, too.
@@ -25,12 +27,14 @@ pub struct PyCharacters {
 #[pymethods]
 impl PyCharacters {
     #[new]
-    #[pyo3(signature = (bundle, roots, behaviour=None, *, seed=1))]
+    #[pyo3(signature = (bundle, roots, behaviour=None, *, seed=1, makes_way=false, instances=false))]
     fn new(
         bundle: &Bound<'_, PyBundle>,
         roots: PyReadonlyArray2<'_, f32>,
         behaviour: Option<&str>,
         seed: u64,
+        makes_way: bool,
+        instances: bool,
     ) -> PyResult<Self> {
         let bundle = &bundle.get().0;
         let Some(first) = bundle.meta().behaviours.first() else {
@@ -38,14 +42,18 @@ impl PyCharacters {
         };
         let policy = bundle.policy(behaviour.unwrap_or(first)).map_err(error::of)?;
         let roots = points(&roots)?;
-        let config = CharactersConfig { seed, ..CharactersConfig::default() };
+        let avoid = makes_way.then(AvoidConfig::default);
+        let config = CharactersConfig { seed, avoid, instances, ..CharactersConfig::default() };
         let mut cast = PolicyCharacters::with_capacity(bundle, roots.len(), config).map_err(error::of)?;
+        // In any order, though they stand close.
         let enter = |r: &Vec3| {
             let id = cast.spawn(Spawn::standing(Planar::new(r.x, r.y, r.z)))?;
             cast.order(id, policy.aim(Vec3::new(r.x, 0.0, r.y)))?;
             Ok(id)
         };
+        cast.gather();
         let ids = roots.iter().map(enter).collect::<Result<_, _>>().map_err(error::of)?;
+        cast.settle();
         Ok(Self { cast, ids })
     }
 
@@ -87,6 +95,20 @@ impl PyCharacters {
             write_pose(pose, to);
         }
         PyArray1::from_vec(py, rows).reshape([model.len(), NUM_JOINTS, 3, 4])
+    }
+
+    /// The records as bytes, 32 each.
+    fn _instances<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        PyArray1::from_slice(py, bytemuck::cast_slice(self.cast.instances()))
+    }
+
+    /// Says who is posed from now on, as seen from an eye (x, z): feet stay in place up to `full_m`, poses are computed up
+    /// to `posed_m`, those of others stay as they were (m). Without an eye, everybody is. They go where they would go
+    /// without it.
+    #[pyo3(signature = (eye=None, full_m=20.0, posed_m=60.0))]
+    fn set_detail(&mut self, eye: Option<[f32; 2]>, full_m: f32, posed_m: f32) -> PyResult<()> {
+        let detail = eye.map(|eye| Detail { eye: Vec2::from_array(eye), full_m, posed_m });
+        self.cast.set_detail(detail).map_err(error::of)
     }
 
     /// The whole state, as bytes: what follows is the same, bit by bit, wherever it is restored.

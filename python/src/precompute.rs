@@ -9,8 +9,9 @@ use std::path::{Path, PathBuf};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::error::BuildError;
 use throng_precompute::export::{Glb, amass, bvh, each_actor, npz, take_csv, usda};
-use throng_precompute::import;
-use throng_precompute::perform::{PerformConfig, Show, perform};
+use throng_precompute::import::{self, ImportConfig};
+use throng_precompute::onto::Wearer;
+use throng_precompute::perform::{PerformConfig, Show, instances, perform};
 use throng_precompute::run::motion_name;
 use throng_precompute::trial::TrialConfig;
 use throng_precompute::{Warnings, files, pipeline};
@@ -67,8 +68,9 @@ pub fn load_clip(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     Ok(out)
 }
 
-/// Characters, first and last moment (s), frames a second, and whether clips are meant in place of characters.
-type Part = (Vec<usize>, Option<f64>, Option<f64>, Option<f64>, bool);
+/// Characters, first and last moment (s), frames a second, whether clips are meant in place of characters, and who wears
+/// the motion.
+type Part = (Vec<usize>, Option<f64>, Option<f64>, Option<f64>, bool, Option<PathBuf>);
 
 /// Lets a scene, or characters of a bundle, run, and writes that in a format of other programs; the files.
 #[pyfunction]
@@ -80,38 +82,60 @@ pub fn export(
     part: Part,
     cache: Option<PathBuf>,
 ) -> PyResult<Vec<PathBuf>> {
-    if !["glb", "usda", "bvh", "npz", "amass", "csv"].contains(&format) {
-        return Err(error::input(format!("format is \"{format}\", expected glb, usda, bvh, npz, amass or csv")));
+    if !["glb", "usda", "bvh", "npz", "amass", "csv", "instances"].contains(&format) {
+        return Err(error::input(format!(
+            "format is \"{format}\", expected glb, usda, bvh, npz, amass, csv or instances"
+        )));
     }
-    let (characters, from_s, to_s, rate_hz, clips) = part;
+    let (characters, from_s, to_s, rate_hz, clips, onto) = part;
+    if onto.is_some() && format != "glb" {
+        return Err(error::input(format!("`onto` is for glb, which Blender and others turn into {format}")));
+    }
+    // Before long work: it may not be a character.
+    let wearer = onto.map(|file| Wearer::open(&file, &ImportConfig::default())).transpose().map_err(error::of_build)?;
     let characters = characters.into_iter().map(|c| c..=c).collect();
     let config = PerformConfig { characters, from_s, to_s, rate_hz };
-    let save = |show: Show<'_>, signals: &Signals| save(show, &config, format, &out, signals);
+    let save = |show: Show<'_>, signals: &Signals| save(show, &config, format, wearer.as_ref(), &out, signals);
     if is_of(&what, "toml") {
+        if format == "instances" {
+            return Err(error::input("instances are of bundles: which of their clips play on characters"));
+        }
         return work::run(py, |signals| {
             let scene = work::open(&Scene::load(&what)?, cache, signals)?;
             save(Show::Scene(&scene), signals)
         });
     }
     let (bundle, trial) = (Bundle::open(&what).map_err(|e| error::of_format(&what, e))?, TrialConfig::default());
+    if format == "instances" {
+        return work::run(py, |signals| {
+            let played = instances(&bundle, &trial, &config, folder_of(&out), signals)?;
+            files::write_atomically(&out, |w| played.npz(w))?;
+            Ok(vec![out.clone()])
+        });
+    }
     let show = if clips { Show::Clips(&bundle) } else { Show::Trial(&bundle, &trial) };
     work::run(py, |signals| save(show, signals))
+}
+
+fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 fn save(
     show: Show<'_>,
     config: &PerformConfig,
     format: &str,
+    wearer: Option<&Wearer>,
     out: &Path,
     signals: &Signals,
 ) -> Result<Vec<PathBuf>, BuildError> {
-    let folder = out.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let take = perform(show, config, folder, signals)?;
+    let take = perform(show, config, folder_of(out), signals)?;
     match format {
         "bvh" => return each_actor(&take, out, |a, w| bvh::write_actor(&take, a, w)),
         "amass" => return each_actor(&take, out, |a, w| amass(&take, a, w)),
         "glb" => {
-            let glb = Glb::new(&take)?;
+            let outfit = wearer.map(|w| w.dress(&take, folder_of(out), signals)).transpose()?;
+            let glb = outfit.as_ref().map_or_else(|| Glb::new(&take), |o| o.glb(&take))?;
             files::write_atomically(out, |w| glb.write(w))?;
         }
         "usda" => files::write_atomically(out, |w| usda(&take, false, w))?,

@@ -168,6 +168,61 @@ def test_characters_go_back_to_a_snapshot(bundle):
         throng.Characters(bundle, np.zeros((2, 3), np.float32)).restore(people.snapshot()[:-1])
 
 
+def test_characters_make_way(bundle):
+    # They walk towards each other.
+    starts = np.array([[-4, 0, np.pi / 2], [4, 0, -np.pi / 2]], np.float32)
+    targets = np.array([[8, 0, 0], [-8, 0, 0]], np.float32)
+
+    def nearest(makes_way):
+        people = throng.Characters(bundle, starts, "approach", makes_way=makes_way)
+        people.aim(targets)
+        least = np.inf
+        for _ in range(600):
+            people.step()
+            a, b = people.roots[:, :2]
+            least = min(least, float(np.hypot(*(a - b))))
+        return least
+
+    apart, through = nearest(True), nearest(False)
+    assert apart > 0.3 and apart > through + 0.1, (apart, through)
+    with pytest.raises(throng.InputError):
+        throng.Characters(bundle, np.zeros((2, 3), np.float32), makes_way=True)
+
+
+def test_records_are_where_people_are_and_change_no_motion(bundle):
+    roots = np.array([[3 * k, 0, 0.1 * k] for k in range(9)], np.float32)
+    posed, far = (throng.Characters(bundle, roots, makes_way=True, instances=True) for _ in range(2))
+    plain = throng.Characters(bundle, roots, makes_way=True)
+    far.set_detail((0.0, 0.0), full_m=-1, posed_m=-1)
+    for people in (posed, far, plain):
+        people.aim(np.array([[10, 0, 20]] * 9, np.float32))
+    for _ in range(120):
+        for people in (posed, far, plain):
+            people.step()
+    assert len(plain.instances) == 0 and posed.hash() == plain.hash()
+    records = posed.instances
+    np.testing.assert_array_equal(records, far.instances)
+    np.testing.assert_array_equal(np.stack([records["x"], records["z"], records["heading"]], 1), posed.roots)
+    assert records["row_a"].max() < bundle.sections()["FRAM"][0] and sorted(records["variant"]) == list(range(9))
+    assert (far.poses == 0).all() and not (posed.poses == 0).all()
+    with pytest.raises(throng.InputError, match="posed_m"):
+        far.set_detail((0.0, 0.0), full_m=5, posed_m=4)
+
+
+def test_instances_and_a_character_of_ones_own_are_exported(bundle, tmp_path):
+    (file,) = throng.export(GOLDEN, tmp_path / "i.npz", "instances", characters=range(3), to_s=2)
+    with np.load(file) as arrays:
+        assert arrays["clip"].shape[0] == 3 and arrays["place"].shape == (*arrays["clip"].shape, 3)
+    # A figure that this package writes is a character, too.
+    (figure,) = throng.export(GOLDEN, tmp_path / "figure.glb", characters=[0], to_s=0.5)
+    (worn,) = throng.export(GOLDEN, tmp_path / "worn.glb", characters=[0, 1], to_s=1, onto=figure)
+    assert worn.read_bytes()[:4] == b"glTF"
+    with pytest.raises(throng.InputError, match="glb"):
+        throng.export(GOLDEN, tmp_path / "worn.usda", onto=figure)
+    with pytest.raises(throng.Error):
+        throng.export(GOLDEN, tmp_path / "worn.glb", onto=GOLDEN)
+
+
 def test_everything_public_says_what_it_is():
     for name in throng.__all__:
         thing = getattr(throng, name)

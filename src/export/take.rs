@@ -87,7 +87,7 @@ pub fn run(args: &Args) -> Outcome {
         return fail("--usd-instances is for --format usda");
     }
     if takes.onto.is_some() && !matches!(args.format, Format::Glb) {
-        return fail("--onto is for --format glb");
+        return fail("--onto is for --format glb; Blender and other programs turn such a file into USD");
     }
     if takes.clips && !is_bundle(&args.file) {
         return fail(format!("{}: --clips is for bundles (.throng)", args.file.display()));

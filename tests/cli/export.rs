@@ -241,6 +241,7 @@ fn what_cannot_be_written_is_said_with_the_way_out() {
     fails(&[&at(&out, "absent.throng"), "--format", "usda", "--out", &file], &["absent.throng"]);
     fails(&[&place.bundle(), "--format", "npz", "--clips", "--fps", "60", "--out", &file], &["Leave out --fps"]);
     fails(&[&scene, "--format", "npz"], &["--out"]);
+    fails(&[&scene, "--format", "usda", "--onto", &file, "--out", &file], &["--format glb", "Blender"]);
     fails(&[&scene, "--format", "instances", "--out", &file], &["paths.toml", "instances are of bundles"]);
     fails(&[&scene, "--format", "positions-csv", "--to", "1"], &["--to is for glb, usda"]);
     fails(&[&place.first_clip(), "--format", "glb", "--to", "1", "--out", &file], &["--to is for scenes"]);

@@ -11,6 +11,7 @@ static class Client
         {
             var config = Config.Standard;
             config.Capacity = 40;
+            config.Instances = 1;
             using (var people = new Simulation(bundle, config))
             {
                 var approach = bundle.Policy("approach");
@@ -32,6 +33,12 @@ static class Client
                 // Unity's X is -X, and so the hips stand there.
                 var hips = people.Matrices()[16 * Simulation.NumJoints * 7 + 12];
                 if (Math.Abs(hips + roots[7].X) > 0.3f) return 2;
+                var instances = people.Instances();
+                if (instances.Length != 40 || instances[7].X != roots[7].X || instances[7].Variant != ids[7].Index) return 4;
+                if (bundle.Rows().Length <= instances[7].RowA * Simulation.NumJoints * 16) return 5;
+                people.SetDetail(new Detail { FullMetres = -1f, PosedMetres = -1f });
+                people.Step(1.0 / 60.0);
+                people.SetDetail(null);
                 people.Despawn(ids[7]);
                 try
                 {

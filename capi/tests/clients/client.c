@@ -49,9 +49,10 @@ static uint64_t fnv(const void *bytes, size_t size) {
 
 static ThrongSimulation people(ThrongBundle bundle, ThrongId *ids) {
     ThrongCharactersConfig config;
-    OK(throng_characters_config_init(&config));
+    OK(throng_characters_config_init(&config, sizeof config));
     CHECK(config.struct_size == sizeof config);
     config.capacity = PEOPLE;
+    config.instances = 1;
     ThrongSimulation made;
     OK(throng_characters_new(bundle, &config, &made));
     uint32_t approach;
@@ -88,10 +89,11 @@ static void misuse(ThrongBundle bundle, ThrongSimulation simulation, ThrongId id
     EXPECT(throng_bundle_policy(bundle, "approach", NULL), THRONG_STATUS_POINTER);
     EXPECT(throng_bundle_skeleton(bundle, NULL), THRONG_STATUS_POINTER);
     EXPECT(throng_bundle_free(other), THRONG_STATUS_HANDLE);
-    OK(throng_characters_config_init(&config));
+    OK(throng_characters_config_init(&config, sizeof config));
+    EXPECT(throng_characters_config_init(&config, 32), THRONG_STATUS_VALUE);
     config.struct_size = 8;
     EXPECT(throng_characters_new(bundle, &config, &none), THRONG_STATUS_VALUE);
-    OK(throng_characters_config_init(&config));
+    OK(throng_characters_config_init(&config, sizeof config));
     config.half_life_s = -1.0f;
     EXPECT(throng_characters_new(bundle, &config, &none), THRONG_STATUS_VALUE);
     EXPECT(throng_characters_new(bundle, NULL, &none), THRONG_STATUS_POINTER);
@@ -110,9 +112,50 @@ static void misuse(ThrongBundle bundle, ThrongSimulation simulation, ThrongId id
     EXPECT(throng_simulation_write_matrices(simulation, matrices, sizeof matrices, 8, 0), THRONG_STATUS_VALUE);
     EXPECT(throng_simulation_write_matrices(simulation, matrices, sizeof matrices, (size_t)-4, 0), THRONG_STATUS_TOO_SMALL);
     EXPECT(throng_simulation_write_matrices(simulation, matrices, sizeof matrices, 4 * 22 * 16, 9), THRONG_STATUS_VALUE);
+    ThrongDetail detail = {0.0f, 0.0f, 5.0f, 4.0f};
+    EXPECT(throng_characters_set_detail(simulation, &detail), THRONG_STATUS_VALUE);
+    EXPECT(throng_characters_set_detail(none, NULL), THRONG_STATUS_HANDLE);
+    EXPECT(throng_characters_instances(simulation, NULL, 3, &size), THRONG_STATUS_POINTER);
+    EXPECT(throng_characters_instances(simulation, NULL, 0, NULL), THRONG_STATUS_POINTER);
+    EXPECT(throng_bundle_num_rows(bundle, NULL), THRONG_STATUS_POINTER);
+    EXPECT(throng_bundle_write_rows(no_bundle, matrices, sizeof matrices, 0), THRONG_STATUS_HANDLE);
+    EXPECT(throng_bundle_write_rows(bundle, NULL, sizeof matrices, 0), THRONG_STATUS_POINTER);
+    EXPECT(throng_bundle_write_rows(bundle, matrices, sizeof matrices, 0), THRONG_STATUS_TOO_SMALL);
+    EXPECT(throng_bundle_write_rows(bundle, matrices, sizeof matrices, 7), THRONG_STATUS_VALUE);
     EXPECT(throng_characters_order(simulation, id, 99, 0, 0, 0), THRONG_STATUS_VALUE);
     EXPECT(throng_characters_order(simulation, (ThrongId){9999, 0}, 0, 0, 0, 0), THRONG_STATUS_GONE);
     EXPECT(throng_characters_spawn(simulation, 90.0f, 90.0f, 0.0f, &id), THRONG_STATUS_FULL);
+}
+
+/* Poses of all frame rows, in three layouts. */
+static void rows(ThrongBundle bundle) {
+    size_t count;
+    OK(throng_bundle_num_rows(bundle, &count));
+    for (uint32_t layout = 0; layout < 3; ++layout) {
+        size_t size = count * THRONG_NUM_JOINTS * throng_layout_floats(layout) * sizeof(float);
+        float *matrices = malloc(size);
+        CHECK(matrices != NULL);
+        OK(throng_bundle_write_rows(bundle, matrices, size, layout));
+        printf("rows %016llx\n", (unsigned long long)fnv(matrices, size));
+        free(matrices);
+    }
+}
+
+/* Nobody is posed: people go where they would go. */
+static void far_away(ThrongSimulation posed, ThrongSimulation far) {
+    ThrongDetail nobody = {0.0f, 0.0f, -1.0f, -1.0f};
+    OK(throng_characters_set_detail(far, &nobody));
+    static ThrongInstance before[PEOPLE], a[PEOPLE], b[PEOPLE];
+    size_t count;
+    OK(throng_characters_instances(far, before, PEOPLE, &count));
+    for (int k = 0; k < STEPS; ++k) {
+        OK(throng_simulation_step(posed, 1.0 / 60.0));
+        OK(throng_simulation_step(far, 1.0 / 60.0));
+    }
+    OK(throng_characters_instances(posed, a, PEOPLE, &count));
+    OK(throng_characters_instances(far, b, PEOPLE, &count));
+    CHECK(count == PEOPLE && memcmp(a, b, sizeof a) == 0 && memcmp(before, b, sizeof b) != 0);
+    OK(throng_characters_set_detail(far, NULL));
 }
 
 int main(int argc, char **argv) {
@@ -134,6 +177,7 @@ int main(int argc, char **argv) {
     ThrongId ids[PEOPLE];
     ThrongSimulation alone = people(bundle, ids), helped = people(copy, ids);
     misuse(bundle, alone, ids[0]);
+    rows(bundle);
     OK(throng_bundle_free(bundle));
     OK(throng_bundle_free(copy));
     EXPECT(throng_bundle_free(bundle), THRONG_STATUS_HANDLE);
@@ -177,6 +221,10 @@ int main(int argc, char **argv) {
         printf(" %016llx", (unsigned long long)fnv(at, sizeof at));
     }
     printf("\n");
+    ThrongInstance instances[PEOPLE];
+    OK(throng_characters_instances(alone, instances, PEOPLE, &count));
+    CHECK(count == PEOPLE && instances[7].x == roots[7].x && instances[7].variant == ids[7].index);
+    printf("instances %016llx\n", (unsigned long long)fnv(instances, sizeof instances));
     for (uint32_t layout = 0; layout < 3; ++layout) {
         /* Room behind each character that stays as it was. */
         size_t length_of_one = THRONG_NUM_JOINTS * throng_layout_floats(layout) * sizeof(float), stride = length_of_one + 64;
@@ -201,6 +249,7 @@ int main(int argc, char **argv) {
     OK(throng_simulation_hash(alone, &hash_helped));
     CHECK(hash == hash_helped);
     free(saved);
+    far_away(alone, helped);
 
     OK(throng_characters_despawn(alone, ids[3]));
     EXPECT(throng_characters_despawn(alone, ids[3]), THRONG_STATUS_GONE);

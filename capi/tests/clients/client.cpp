@@ -9,6 +9,7 @@ int main(int argc, char **argv) {
     throng::Bundle bundle{std::string(argv[1])};
     auto config = throng::Characters::config();
     config.capacity = 40;
+    config.instances = 1;
     throng::Characters people(bundle, config);
     const auto approach = bundle.policy("approach");
     for (int k = 0; k < 40; ++k) {
@@ -17,6 +18,14 @@ int main(int argc, char **argv) {
     }
     for (int k = 0; k < 90; ++k) people.step(1.0 / 60.0);
     std::printf("hash %016llx\n", static_cast<unsigned long long>(people.hash()));
+
+    const auto instances = people.instances();
+    if (instances.size() != 40 || instances[5].x != people.roots()[5].x) return 1;
+    if (bundle.rows(THRONG_LAYOUT_UNITY).size() <= instances[5].row_a * 22u * 16u) return 1;
+    const ThrongDetail nobody{0.0f, 0.0f, -1.0f, -1.0f};
+    people.set_detail(&nobody);
+    people.step(1.0 / 60.0);
+    people.set_detail(nullptr);
 
     throng::Simulation scene{std::string(argv[2])};
     std::vector<uint8_t> middle;

@@ -18,7 +18,7 @@ import numpy.typing as _npt
 
 from . import _throng
 from ._errors import Error, FileError, InputError
-from ._throng import Characters, __version__
+from ._throng import __version__
 
 __all__ = [
     "Bundle", "Characters", "Error", "FileError", "InputError", "Simulation", "build", "export", "load_clip",
@@ -102,6 +102,32 @@ class Bundle(_throng.Bundle):
         return super()._query(states.astype(_np.uint32), targets, behaviour)
 
 
+# What a GPU needs to pose a character, as the library's documentation has it (32 bytes).
+_INSTANCE = _np.dtype([
+    ("row_a", _U4), ("row_b", _U4), ("frac", "<u2"), ("blend", "<u2"), ("variant", _U4),
+    ("x", _F4), ("y", _F4), ("z", _F4), ("heading", _F4),
+])
+
+
+class Characters(_throng.Characters):
+    """Characters who follow one behaviour of a bundle to targets of their own.
+
+    - ``roots``: where they start: x, z, heading (n x 3; m, radians).
+    - ``behaviour``: its name; the first one by default.
+    - ``makes_way``: they keep clear of each other, and start apart.
+    - ``instances``: steps also leave records, see ``instances``.
+    """
+
+    @property
+    def instances(self) -> _npt.NDArray[_Any]:
+        """A record of everybody for a GPU (n, structured, 32 bytes each): a copy; empty unless asked for at first.
+
+        The pose is between frame rows ``row_a`` and the next one (``frac``, 65535 is 1), and ``blend`` of what is at
+        ``row_b``, likewise; it stands at ``x``, ``y``, ``z`` and is turned by ``heading``.
+        """
+        return self._instances().view(_INSTANCE)
+
+
 class Simulation(_throng.Simulation):
     """A scene that runs.
 
@@ -181,16 +207,18 @@ def export(
     to_s: float | None = None,
     fps: float | None = None,
     clips: bool = False,
+    onto: _Pathlike | None = None,
     cache: _Pathlike | None = None,
 ) -> list[_Path]:
     """Lets a scene (``.toml``) or characters of a bundle run, and writes that. Returns the files.
 
-    - ``format``: glb, usda, bvh, npz, amass or csv; the ending of ``out`` by default. bvh and amass are a file for each
-      character.
+    - ``format``: glb, usda, bvh, npz, amass, csv or instances (of a bundle: which clips play on characters, as NumPy
+      arrays); the ending of ``out`` by default. bvh and amass are a file for each character.
     - ``characters``: their numbers; all with bodies by default.
     - ``from_s``, ``to_s``, ``fps``: which part (s), and frames a second; all of it, 30.
     - ``clips``: the clips of a bundle in place of characters.
+    - ``onto``: a character of your own (``.glb``) that wears the motion, for glb.
     - ``cache``: as of ``build``; bundles that a scene names and that are missing are built.
     """
-    part = (list(characters), from_s, to_s, fps, clips)
+    part = (list(characters), from_s, to_s, fps, clips, onto)
     return _throng.export(what, out, format or _Path(out).suffix[1:].lower(), part, cache)

@@ -1,6 +1,5 @@
 //! Motion back to files: clips as raw clips, takes of many characters, and the writers of glTF, USD, BVH, NPZ and CSV.
 
-mod body;
 pub mod bvh;
 mod csv;
 mod each;

@@ -3,12 +3,11 @@
 //! Plain, every character is a skeleton root of its own with its animation, which every reader keeps. Instanced, as
 //! renderers of crowds want it, characters are instances of one model each of which is bound to an animation.
 
-use super::body::Body;
 use super::take::{Actor, THERE, Take};
 use glam::Vec3;
 use std::fmt::{Display, Write as _};
 use std::io::{self, Write};
-use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_core::{Joint, NUM_JOINTS, PlainBody, Skeleton};
 
 /// The one root of what is written.
 const ROOT: &str = "Crowd";
@@ -193,7 +192,7 @@ fn write_body(
 ) -> io::Result<()> {
     // A body that is bound to nothing is for others to refer to.
     let how = if bound.is_some() { "def" } else { "class" };
-    let (tab, body) = (" ".repeat(depth), Body::of(skeleton));
+    let (tab, body) = (" ".repeat(depth), PlainBody::of(skeleton));
     let vector = |v: &Vec3| format!("({}, {}, {})", v.x, v.y, v.z);
     let low = body.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = body.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);

@@ -1,12 +1,11 @@
 //! Nodes, skins and animation of characters with plain bodies.
 
-use super::super::body::Body;
 use super::super::take::{Actor, THERE, Take, rotation_track, translation_track};
 use super::parts::{FLOAT, INDICES, Parts, UNSIGNED_BYTE, UNSIGNED_SHORT, VERTICES};
 use super::{BodyBytes, bytes_of};
 use glam::{Mat4, Vec3};
 use serde_json::{Value, json};
-use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_core::{Joint, NUM_JOINTS, PlainBody, Skeleton};
 
 /// What characters of one skeleton share: the mesh and the accessor of its bind matrices.
 struct Shared {
@@ -82,7 +81,7 @@ fn add_figure(parts: &mut Parts, shared: &mut Vec<Shared>, actor: &Actor, is_lib
 
 /// Adds the mesh and the bind matrices of a skeleton.
 fn share(parts: &mut Parts, skeleton: &Skeleton) -> Shared {
-    let body = Body::of(skeleton);
+    let body = PlainBody::of(skeleton);
     let bytes = BodyBytes::from(&body);
     let n = body.positions.len();
     let vertices = Some(VERTICES);

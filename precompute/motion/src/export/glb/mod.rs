@@ -8,13 +8,13 @@
 mod figure;
 pub(crate) mod parts;
 
-use super::body::Body;
 use super::scratch::Scratch;
 use super::take::Take;
 use crate::error::BuildError;
 pub(crate) use figure::empty;
 use parts::Parts;
 use std::io::{self, Write};
+use throng_core::PlainBody;
 
 /// A document of a take, ready to be written.
 pub struct Glb<'a> {
@@ -87,8 +87,8 @@ pub(super) struct BodyBytes {
     pub indices: Vec<u8>,
 }
 
-impl From<&Body> for BodyBytes {
-    fn from(body: &Body) -> Self {
+impl From<&PlainBody> for BodyBytes {
+    fn from(body: &PlainBody) -> Self {
         let joints: Vec<[u8; 4]> = body.joints.iter().map(|j| [*j, 0, 0, 0]).collect();
         Self {
             positions: bytes_of(&body.positions),

@@ -175,6 +175,22 @@ fn what_was_saved_comes_back_and_goes_on_as_it_did() {
 }
 
 #[test]
+fn what_is_only_written_besides_changes_neither_hash_nor_snapshot() {
+    let more = CharactersConfig { local_transforms: true, instances: true, timed: true, ..config() };
+    let mut plain = cast_of(20, 20);
+    let mut other = PolicyCharacters::with_capacity(&tables(), 20, more).unwrap();
+    (0..20).for_each(|i| _ = spawn(&mut other, i));
+    step(&mut plain, 30);
+    step(&mut other, 30);
+    assert_eq!(plain.hash(), other.hash());
+    let mut bytes = Vec::new();
+    other.save(&mut bytes);
+    plain.load(&bytes).unwrap();
+    let mut third = PolicyCharacters::with_capacity(&tables(), 20, CharactersConfig { seed: 7, ..config() }).unwrap();
+    assert!(matches!(third.load(&bytes), Err(Error::Snapshot { .. })));
+}
+
+#[test]
 fn damaged_and_foreign_snapshots_are_refused_and_change_nothing() {
     let mut cast = cast_of(3, 4);
     step(&mut cast, 10);

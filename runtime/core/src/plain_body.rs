@@ -1,17 +1,13 @@
-//! A plain body of capsules, so that what is exported can be seen: one around every limb, rigid on the joint at its start.
+//! A plain body of capsules, so that motion can be seen: one around every limb, rigid on the joint at its start.
 
+use crate::skeleton::{Joint, Skeleton};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, TAU};
-use throng_core::{Joint, Skeleton};
-
-/// Points of a ring.
-const SIDES: usize = 8;
-/// Rings of each end.
-const RINGS: usize = 2;
+use throng_base::maths::sin_cos;
 
 /// Triangles that joints carry, in the rest pose on the ground.
 #[derive(Clone, Debug, Default)]
-pub struct Body {
+pub struct PlainBody {
     /// (m)
     pub positions: Vec<Vec3>,
     /// Unit (positions.len()).
@@ -22,15 +18,33 @@ pub struct Body {
     pub triangles: Vec<[u16; 3]>,
 }
 
-impl Body {
-    /// Of a skeleton in its rest pose.
+/// How round capsules are.
+#[derive(Clone, Copy)]
+struct Roundness {
+    /// Points of a ring.
+    sides: usize,
+    /// Rings of each end.
+    rings: usize,
+}
+
+impl PlainBody {
+    /// Of a skeleton in its rest pose: 1664 triangles.
     pub fn of(skeleton: &Skeleton) -> Self {
+        Self::round(skeleton, Roundness { sides: 8, rings: 2 })
+    }
+
+    /// For who is far away: 416 triangles.
+    pub fn coarse(skeleton: &Skeleton) -> Self {
+        Self::round(skeleton, Roundness { sides: 4, rings: 1 })
+    }
+
+    fn round(skeleton: &Skeleton, round: Roundness) -> Self {
         let rest = skeleton.rest_positions();
         let scale = (skeleton.leg_length() / Skeleton::default().leg_length()).clamp(0.2, 5.0);
         let mut body = Self::default();
         for joint in &Joint::ALL[1..] {
             let parent = joint.parent().unwrap_or(Joint::Hips);
-            body.capsule(parent, rest[parent.index()], rest[joint.index()], scale * radius(*joint));
+            body.capsule(round, parent, rest[parent.index()], rest[joint.index()], scale * radius(*joint));
         }
         let hand = |joint: Joint| skeleton.offsets[joint.index()] * 0.45;
         for (joint, tip, radius) in [
@@ -41,12 +55,13 @@ impl Body {
             (Joint::RightHand, hand(Joint::RightHand), 0.03),
         ] {
             let from = rest[joint.index()];
-            body.capsule(joint, from, from + tip, scale * radius);
+            body.capsule(round, joint, from, from + tip, scale * radius);
         }
         body
     }
 
-    fn capsule(&mut self, joint: Joint, from: Vec3, to: Vec3, radius: f32) {
+    fn capsule(&mut self, round: Roundness, joint: Joint, from: Vec3, to: Vec3, radius: f32) {
+        let Roundness { sides, rings } = round;
         let along = (to - from).normalize_or(Vec3::Y);
         let u = along.any_orthonormal_vector();
         let v = along.cross(u);
@@ -58,22 +73,23 @@ impl Body {
         };
         point(from, -along);
         for (centre, low, high) in [(from, -FRAC_PI_2, 0.0), (to, 0.0, FRAC_PI_2)] {
-            for ring in 0..RINGS {
-                let part = if low < 0.0 { ring + 1 } else { ring } as f32 / RINGS as f32;
-                let (s, c) = (low + (high - low) * part).sin_cos();
-                for side in 0..SIDES {
-                    let (y, x) = (TAU * side as f32 / SIDES as f32).sin_cos();
+            for ring in 0..rings {
+                let part = if low < 0.0 { ring + 1 } else { ring } as f32 / rings as f32;
+                let turn = low + (high - low) * part;
+                let (s, c) = sin_cos(turn);
+                for side in 0..sides {
+                    let (y, x) = sin_cos(TAU * side as f32 / sides as f32);
                     point(centre, along * s + (u * x + v * y) * c);
                 }
             }
         }
         point(to, along);
-        let ring = |r: usize, side: usize| first + 1 + (r * SIDES + side % SIDES) as u16;
-        let last = first + 1 + (2 * RINGS * SIDES) as u16;
-        for side in 0..SIDES {
+        let ring = |r: usize, side: usize| first + 1 + (r * sides + side % sides) as u16;
+        let last = first + 1 + (2 * rings * sides) as u16;
+        for side in 0..sides {
             self.triangles.push([first, ring(0, side + 1), ring(0, side)]);
-            self.triangles.push([last, ring(2 * RINGS - 1, side), ring(2 * RINGS - 1, side + 1)]);
-            for r in 0..2 * RINGS - 1 {
+            self.triangles.push([last, ring(2 * rings - 1, side), ring(2 * rings - 1, side + 1)]);
+            for r in 0..2 * rings - 1 {
                 let [a, b, c, d] = [ring(r, side), ring(r, side + 1), ring(r + 1, side), ring(r + 1, side + 1)];
                 self.triangles.extend([[a, b, d], [a, d, c]]);
             }
@@ -103,7 +119,15 @@ mod tests {
 
     #[test]
     fn bodies_are_closed_and_face_outwards() {
-        let body = Body::of(&Skeleton::default());
+        for (body, triangles) in
+            [(PlainBody::of(&Skeleton::default()), 1664), (PlainBody::coarse(&Skeleton::default()), 416)]
+        {
+            assert_eq!(body.triangles.len(), triangles);
+            check(&body);
+        }
+    }
+
+    fn check(body: &PlainBody) {
         let at = |i: u16| body.positions[usize::from(i)];
         let mut edges = std::collections::HashMap::<(u16, u16), i32>::new();
         for [a, b, c] in &body.triangles {
