@@ -1,7 +1,7 @@
 //! Event frames: where a transition may leave a clip or enter one.
 
 use super::config::GraphConfig;
-use throng_core::Contacts;
+use throng_core::{Contacts, Joint};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs};
 
 /// What happens at an event frame. Transitions join events of equal kind only.
@@ -21,7 +21,17 @@ pub enum EventKind {
     LeavesBoth,
     /// Both feet planted and the root slow for a while.
     Standing,
+    /// A hand or foot is about to strike, or has just come back: where it is most folded before and after a blow.
+    OnGuard {
+        /// True while the left foot is on the ground.
+        left_planted: bool,
+        /// True while the right foot is.
+        right_planted: bool,
+    },
 }
+
+/// A blow begins within this before it lands, and has come back within this after (s).
+const BLOW_S: [f64; 2] = [0.5, 0.75];
 
 /// A frame where transitions may leave and enter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,8 +57,11 @@ pub(super) fn find(clips: &ClipSet, config: &GraphConfig) -> Vec<Event> {
     let (mut events, mut runs, mut standing_runs) = (Vec::new(), 0, 0);
     for (index, clip) in clips.clips.iter().enumerate() {
         for run in clip.usable_ranges() {
-            let mut found: Vec<(usize, EventKind, Option<usize>)> =
-                departures(clip, &run, config).into_iter().map(|(f, kind)| (f, kind, None)).collect();
+            let mut found: Vec<(usize, EventKind, Option<usize>)> = departures(clip, &run, config)
+                .into_iter()
+                .chain(guards(clips, clip, &run))
+                .map(|(f, kind)| (f, kind, None))
+                .collect();
             for standing in standing_runs_of(clip, &run, config) {
                 let step = frames(clip, config.standing_interval_s).max(1);
                 found.extend(standing.step_by(step).map(|f| (f, EventKind::Standing, Some(standing_runs))));
@@ -103,6 +116,32 @@ fn departures(clip: &Clip, run: &FrameRange, config: &GraphConfig) -> Vec<(usize
         (false, false) => None,
     };
     (run.start..run.end.saturating_sub(1)).filter_map(|f| Some((f, kind(f)?))).collect()
+}
+
+/// Where the limbs that strike within a run of usable frames are most folded before and after. A boxer whose feet stay
+/// planted would not choose between two blows otherwise.
+fn guards(clips: &ClipSet, clip: &Clip, run: &FrameRange) -> Vec<(usize, EventKind)> {
+    const LIMBS: [Joint; 4] = [Joint::LeftHand, Joint::RightHand, Joint::LeftFoot, Joint::RightFoot];
+    let [before, after] = BLOW_S.map(|s| frames(clip, s));
+    let mut out = Vec::new();
+    for hit in clip.hits.iter().filter(|h| LIMBS.contains(&h.joint) && run.contains(&h.frame)) {
+        let Some(root) = hit.joint.parent().and_then(Joint::parent) else { continue };
+        let length = |f: usize| {
+            let p = clip.joint_positions(&clips.skeleton, f);
+            p[hit.joint.index()].distance(p[root.index()])
+        };
+        let folded = |range: FrameRange| range.min_by(|&a, &b| length(a).total_cmp(&length(b)));
+        let around = [
+            hit.frame.saturating_sub(before).max(run.start)..hit.frame,
+            hit.frame + 1..(hit.frame + after).min(run.end - 1),
+        ];
+        out.extend(around.into_iter().filter_map(folded).map(|f| {
+            let planted = |foot| clip.contacts[f].any(foot);
+            let (left_planted, right_planted) = (planted(Contacts::LEFT), planted(Contacts::RIGHT));
+            (f, EventKind::OnGuard { left_planted, right_planted })
+        }));
+    }
+    out
 }
 
 /// Runs within `run` where both feet are planted and the root is slow for long enough.
@@ -187,6 +226,31 @@ mod tests {
         c.excluded[0].range = 0..55;
         assert_eq!(kinds(c), []);
         assert_eq!(kinds(clip(&"B".repeat(60), 0.5)), []);
+    }
+
+    #[test]
+    fn blows_give_an_event_before_and_after_each() {
+        use throng_motion::clip::{Hit, HitKind};
+        let mut c = clip(&"B".repeat(60), 0.3);
+        // The forearm folds back but for an instant around frame 30: a blow, and guard until 24 and from 36 on.
+        for f in 0..60usize {
+            let bent = (f.abs_diff(30) as f32 / 6.0).min(1.0) + 0.01 * (f.abs_diff(30) as f32 / 6.0 - 1.0).max(0.0);
+            c.rotations[f * NUM_JOINTS + Joint::RightForearm.index()] =
+                Quat::from_rotation_y(2.0 * bent.min(1.0) - 0.1 * (bent - 1.0).max(0.0));
+        }
+        assert!(kinds(c.clone()).is_empty());
+        let hit = Hit {
+            frame: 29,
+            kind: HitKind::Punch,
+            joint: Joint::RightHand,
+            position: Vec3::Y,
+            direction: Vec3::Z,
+            speed_mps: 3.0,
+            force: 1.0,
+        };
+        c.hits = vec![hit];
+        let on_guard = EventKind::OnGuard { left_planted: true, right_planted: true };
+        assert_eq!(kinds(c), [(24, on_guard), (36, on_guard)]);
     }
 
     #[test]

@@ -38,16 +38,20 @@ pub(super) fn no_clips(unit: &Unit, config: &TileConfig) -> BuildError {
 
 /// Pruning left nothing.
 pub(super) fn nothing_left(unit: &Unit, source: &Source, region: &Region, graph: &TileGraph) -> BuildError {
-    let (message, help) = missing(region, graph).unwrap_or_else(|| {
-        let help = "Add walking and stopping of more kinds, allow more editing (edit_m_per_m, edit_deg_per_m), or take \
-                    more pose groups at the edges (edge_groups)";
+    let (message, help) = missing(source, region, graph).unwrap_or_else(|| {
+        let help = format!(
+            "Add walks of {:.1} m in the same few poses, straight and with turns to all sides, and stops: what the fewest \
+             entries can do is missing most. Or allow more editing (edit_m_per_m, edit_deg_per_m), or take more pose groups \
+             at the edges (edge_groups)",
+            region.size
+        );
         (format!("no entries meet all conditions together: {}", met(region, graph)), help)
     });
     let minutes = source.minutes();
     BuildError::Stage {
         stage: "patch",
         message: format!("the tile `{}` cannot be made from {minutes:.1} min of motion: {message}", unit.name),
-        help: help.to_owned(),
+        help,
     }
 }
 
@@ -72,8 +76,9 @@ fn met(region: &Region, graph: &TileGraph) -> String {
     format!("of {} entries across an edge, {}", entries.len(), out.join(", "))
 }
 
-/// The first condition that no entry meets.
-fn missing(region: &Region, graph: &TileGraph) -> Option<(String, &'static str)> {
+/// The first condition that no entry meets, and the motion that would.
+fn missing(source: &Source, region: &Region, graph: &TileGraph) -> Option<(String, String)> {
+    const EDIT: &str = "or allow more editing (edit_m_per_m, edit_deg_per_m)";
     let enters = |from: u32| match graph.cells[from as usize] {
         TileCell::Entry(edge) => Some(edge),
         _ => None,
@@ -81,7 +86,7 @@ fn missing(region: &Region, graph: &TileGraph) -> Option<(String, &'static str)>
     if !graph.cells.iter().any(|c| matches!(c, TileCell::Entry(_))) {
         return Some((
             "no pose is common where its edges are crossed".to_owned(),
-            "Add motion that crosses it, or check where the environment places it",
+            "Add motion that crosses it, or check where the environment places it".to_owned(),
         ));
     }
     // Nobody enters a slide from below.
@@ -92,15 +97,37 @@ fn missing(region: &Region, graph: &TileGraph) -> Option<(String, &'static str)>
             links.any(|l| matches!(graph.cells[l.1 as usize], TileCell::Exit(e, _) if e == way))
         };
         if let Some(&way) = ways.iter().find(|&&w| !leaves(w)) {
-            let message = format!("no entry can leave {}", Layout::direction(region, edge as u32, way));
-            let help = "Add motion that does, or allow more editing (edit_m_per_m, edit_deg_per_m)";
-            return Some((message, help));
+            let direction = Layout::direction(region, edge as u32, way);
+            let walk = match direction {
+                "straight ahead" => "walks straight on",
+                "back across the same edge" => "walks that turn round",
+                "to the left" => "walks that turn left by 90 degrees",
+                _ => "walks that turn right by 90 degrees",
+            };
+            let help = format!("Add {walk} within {:.1} m, {EDIT}", region.size);
+            return Some((format!("no entry can leave {direction}"), help));
         }
     }
     let rests = |l: &&(u32, u32)| enters(l.0).is_some() && graph.cells[l.1 as usize] == TileCell::Rest;
     if graph.must_rest && !graph.links.iter().any(|l| rests(&l)) {
-        let help = "Add walking that comes to a stop, or allow more editing (edit_m_per_m, edit_deg_per_m)";
-        return Some(("no entry can come to rest: there is no walking that stops".to_owned(), help));
+        return Some(match source.stops() {
+            0 => (
+                "no entry can come to rest: there is no walking that stops".to_owned(),
+                format!(
+                    "Add walks that come to a stop within {:.1} m and then stand for a second, {EDIT}",
+                    region.size
+                ),
+            ),
+            n => (
+                format!(
+                    "no entry can come to rest: none of {n} stops ends a walk of the kind that enters, in a pose of rest"
+                ),
+                format!(
+                    "Add walks that come to a stop within {:.1} m, take more poses of rest (rest_groups), {EDIT}",
+                    region.size
+                ),
+            ),
+        });
     }
     let sets_out = |l: &(u32, u32)| {
         graph.cells[l.0 as usize] == TileCell::Rest && matches!(graph.cells[l.1 as usize], TileCell::Exit(..))
@@ -108,7 +135,7 @@ fn missing(region: &Region, graph: &TileGraph) -> Option<(String, &'static str)>
     if graph.must_rest && !graph.links.iter().any(sets_out) {
         return Some((
             "no way leads out of a rest: there is no motion that starts walking from standing".to_owned(),
-            "Add walking that begins at rest, or allow more editing (edit_m_per_m, edit_deg_per_m)",
+            format!("Add walks that begin at rest, take more poses of rest (rest_groups), {EDIT}"),
         ));
     }
     None

@@ -48,6 +48,11 @@ impl<'a> Source<'a> {
         &self.tag_ranges[clip]
     }
 
+    /// How often somebody stands still.
+    pub fn stops(&self) -> usize {
+        self.clips.iter().map(|&c| self.tracks[c].standing.len()).sum()
+    }
+
     /// Length of the motion (min).
     pub fn minutes(&self) -> f32 {
         let frames: usize = self.clips.iter().map(|&c| self.tracks[c].places.len()).sum();

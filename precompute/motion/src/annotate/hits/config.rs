@@ -40,6 +40,14 @@ pub struct PunchConfig {
     pub swing_speed: Option<f32>,
     /// A swing's fist is at most this far below its shoulder where it lands (m, >= 0).
     pub swing_drop: f32,
+    /// An arm that strikes points at most so far above or below level where it is longest, and its fist moves upwards by
+    /// no more: who reaches up or down does not strike (deg, 0 to 90).
+    pub elevation_deg: f32,
+    /// Least shortening of the arm within 0.6 s of a thrust, as a share of its length: a hand that is offered, or that
+    /// points, stays out. Thrusts at the end of a clip need not come back (0 to 1).
+    pub retreat: f32,
+    /// While a foot is more than this above the other one, and 0.4 s before and after, arms balance or guard (m, >= 0).
+    pub raised_foot: f32,
     /// Least time between two punches of one hand (s, >= 0).
     pub min_gap: f32,
 }
@@ -56,8 +64,7 @@ pub struct KickConfig {
     pub swing_speed: f32,
     /// Least growth of the distance from hip to ankle during a kick, as a share of the leg's length (0 to 1).
     pub extension: f32,
-    /// Least height of the ball of the foot above that of the other foot where the kick lands (m).
-    /// (>= 0)
+    /// Least height of the ball of the foot above that of the other foot where the leg is longest (m, >= 0).
     pub height: f32,
     /// Least time between two kicks of one foot (s, >= 0).
     pub min_gap: f32,
@@ -71,13 +78,23 @@ impl Default for HitConfig {
 
 impl Default for PunchConfig {
     fn default() -> Self {
-        Self { enabled: true, thrust_speed: 1.75, extension: 0.25, swing_speed: None, swing_drop: 0.25, min_gap: 0.25 }
+        Self {
+            enabled: true,
+            thrust_speed: 1.5,
+            extension: 0.2,
+            swing_speed: None,
+            swing_drop: 0.25,
+            elevation_deg: 50.0,
+            retreat: 0.15,
+            raised_foot: 0.25,
+            min_gap: 0.15,
+        }
     }
 }
 
 impl Default for KickConfig {
     fn default() -> Self {
-        Self { enabled: true, thrust_speed: 2.5, swing_speed: 4.5, extension: 0.15, height: 0.4, min_gap: 0.5 }
+        Self { enabled: true, thrust_speed: 2.5, swing_speed: 4.5, extension: 0.15, height: 0.4, min_gap: 0.3 }
     }
 }
 
@@ -95,6 +112,9 @@ impl HitConfig {
                 ("punches.extension", p.extension, 0.0, 1.0),
                 ("punches.swing_speed", p.swing_speed.unwrap_or(1.0), 0.01, 100.0),
                 ("punches.swing_drop", p.swing_drop, 0.0, 10.0),
+                ("punches.elevation_deg", p.elevation_deg, 0.0, 90.0),
+                ("punches.retreat", p.retreat, 0.0, 1.0),
+                ("punches.raised_foot", p.raised_foot, 0.0, 10.0),
                 ("punches.min_gap", p.min_gap, 0.0, 60.0),
                 ("kicks.thrust_speed", k.thrust_speed, 0.01, 100.0),
                 ("kicks.swing_speed", k.swing_speed, 0.01, 100.0),

@@ -3,14 +3,16 @@
 //! "Punches can deliver power effectively when the direction of motion of the fist and the forearm axis are parallel
 //! at the moment of hitting": the fist's velocity projected onto the forearm axis is above a threshold and not opposed
 //! to it. Differs: the speeds that decide are relative to the hips' way over the ground and the arm has to grow longer
-//! during the blow, so that running arms do not strike; a blow lands a little after its fastest moment, where the arm
-//! is nearly straight; kicks, and punches across the forearm, are told by their whole speed.
+//! during the blow, so that running arms do not strike; the arm goes outwards and comes back, and nobody kicks
+//! meanwhile, so that neither raised, offered nor balancing arms do. A blow lands a little after its fastest moment,
+//! where the arm is nearly straight; kicks, and punches across the forearm, are told by their whole speed.
 
 mod config;
 mod mark;
 mod peaks;
 mod point;
 mod report;
+mod runs;
 #[cfg(test)]
 mod tests;
 mod track;
@@ -19,10 +21,12 @@ use crate::clip::{Clip, FrameRange, Hit, HitKind};
 use crate::error::BuildError;
 pub use config::HitConfig;
 use config::{KickConfig, PunchConfig};
+use glam::Vec3;
 pub use mark::HitMark;
-use peaks::{Blow, Rule};
+use peaks::Blow;
 pub use point::{HitPoint, write_csv};
 pub use report::HitReport;
+use runs::Run;
 use std::collections::BTreeMap;
 use throng_core::{Contacts, Joint, Skeleton};
 use track::{Limb, Poses, Track};
@@ -30,14 +34,27 @@ use track::{Limb, Poses, Track};
 /// Blows that are shorter are faults of the recording: a joint that jumps from one frame to the next (s).
 const MIN_DURATION: f64 = 0.05;
 
-/// A thrust lasts as long as the fist moves out along the forearm, with at least this share of its greatest speed.
-const THRUST_LASTS: f32 = 0.1;
-
-/// The same of a swing, whose speed never turns negative.
-const SWING_LASTS: f32 = 0.25;
+/// Least time between two swings of one hand (s).
+const SWING_GAP: f64 = 0.25;
 
 /// Arms whose wrist is this near to the shoulder, as a share of the arm's length, are bent: the elbow by 50 degrees.
 const BENT: f32 = 0.9;
+
+/// Limbs shorter than this where they are longest, as a share of their length, do not strike: knee or elbow is bent by
+/// more than 80 degrees there, as a guard's is.
+const FOLDED: f32 = 0.75;
+
+/// Whose trunk is nearer to level lies, crawls, or reaches for the ground (rad above level).
+const UPRIGHT: f32 = 0.35;
+
+/// A fist that is at its full extension later after its fastest moment reaches for something (s).
+const LATE: f64 = 0.35;
+
+/// Within this time of its full extension a fist that struck comes back (s).
+const COMES_BACK: f64 = 0.6;
+
+/// Arms balance a kick so long before and after (s).
+const BALANCE: f64 = 0.4;
 
 /// A slower joint has no direction to strike in (m/s).
 const MIN_SPEED: f32 = 0.05;
@@ -100,39 +117,82 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn punches(&self, cfg: &PunchConfig) -> Vec<Hit> {
+        let feet = Limb::LEGS.map(|limb| self.track(limb).tips);
+        let raised = |f: usize| (feet[0][f].y - feet[1][f].y).abs() > cfg.raised_foot;
+        let balance = self.frames(BALANCE);
+        let kicks =
+            |peak: usize| (peak.saturating_sub(balance)..=peak + balance).any(|f| f < feet[0].len() && raised(f));
         let mut out = Vec::new();
         for limb in Limb::ARMS {
             let track = self.track(limb);
-            let mut blows = self.thrusts(&track, cfg.thrust_speed, cfg.extension, cfg.min_gap);
+            let mut blows = self.thrusts(limb, &track, cfg);
             if let Some(speed) = cfg.swing_speed {
                 // The arm is bent and need not grow longer.
-                let mut swings = self.swings(&track, speed, f32::NEG_INFINITY, cfg.min_gap);
                 let shoulder = |f: usize| self.poses[f][limb.root.index()].0.y;
-                swings.retain(|b| track.extensions[b.landing] < BENT);
-                swings.retain(|b| track.tips[b.landing].y >= shoulder(b.landing) - cfg.swing_drop);
-                add_apart(&mut blows, swings, self.frames(cfg.min_gap));
+                let min_frames = self.frames_up(MIN_DURATION);
+                let all = self
+                    .ranges
+                    .iter()
+                    .flat_map(|r| peaks::swings(&track.speeds, r.clone(), speed, min_frames, self.landing_share));
+                let bent = |b: &Blow| track.extensions[b.landing] < BENT;
+                let high = |b: &Blow| track.tips[b.landing].y >= shoulder(b.landing) - cfg.swing_drop;
+                let apart = self.frames(SWING_GAP);
+                let swings = peaks::strongest(all.filter(|b| bent(b) && high(b)).collect(), apart);
+                add_apart(&mut blows, swings, apart);
             }
+            blows.retain(|b| !kicks(b.peak));
+            let blows = peaks::strongest(blows, self.frames(cfg.min_gap));
             out.extend(blows.iter().filter_map(|b| self.hit(HitKind::Punch, limb.end, &track, b.landing)));
         }
         out
     }
 
+    /// Blows along the forearm; in the world, too, they go where it points, and outwards.
+    fn thrusts(&self, limb: Limb, track: &Track, cfg: &PunchConfig) -> Vec<Blow> {
+        let level = cfg.elevation_deg.to_radians();
+        let strikes = |(range, run): (&FrameRange, Run)| {
+            let blow = Blow::of_run(&track.thrusts, &run, self.landing_share);
+            let arm = {
+                let at = |j: Joint| self.poses[run.full][j.index()].0;
+                at(limb.end) - at(limb.root)
+            };
+            let velocity = track.velocities[blow.landing];
+            let back_by = run.full + self.frames(COMES_BACK);
+            let shortest = (run.full..back_by.min(range.end)).map(|f| track.extensions[f]).fold(run.longest, f32::min);
+            let is_fist = blow.speed >= cfg.thrust_speed
+                && run.growth >= cfg.extension
+                && run.longest >= FOLDED
+                && run.full - blow.peak <= self.frames(LATE)
+                && velocity.dot(track.axes[blow.landing]) > 0.0
+                && elevation(arm).abs() <= level
+                && elevation(velocity) <= level
+                && (run.longest - shortest >= cfg.retreat || back_by > range.end)
+                && self.is_upright(run.full);
+            is_fist.then_some(blow)
+        };
+        self.runs(track).filter_map(strikes).collect()
+    }
+
+    /// Blows of the feet, which are where the leg is longest high above the other foot.
     fn kicks(&self, cfg: &KickConfig) -> Vec<Hit> {
         let tracks = Limb::LEGS.map(|limb| self.track(limb));
         let planted = [Contacts::LEFT, Contacts::RIGHT];
         let mut out = Vec::new();
         for (side, limb) in Limb::LEGS.into_iter().enumerate() {
             let (track, other) = (&tracks[side], &tracks[1 - side]);
-            let mut blows = self.thrusts(track, cfg.thrust_speed, cfg.extension, cfg.min_gap);
-            add_apart(
-                &mut blows,
-                self.swings(track, cfg.swing_speed, cfg.extension, cfg.min_gap),
-                self.frames(cfg.min_gap),
-            );
-            blows.retain(|b| {
-                let stands = self.clip.contacts.get(b.landing).is_some_and(|c| c.any(planted[side]));
-                !stands && track.tips[b.landing].y - other.tips[b.landing].y >= cfg.height
-            });
+            let strikes = |(_, run): (&FrameRange, Run)| {
+                let blow = Blow::of_run(&track.speeds, &run, self.landing_share);
+                let thrust = Blow::of_run(&track.thrusts, &run, self.landing_share);
+                let stands = self.clip.contacts.get(blow.landing).is_some_and(|c| c.any(planted[side]));
+                let is_kick = (blow.speed >= cfg.swing_speed || thrust.speed >= cfg.thrust_speed)
+                    && run.growth >= cfg.extension
+                    && track.extensions[blow.landing] >= FOLDED
+                    && track.tips[run.full].y - other.tips[run.full].y >= cfg.height
+                    && self.is_upright(run.full)
+                    && !stands;
+                is_kick.then_some(blow)
+            };
+            let blows = peaks::strongest(self.runs(track).filter_map(strikes).collect(), self.frames(cfg.min_gap));
             out.extend(blows.iter().filter_map(|b| self.hit(HitKind::Kick, limb.end, track, b.landing)));
         }
         out
@@ -142,37 +202,26 @@ impl Search<'_> {
         Track::new(self.poses, self.skeleton, limb, self.clip.rate_hz)
     }
 
-    /// Blows along forearm or shin; in the world, too, they go where the limb points.
-    fn thrusts(&self, track: &Track, speed: f32, extension: f32, min_gap: f32) -> Vec<Blow> {
-        let rule = Rule { lasting_share: THRUST_LASTS, ..self.rule(speed, extension, min_gap) };
-        let mut found = self.blows(&track.thrusts, track, &rule);
-        found.retain(|b| track.velocities[b.landing].dot(track.axes[b.landing]) > 0.0);
-        found
+    /// Every time that a limb grows longer, for as long as a blow takes at least, and the usable frames that it is in.
+    fn runs(&self, track: &Track) -> impl Iterator<Item = (&FrameRange, Run)> {
+        let shortest = self.frames_up(MIN_DURATION);
+        let in_range = |r: &'_ FrameRange| runs::outward(&track.extensions, r.clone());
+        let all: Vec<(&FrameRange, Run)> =
+            self.ranges.iter().flat_map(|r| in_range(r).into_iter().map(move |run| (r, run))).collect();
+        all.into_iter().filter(move |(_, run)| run.full - run.start >= shortest)
     }
 
-    /// Blows in any direction.
-    fn swings(&self, track: &Track, speed: f32, extension: f32, min_gap: f32) -> Vec<Blow> {
-        self.blows(&track.speeds, track, &self.rule(speed, extension, min_gap))
+    fn is_upright(&self, frame: usize) -> bool {
+        let at = |j: Joint| self.poses[frame][j.index()].0;
+        elevation(at(Joint::Neck) - at(Joint::Hips)) >= UPRIGHT
     }
 
-    fn rule(&self, speed: f32, extension: f32, min_gap: f32) -> Rule {
-        Rule {
-            speed,
-            lasting_share: SWING_LASTS,
-            extension,
-            min_frames: (MIN_DURATION * self.clip.rate_hz).ceil() as usize,
-            min_gap: self.frames(min_gap),
-            landing_share: self.landing_share,
-        }
+    fn frames(&self, seconds: impl Into<f64>) -> usize {
+        (seconds.into() * self.clip.rate_hz).round() as usize
     }
 
-    fn blows(&self, speeds: &[f32], track: &Track, rule: &Rule) -> Vec<Blow> {
-        let in_range = |range: &FrameRange| peaks::blows(speeds, &track.extensions, range.clone(), rule);
-        self.ranges.iter().flat_map(in_range).collect()
-    }
-
-    fn frames(&self, seconds: f32) -> usize {
-        (f64::from(seconds) * self.clip.rate_hz).round() as usize
+    fn frames_up(&self, seconds: f64) -> usize {
+        (seconds * self.clip.rate_hz).ceil() as usize
     }
 
     fn hit(&self, kind: HitKind, joint: Joint, track: &Track, frame: usize) -> Option<Hit> {
@@ -184,6 +233,11 @@ impl Search<'_> {
         let gap = if b.kind == HitKind::Kick { cfg.kicks.min_gap } else { cfg.punches.min_gap };
         a.frame.abs_diff(b.frame) < self.frames(gap)
     }
+}
+
+/// Angle above level (rad).
+fn elevation(direction: Vec3) -> f32 {
+    direction.normalize_or_zero().y.asin()
 }
 
 /// Adds blows that are at least `min_gap` frames from those that are there.

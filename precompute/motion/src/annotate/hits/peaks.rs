@@ -1,58 +1,58 @@
-//! Blows in a row of speeds: local peaks, far enough from each other, during which the limb grows longer.
+//! Blows: peaks in a row of speeds, and where they land.
 
+use super::runs::Run;
 use crate::clip::FrameRange;
 
-/// What makes a peak a blow.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rule {
-    /// Least speed at the peak (m/s).
-    pub speed: f32,
-    /// A blow lasts as long as it has at least this share of its peak's speed.
-    pub lasting_share: f32,
-    /// Least growth of the limb while it lasts, up to the peak and beyond.
-    pub extension: f32,
-    /// Least number of frames it lasts: what is shorter is a fault of the recording.
-    pub min_frames: usize,
-    /// Least number of frames between two peaks.
-    pub min_gap: usize,
-    /// Share of the peak's speed that is left where the blow lands.
-    pub landing_share: f32,
-}
+/// A swing lasts as long as it has at least this share of its greatest speed.
+const SWING_LASTS: f32 = 0.25;
 
 /// A blow.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blow {
     /// Frame of the greatest speed.
     pub peak: usize,
     /// Frame at which it lands, not before the peak.
     pub landing: usize,
+    /// Speed at the peak (m/s).
+    pub speed: f32,
 }
 
-/// The blows within a range of frames, ascending.
-///
-/// - `speeds`, `extensions`: of all frames.
-pub fn blows(speeds: &[f32], extensions: &[f32], range: FrameRange, rule: &Rule) -> Vec<Blow> {
-    let mut peaks: Vec<usize> = range.clone().filter(|&f| is_peak(speeds, &range, f, rule.speed)).collect();
-    peaks.retain(|&peak| {
-        let blow = around(speeds, &range, peak, rule.lasting_share * speeds[peak]);
-        let shortest = extensions[blow.start..=peak].iter().copied().fold(f32::INFINITY, f32::min);
-        let longest = extensions[peak..blow.end].iter().copied().fold(0.0, f32::max);
-        longest - shortest >= rule.extension && blow.len() >= rule.min_frames
-    });
-    let landing = |peak: usize| around(speeds, &range, peak, rule.landing_share * speeds[peak]).end - 1;
-    strongest(peaks, speeds, rule.min_gap).into_iter().map(|peak| Blow { peak, landing: landing(peak) }).collect()
+impl Blow {
+    /// The fastest moment of a run outwards, and the last frame up to its full extension that keeps a share of it.
+    pub fn of_run(speeds: &[f32], run: &Run, landing_share: f32) -> Self {
+        let peak = (run.start..=run.full).max_by(|&a, &b| speeds[a].total_cmp(&speeds[b]).then(b.cmp(&a)));
+        let peak = peak.unwrap_or(run.full);
+        Self::from_peak(speeds, peak, run.full + 1, landing_share)
+    }
+
+    fn from_peak(speeds: &[f32], peak: usize, end: usize, landing_share: f32) -> Self {
+        let least = landing_share * speeds[peak];
+        let after = (peak + 1..end).take_while(|&f| speeds[f] >= least).count();
+        Self { peak, landing: peak + after, speed: speeds[peak] }
+    }
 }
 
-/// Of peaks that are too near to each other, the fastest; ascending.
-fn strongest(mut peaks: Vec<usize>, speeds: &[f32], min_gap: usize) -> Vec<usize> {
-    peaks.sort_by(|&a, &b| speeds[b].total_cmp(&speeds[a]).then(a.cmp(&b)));
-    let mut kept: Vec<usize> = Vec::new();
-    for peak in peaks {
-        if kept.iter().all(|k| k.abs_diff(peak) >= min_gap) {
-            kept.push(peak);
+/// Peaks of at least a speed within a range of frames, none of them shorter than a number of frames; ascending.
+pub fn swings(speeds: &[f32], range: FrameRange, least: f32, min_frames: usize, landing_share: f32) -> Vec<Blow> {
+    let lasts = |&peak: &usize| {
+        let slow = |&f: &usize| speeds[f] >= SWING_LASTS * speeds[peak];
+        let before = (range.start..peak).rev().take_while(slow).count();
+        before + 1 + (peak + 1..range.end).take_while(slow).count() >= min_frames
+    };
+    let peaks = range.clone().filter(|&f| is_peak(speeds, &range, f, least)).filter(lasts);
+    peaks.map(|peak| Blow::from_peak(speeds, peak, range.end, landing_share)).collect()
+}
+
+/// Of blows that land too near to each other, the fastest; ascending.
+pub fn strongest(mut blows: Vec<Blow>, min_gap: usize) -> Vec<Blow> {
+    blows.sort_by(|a, b| b.speed.total_cmp(&a.speed).then(a.landing.cmp(&b.landing)));
+    let mut kept: Vec<Blow> = Vec::new();
+    for blow in blows {
+        if kept.iter().all(|k| k.landing.abs_diff(blow.landing) >= min_gap) {
+            kept.push(blow);
         }
     }
-    kept.sort_unstable();
+    kept.sort_by_key(|b| b.landing);
     kept
 }
 
@@ -62,65 +62,42 @@ fn is_peak(speeds: &[f32], range: &FrameRange, f: usize, least: f32) -> bool {
     inside && speeds[f] >= least && speeds[f] > speeds[f - 1] && speeds[f] >= speeds[f + 1]
 }
 
-/// The frames around a peak, it among them, that are all at least that fast.
-fn around(speeds: &[f32], range: &FrameRange, peak: usize, least: f32) -> FrameRange {
-    let before = (range.start..peak).rev().take_while(|&f| speeds[f] >= least).count();
-    let after = (peak + 1..range.end).take_while(|&f| speeds[f] >= least).count();
-    peak - before..peak + 1 + after
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const RULE: Rule =
-        Rule { speed: 2.0, lasting_share: 0.25, extension: 0.2, min_frames: 2, min_gap: 4, landing_share: 0.7 };
-
-    /// Speeds, and the extension they add up to.
-    fn find(speeds: &[f32], rule: &Rule) -> Vec<Blow> {
-        let mut length = 0.3;
-        let extensions: Vec<f32> = speeds
-            .iter()
-            .map(|v| {
-                length += 0.05 * v;
-                length
-            })
-            .collect();
-        blows(speeds, &extensions, 0..speeds.len(), rule)
+    fn found(speeds: &[f32], range: FrameRange) -> Vec<(usize, usize)> {
+        swings(speeds, range, 2.0, 2, 0.7).iter().map(|b| (b.peak, b.landing)).collect()
     }
 
     #[test]
     fn a_blow_lands_after_its_peak_with_most_of_its_speed_left() {
-        let speeds = [0.0, 1.0, 3.0, 5.0, 4.0, 3.6, 2.0, 0.0, -4.0];
-        assert_eq!(find(&speeds, &RULE), [Blow { peak: 3, landing: 5 }]);
-        assert_eq!(find(&speeds, &Rule { landing_share: 1.0, ..RULE }), [Blow { peak: 3, landing: 3 }]);
-        assert!(find(&speeds, &Rule { speed: 5.1, ..RULE }).is_empty());
+        let speeds = [0.0, 1.0, 3.0, 5.0, 4.0, 3.6, 2.0, 0.0];
+        assert_eq!(found(&speeds, 0..8), [(3, 5)]);
+        assert_eq!(swings(&speeds, 0..8, 2.0, 2, 1.0)[0].landing, 3);
+        assert!(swings(&speeds, 0..8, 5.1, 2, 0.7).is_empty());
+        let run = |start, full| Run { start, full, longest: 1.0, growth: 0.5 };
+        assert_eq!(Blow::of_run(&speeds, &run(0, 4), 0.7), Blow { peak: 3, landing: 4, speed: 5.0 });
+        assert_eq!(Blow::of_run(&speeds, &run(0, 7), 0.7).landing, 5);
+        // The fastest moment comes after the limb was longest.
+        assert_eq!(Blow::of_run(&speeds, &run(0, 2), 0.7), Blow { peak: 2, landing: 2, speed: 3.0 });
     }
 
     #[test]
-    fn of_peaks_near_each_other_the_fastest_stays() {
+    fn of_blows_near_each_other_the_fastest_stays() {
         let speeds = [0.0, 3.0, 2.5, 4.0, 1.0, 3.0, 3.0, 1.0, 0.0];
-        let peaks = |gap| find(&speeds, &Rule { min_gap: gap, ..RULE }).iter().map(|b| b.peak).collect::<Vec<_>>();
+        let all = swings(&speeds, 0..9, 2.0, 1, 1.0);
+        let peaks = |gap| strongest(all.clone(), gap).iter().map(|b| b.peak).collect::<Vec<_>>();
         assert_eq!(peaks(0), [1, 3, 5]);
         assert_eq!(peaks(2), [1, 3, 5]);
-        assert_eq!(peaks(3), [3]);
+        assert_eq!(peaks(4), [3]);
     }
 
     #[test]
-    fn a_limb_that_keeps_its_length_and_a_jump_of_one_frame_are_no_blows() {
-        let speeds = [0.0, 1.0, 3.0, 5.0, 3.0, 1.0, 0.0];
-        assert!(blows(&speeds, &[0.6; 7], 0..7, &RULE).is_empty());
-        let jump = [0.0, 0.0, 9.0, 0.0, 0.0];
-        assert!(find(&jump, &RULE).is_empty());
-        assert_eq!(find(&jump, &Rule { min_frames: 1, extension: 0.0, ..RULE }).len(), 1);
-    }
-
-    #[test]
-    fn nothing_outside_the_range_is_looked_at() {
+    fn a_jump_of_one_frame_and_what_is_outside_the_range_are_no_blows() {
+        assert!(found(&[0.0, 0.0, 9.0, 0.0, 0.0], 0..5).is_empty());
         let speeds = [0.0, 1.0, 3.0, 5.0, 4.0, 3.6, 2.0];
-        let extensions = [0.3, 0.4, 0.5, 0.7, 0.9, 1.0, 1.0];
-        assert!(blows(&speeds, &extensions, 3..7, &RULE).is_empty());
-        assert_eq!(blows(&speeds, &extensions, 1..5, &RULE), [Blow { peak: 3, landing: 4 }]);
-        assert!(blows(&speeds, &extensions, 2..2, &RULE).is_empty());
+        assert!(found(&speeds, 3..7).is_empty() && found(&speeds, 2..2).is_empty());
+        assert_eq!(found(&speeds, 1..5), [(3, 4)]);
     }
 }

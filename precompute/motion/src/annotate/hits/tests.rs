@@ -40,14 +40,20 @@ fn clip(rate_hz: f64, way: impl Fn(f32) -> Vec3, local: impl Fn(f32, &mut [Quat]
 
 /// Turns the right arm so that the wrist is straight ahead of the shoulder, the elbow out to the right.
 fn reach_ahead(pose: &mut [Quat], distance: f32) {
+    reach_at(pose, distance, 0.0);
+}
+
+/// As [`reach_ahead`], with the wrist above level by an angle (rad).
+fn reach_at(pose: &mut [Quat], distance: f32, above: f32) {
     let s = Skeleton::default();
     let [upper, fore] = [Joint::RightForearm, Joint::RightHand].map(|j| s.offsets[j.index()].length());
     let along = (upper * upper + distance * distance - fore * fore) / (2.0 * distance);
-    let elbow = Vec3::new(-(upper * upper - along * along).max(0.0).sqrt(), 0.0, along);
+    let up = Quat::from_rotation_x(-above);
+    let elbow = up * Vec3::new(-(upper * upper - along * along).max(0.0).sqrt(), 0.0, along);
     let towards = |v: Vec3| Quat::from_rotation_arc(-Vec3::X, v.normalize());
     let shoulder = towards(elbow);
     pose[Joint::RightUpperArm.index()] = shoulder;
-    pose[Joint::RightForearm.index()] = shoulder.inverse() * towards(Vec3::Z * distance - elbow);
+    pose[Joint::RightForearm.index()] = shoulder.inverse() * towards(up * Vec3::Z * distance - elbow);
 }
 
 /// Throws three straight punches with the right hand while the hips go their way.
@@ -70,13 +76,22 @@ fn uppercutter(angle: f32) -> Clip {
     )
 }
 
+/// 0 before `start`, 1 after a time.
+fn ease(t: f32, start: f32, time: f32) -> f32 {
+    0.5 - 0.5 * (PI * ((t - start) / time).clamp(0.0, 1.0)).cos()
+}
+
 /// Kicks ahead with the left leg: the knee comes up bent, then the shin snaps straight.
 fn kicker() -> Clip {
-    let ease = |t: f32, start: f32, time: f32| 0.5 - 0.5 * (PI * ((t - start) / time).clamp(0.0, 1.0)).cos();
+    kicker_with(|_, _| ())
+}
+
+fn kicker_with(arms: impl Fn(f32, &mut [Quat])) -> Clip {
     clip(
         30.0,
         |_| Vec3::ZERO,
         |t, pose| {
+            arms(t, pose);
             let raised = ease(t, 1.0, 0.3) - ease(t, 2.0, 0.6);
             let bent = raised - ease(t, 1.25, 0.15) + ease(t, 1.6, 0.4);
             pose[Joint::LeftThigh.index()] = Quat::from_rotation_x(-1.5 * raised);
@@ -195,6 +210,58 @@ fn thresholds_are_respected() {
 }
 
 #[test]
+fn arms_that_reach_up_or_down_or_stay_out_do_not_strike() {
+    let out = |above: f32, back: f32| {
+        let still = |_| Vec3::ZERO;
+        clip(30.0, still, move |t, pose| {
+            let share = ease(t, 1.0, OUT) - back * ease(t, 1.0 + OUT, BACK);
+            reach_at(pose, REACH[0] + (REACH[1] - REACH[0]) * share, above.to_radians());
+        })
+    };
+    let count = |clip: &Clip| hits(clip, &HitConfig::default()).len();
+    assert_eq!([0.0, 40.0, -40.0, 70.0, -70.0].map(|above| count(&out(above, 1.0))), [1, 1, 1, 0, 0]);
+    let mut cfg = HitConfig::default();
+    cfg.punches.elevation_deg = 80.0;
+    assert_eq!(hits(&out(70.0, 1.0), &cfg).len(), 1);
+    // A hand that is offered.
+    assert_eq!([1.0, 0.5, 0.1, 0.0].map(|back| count(&out(0.0, back))), [1, 1, 0, 0]);
+    cfg.punches.retreat = 0.0;
+    assert_eq!(hits(&out(0.0, 0.0), &cfg).len(), 1);
+    // What comes after the clip is not known.
+    let mut cut = out(0.0, 0.0);
+    cut.excluded = vec![crate::clip::Exclusion { range: 45..90, reason: crate::clip::ExclusionReason::Sidecar }];
+    assert_eq!(count(&cut), 1);
+}
+
+#[test]
+fn blows_of_a_flurry_count_one_by_one() {
+    let flurry = clip(
+        60.0,
+        |_| Vec3::ZERO,
+        |t, pose| {
+            let share = if (1.0..2.0).contains(&t) { 0.5 - 0.5 * (TAU * 5.0 * t).cos() } else { 0.0 };
+            reach_ahead(pose, REACH[0] + (REACH[1] - REACH[0]) * share);
+        },
+    );
+    let found = hits(&flurry, &HitConfig::default());
+    assert_eq!(found.len(), 5, "five blows, 0.2 s apart: {found:?}");
+}
+
+#[test]
+fn arms_that_balance_a_kick_do_not_strike() {
+    let swings = |start: f32| {
+        let arm = move |t: f32| ease(t, start, OUT) - ease(t, start + OUT, BACK);
+        kicker_with(move |t, pose| reach_ahead(pose, REACH[0] + (REACH[1] - REACH[0]) * arm(t)))
+    };
+    let kinds = |clip: &Clip, cfg: &HitConfig| hits(clip, cfg).iter().map(|h| h.kind.clone()).collect::<Vec<_>>();
+    let mut cfg = HitConfig::default();
+    assert_eq!(kinds(&swings(1.3), &cfg), [HitKind::Kick]);
+    assert_eq!(kinds(&swings(0.4), &cfg), [HitKind::Punch, HitKind::Kick]);
+    cfg.punches.raised_foot = 2.0;
+    assert_eq!(kinds(&swings(1.3), &cfg).len(), 2);
+}
+
+#[test]
 fn bent_arms_strike_where_swings_count() {
     let clip = uppercutter(FRAC_PI_2);
     assert!(hits(&clip, &HitConfig::default()).is_empty());
@@ -223,6 +290,12 @@ fn kicks_need_a_foot_high_above_the_other_that_does_not_stand() {
     let mut cfg = HitConfig::default();
     cfg.kicks.height = 1.0;
     assert!(hits(&clip, &cfg).is_empty());
+    // Not on the way down: the knee is straight at 1.4 s, and the leg sinks from 2 s on.
+    let leg = |f: usize| {
+        let p = clip.joint_positions(&Skeleton::default(), f);
+        p[Joint::LeftFoot.index()].distance(p[Joint::LeftThigh.index()])
+    };
+    assert!(leg(h.frame) > leg(h.frame - 1) && leg(h.frame) > 0.9 * leg(42));
     clip.contacts[h.frame] = Contacts::LEFT_TOE;
     assert!(hits(&clip, &HitConfig::default()).is_empty());
 }
