@@ -362,3 +362,24 @@ proptest! {
         let _ = obj::triangles(&format!("v 0 0 0\nv 1 {with} 0\nf {with} {cut} -{skip}\n"));
     }
 }
+
+/// A lamp that a chest walks through while the arm beside it does, too.
+#[test]
+fn a_limb_gives_way_where_the_body_itself_cannot_and_both_is_said() {
+    let s = Somebody::standing();
+    let text = TASK[..TASK.find("[[tasks]]").expect("tasks")]
+        .replace("0.38, 1.2, 0.28", "0.36, 1.05, 0.2")
+        .replace("radius = 0.06", "radius = 0.3");
+    let only_arm = format!("{text}[[tasks]]\nlimb = \"left_arm\"\ndo = \"correct\"\n[planner]\nseed = 3\n");
+    let free =
+        run(&only_arm.replace("0.36, 1.05, 0.2", "0.38, 1.2, 0.28").replace("radius = 0.3", "radius = 0.06"), &s);
+    assert!(free.is_solved() && free.done[0].left.is_empty(), "{:?}", free.done);
+    let outcome = run(&only_arm, &s);
+    let done = &outcome.done[0];
+    // The arm is out of the way, the chest is where the clip has it: that is no solution, and says so.
+    assert!(!outcome.is_solved() && !done.plans.is_empty() && !done.left.is_empty(), "{done:?}");
+    assert!(done.left.iter().all(|l| l.is_driven && l.span.with == "ball"), "{done:?}");
+    assert!(why(&outcome, 0).contains("no motion of left_arm helps"), "{}", why(&outcome, 0));
+    assert_ne!(outcome.clips[0][0], outcome.clips[0][1]);
+    assert_eq!(outcome.recheck.violations, []);
+}
