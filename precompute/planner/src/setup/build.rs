@@ -10,6 +10,7 @@ use crate::linkage::{Chain, Limb, MAX_JOINTS};
 use crate::problem::{BodyPart, PRESENT_STEP_S, Pair, Part, PlacedSolid, Problem, Solid, Target};
 use crate::shape::Segment;
 use crate::track::Track;
+use std::sync::atomic::{AtomicU64, Ordering};
 use throng_base::text::did_you_mean;
 use throng_core::Joint;
 
@@ -19,6 +20,9 @@ const DRIVEN_STEP_S: f64 = 1.0 / 60.0;
 const MAX_SECONDS: f64 = 3600.0;
 /// Ends may be outside limits by so little (rad).
 const AT_LIMIT: f64 = 1e-4;
+
+/// Problems so far; nothing but what is kept of looks depends on it.
+static NUMBERS: AtomicU64 = AtomicU64::new(1);
 
 impl Problem {
     /// Checks a problem and prepares it.
@@ -55,6 +59,7 @@ impl Problem {
         let present =
             (0..steps).map(|i| spec.motion.limb_pose(spec.linkage, spec.init.time_s + i as f64 * PRESENT_STEP_S));
         let mut problem = Self {
+            number: NUMBERS.fetch_add(1, Ordering::Relaxed),
             chain,
             limits: limits_of(spec, &chain)?,
             base: Track::rigid(spec.motion.clock(), spec.motion.of_joint(spec.linkage.base())),

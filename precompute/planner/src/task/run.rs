@@ -183,7 +183,8 @@ pub enum NoClips {
 
 impl Task {
     /// Does everything by its priority, and in the file's order where it is equal: what comes later sees the limbs as they
-    /// were planned before. What cannot be done is tried once more after all others, and leaves everything as it was.
+    /// were planned before. What cannot be done is tried once more after all others, and leaves everything as it was;
+    /// where that helps, corrections are looked at again.
     ///
     /// - `clips`: one for each character, in the task's order; frame 0 is at time 0.
     /// - `seed`: in place of the file's.
@@ -199,17 +200,22 @@ impl Task {
         let mut order: Vec<usize> = (0..self.steps.len()).collect();
         order.sort_by_key(|i| self.steps[*i].priority);
         let mut done: Vec<Option<Done>> = vec![None; self.steps.len()];
-        let mut failed = Vec::new();
-        for round in 0..2 {
+        let (mut failed, mut late) = (Vec::new(), false);
+        for round in 0..3 {
             for i in std::mem::take(if round == 0 { &mut order } else { &mut failed }) {
                 let mut one = attempt(&mut stage, i, &config);
                 if one.why.is_some() && round == 0 {
                     failed.push(i);
                 }
+                late |= round == 1 && one.why.is_none() && self.steps[i].deed != Deed::Correct;
                 if let Some(first) = done[i].take().filter(|_| self.steps[i].deed == Deed::Correct) {
                     one.after(first);
                 }
                 done[i] = Some(one);
+            }
+            if round == 1 && late {
+                // Hands hold other things now than when they were corrected.
+                failed = (0..self.steps.len()).filter(|i| self.steps[*i].deed == Deed::Correct).collect();
             }
         }
         let recheck = super::check::check(&stage);

@@ -203,7 +203,7 @@ fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize
             continue;
         }
         after.stand(held_s + STAY_S).map_err(wrong)?;
-        if !wanted.is_walk_free(&after, from_s) {
+        if !wanted.is_walk_free(&after, [from_s, held_s + BACK_S]) {
             continue;
         }
         if passed > 0 {

@@ -4,8 +4,10 @@ use super::gait::{Gait, heading_of};
 use super::route::Ground;
 use crate::driven::{Driven, placed};
 use crate::ik::Unreached;
+use crate::linkage::Limb;
 use crate::problem::Problem;
 use crate::rotation::{Rigid, about, wrap};
+use crate::shape::Shape;
 use crate::task::ahead::{around_target, reached, target};
 use crate::task::stage::{Stage, Whereabouts};
 use crate::task::step::Step;
@@ -25,10 +27,14 @@ const ASIDE: [f64; 3] = [0.35, 0.0, 0.8];
 const TURN_M: f64 = 0.4;
 const RING_M: f64 = 1.5;
 const ASIDE_M: f64 = 0.3;
-/// How far a body that stands is from everything (m).
-const CLEAR_M: f64 = 0.015;
-/// The same on the way (m).
-const WALK_M: f64 = 0.008;
+/// How far a body that stands is from everything, and its arms (m).
+const CLEAR_M: f64 = 0.04;
+const ARM_M: f64 = 0.01;
+/// How much nearer than need be somebody stands who brings something (m).
+const SPARE_M: f64 = 0.05;
+/// How far it is from everything while a limb is planned, and how deep in something at other times (m).
+const WALK_M: f64 = 0.004;
+const PRESS_M: f64 = 0.02;
 /// Turning at the beginning and at the end, and coming to a stand, at a guess (s).
 const AROUND_S: f64 = 2.0;
 /// How far around others nobody walks (m).
@@ -56,12 +62,14 @@ pub(super) struct Wanted<'a> {
     /// How it stands there.
     pose: (DVec3, [DQuat; NUM_JOINTS]),
     nearest: Option<Unreached<String>>,
+    /// What the body met on the way to a place that would do.
+    met: Option<String>,
 }
 
 impl<'a> Wanted<'a> {
     /// - `stage`: with the clip of who walks so far.
     pub fn new(stage: Stage<'a>, step: &'a Step, gait: &Gait) -> Self {
-        Self { stage, step, from: gait.place(), now_s: gait.time_s(), pose: gait.pose(), nearest: None }
+        Self { stage, step, from: gait.place(), now_s: gait.time_s(), pose: gait.pose(), nearest: None, met: None }
     }
 
     /// Where the object is, or is brought.
@@ -119,20 +127,22 @@ impl<'a> Wanted<'a> {
         let actor = &self.stage.actors[self.step.character];
         let (root, turns) = self.pose_at(stand);
         let places = placed(&actor.skeleton, root, &turns);
-        let solids = self.around(stand.at_s).things;
+        let solids = self.around(stand.at_s);
         actor.shape.capsules.iter().all(|c| {
             let core = c.core.map(|p| places[c.joint.index()].point(p));
-            solids.iter().all(|(shape, at)| {
+            let is_limb = Limb::ALL.iter().any(|l| l.is_arm() && l.moves(c.joint));
+            let room = if is_limb { ARM_M } else { CLEAR_M };
+            solids.iter().all(|(_, shape, at)| {
                 let local = core.map(|p| at.local_point(p));
-                !shape.is_nearer(&local, c.radius + CLEAR_M)
+                !shape.is_nearer(&local, c.radius + room)
             })
         })
     }
 
     /// What stands on the ground until somebody is there.
     pub fn ground(&self, stand: &Stand) -> Ground {
-        let mut ground = self.around(self.now_s);
-        ground.things.extend(self.around(stand.at_s).things);
+        let both = [self.now_s, stand.at_s].map(|t| self.around(t).into_iter().map(|(_, shape, at)| (shape, at)));
+        let mut ground = Ground { things: both.into_iter().flatten().collect(), discs: Vec::new() };
         let others = self.stage.actors.iter().enumerate().filter(|(i, _)| *i != self.step.character);
         for (_, other) in others {
             let steps = ((stand.at_s - self.now_s) / 0.5).ceil() as usize;
@@ -144,34 +154,48 @@ impl<'a> Wanted<'a> {
         ground
     }
 
-    /// True where nobody who has walked so is in anything on the way, frame by frame; the limb is left out once it has set out.
-    pub fn is_walk_free(&self, walked: &Gait, limb_from_s: f64) -> bool {
+    /// True where who has walked so was in nothing on the way, frame by frame, but for limbs that have tasks of their own,
+    /// and arms while nothing is planned.
+    ///
+    /// - `window_s`: in which the limb is planned.
+    pub fn is_walk_free(&mut self, walked: &Gait, window_s: [f64; 2]) -> bool {
         let actor = &self.stage.actors[self.step.character];
-        let frames = walked.frames_after(self.now_s);
-        frames.into_iter().all(|(time_s, (root, turns))| {
+        let steps = self.stage.task.steps.iter().filter(|s| s.character == self.step.character);
+        let limbs: Vec<Limb> = steps.map(|s| s.limb).collect();
+        let is_arm = |j: Joint| Limb::ALL.iter().any(|l| l.is_arm() && l.moves(j));
+        for (time_s, (root, turns)) in walked.frames_after(self.now_s) {
             let places = placed(&actor.skeleton, root, &turns);
-            let solids = self.around(time_s).things;
-            let counts = |j: Joint| time_s < limb_from_s || !self.step.limb.moves(j);
-            actor.shape.capsules.iter().filter(|c| counts(c.joint)).all(|c| {
+            let is_planned = (window_s[0]..=window_s[1]).contains(&time_s);
+            let room = if is_planned { WALK_M } else { -PRESS_M };
+            // Arms that swing into something on the way are mended by tasks of their own.
+            let counts = |j: Joint| !limbs.iter().any(|l| l.moves(j)) && (is_planned || !is_arm(j));
+            for c in actor.shape.capsules.iter().filter(|c| counts(c.joint)) {
                 let core = c.core.map(|p| places[c.joint.index()].point(p));
-                solids.iter().all(|(shape, at)| {
-                    let local = core.map(|p| at.local_point(p));
-                    !shape.is_nearer(&local, c.radius + WALK_M)
-                })
-            })
-        })
+                let meets = |(_, shape, at): &&(String, Shape, Rigid)| {
+                    shape.is_nearer(&core.map(|p| at.local_point(p)), c.radius + room)
+                };
+                if let Some((with, ..)) = self.around(time_s).iter().find(meets) {
+                    let limb = Limb::ALL.iter().find(|l| l.is_arm() && l.moves(c.joint));
+                    let out =
+                        limb.map_or_else(String::new, |l| format!(" (a task `correct` of {} mends that)", l.name()));
+                    self.met = Some(format!("{} meets {with} on the way{out}", c.joint.name()));
+                    return false;
+                }
+            }
+        }
+        true
     }
 
     /// Everything but the object that is taken or brought, and what hands carry.
-    fn around(&self, time_s: f64) -> Ground {
+    fn around(&self, time_s: f64) -> Vec<(String, Shape, Rigid)> {
         let is_carried = |i: usize| matches!(self.stage.stretch(i, time_s), Whereabouts::On { .. });
         let things = self.stage.task.things.iter().enumerate();
         let there = things.filter(|(i, t)| !(t.is_object && Some(*i) == self.step.object) && !is_carried(*i));
         let placed = there.flat_map(|(i, thing)| {
             let at = self.stage.place(i, time_s);
-            thing.shapes.iter().map(move |s| (s.clone(), at))
+            thing.shapes.iter().map(move |s| (thing.name.clone(), s.clone(), at))
         });
-        Ground { things: placed.collect(), discs: Vec::new() }
+        placed.collect()
     }
 
     /// True where the limb of who stands there reaches, within limits and free.
@@ -179,8 +203,14 @@ impl<'a> Wanted<'a> {
         self.is_reached_at(self.pose_at(stand), stand.at_s)
     }
 
-    /// The same of a pose: hips and rotations.
+    /// The same of a pose: hips and rotations. Where it is not known yet how the object lies in the hand, a little farther.
     pub fn is_reached_at(&mut self, (root, turns): (DVec3, [DQuat; NUM_JOINTS]), at_s: f64) -> bool {
+        let away = (root - self.target(at_s).position).with_y(0.0).normalize_or_zero();
+        let is_near = !self.step.deed.holds() || self.is_reached_by((root + SPARE_M * away, turns), at_s);
+        is_near && self.is_reached_by((root, turns), at_s)
+    }
+
+    fn is_reached_by(&mut self, (root, turns): (DVec3, [DQuat; NUM_JOINTS]), at_s: f64) -> bool {
         let who = self.step.character;
         let actor = &mut self.stage.actors[who];
         actor.motion = Driven::still(&actor.skeleton, root, turns);
@@ -201,9 +231,14 @@ impl<'a> Wanted<'a> {
     pub fn why(&self) -> String {
         let nearest =
             self.nearest.as_ref().map_or_else(|| "everywhere something is in the way".into(), |u| u.to_string());
-        format!(
-            "there is no place to stand from which it is reached, or no way there: at best {nearest}; give more room, \
-                 more grips or another limb"
-        )
+        match &self.met {
+            Some(met) => {
+                format!("no way leads to a place to stand from which it is reached: {met}; give more room, or move it")
+            }
+            None => format!(
+                "there is no place to stand from which it is reached, or no way there: at best {nearest}; give more room, more \
+                 grips or another limb"
+            ),
+        }
     }
 }
