@@ -1,4 +1,6 @@
-//! `throng check`: what a scene says, before it runs.
+//! `throng check`: what a scene says, before it runs, and what is known of a task before any search.
+
+mod task;
 
 use crate::args::{CacheArgs, Outcome};
 use crate::{keys, output};
@@ -7,11 +9,12 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use throng_runtime::simulation::{Scene, Simulation};
 
-/// Check a scene: every name, number, rule and state; what its people do that their bundles have no motion for.
+/// Check a scene: every name, number, rule and state; what its people do that their bundles have no motion for. Or a task of
+/// `throng plan`: what limbs reach, how long joints need at least, where clips collide, which meshes have holes.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::of::<Checked>())]
+#[command(after_long_help = help())]
 pub struct Args {
-    /// Scene.
+    /// Scene, or task.
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
     #[command(flatten)]
@@ -42,7 +45,16 @@ struct Table {
     rows: usize,
 }
 
+/// What `--json` prints, by what is asked.
+fn help() -> String {
+    [keys::section::<Checked>("JSON keys (of a scene)"), keys::section::<task::Report>("JSON keys (of a task)")]
+        .join("\n")
+}
+
 pub fn run(args: &Args) -> Outcome {
+    if task::is_task(&args.scene) {
+        return task::run(args);
+    }
     let scene = Scene::load(&args.scene)?;
     crate::run::ensure(&scene, &args.cache)?;
     let compiled = scene.open()?;

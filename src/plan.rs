@@ -3,13 +3,14 @@
 pub mod read;
 mod strip;
 
-use crate::args::{Outcome, ReadArgs, fail};
+use crate::args::{CacheArgs, Outcome, ReadArgs, fail};
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use throng_planner::task::{ActorClip, Attachment, Event, Task, TaskOutcome};
+use throng_planner::correct::Span;
+use throng_planner::task::{ActorClip, Attachment, Done, Event, Task, TaskOutcome};
 use throng_precompute::{Clip, export, files};
 use throng_runtime::base::limits;
 
@@ -23,8 +24,8 @@ const SEEDS_EACH: u64 = 8;
 ///
 /// The clip is written on the database skeleton at the database rate, as `throng export --retargeted` writes it; outside of
 /// what was planned it is the same. What was taken and carried stands beside it in CLIP.objects.json. Other characters that
-/// moved are written as CLIP.NAME.bvh. Nothing is written unless every task is done and a check by other means finds no
-/// fault.
+/// moved are written as CLIP.NAME.bvh. Nothing is written unless every task is done, or with --partial what was done, and
+/// a check by other means finds no fault.
 #[derive(clap::Args)]
 #[command(after_long_help = keys::of::<Report>())]
 pub struct Args {
@@ -43,8 +44,13 @@ pub struct Args {
     /// Draw moments before and after, seen from two sides (PNG); of an unsolved task, too.
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
+    /// Write what was done even where a task was not, or only in part: the exit code is 1 all the same.
+    #[arg(long)]
+    partial: bool,
     #[command(flatten)]
     read: ReadArgs,
+    #[command(flatten)]
+    cache: CacheArgs,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -77,6 +83,8 @@ pub struct Report {
     pub limit_margin_rad: Option<f64>,
     /// How deep planned limbs are in what they may not touch (m).
     pub penetration_max_m: f64,
+    /// How far faces are from what they look at, at most, beyond what necks allow; none where `gaze` is off (rad).
+    pub gaze_off_rad: Option<f64>,
     /// What a check by other means found wrong; anything but 0 fails.
     pub recheck_violations: usize,
     /// What was written.
@@ -97,6 +105,27 @@ pub struct TaskReport {
     why: Option<String>,
     /// How near it came where it was not done: to the target, or the two ends of the search to each other (m).
     nearest_m: Option<f64>,
+    /// When it is reached, of tasks that have a time; of those who walk up to it, the one that was found (s).
+    at_s: Option<f64>,
+    /// Where the clip collides, of corrections.
+    collisions: Vec<CollisionReport>,
+}
+
+/// A stretch in which a clip collides.
+#[derive(Serialize, JsonSchema)]
+struct CollisionReport {
+    /// From when on (s).
+    from_s: f64,
+    /// Until when (s).
+    to_s: f64,
+    /// Part of the body, where it is deepest.
+    part: String,
+    /// What it is in.
+    obstacle: String,
+    /// How deep at most (m).
+    depth_m: f64,
+    /// Why it stays so; none where it was corrected.
+    why: Option<String>,
 }
 
 /// One of several motions.
@@ -121,17 +150,17 @@ pub fn run(args: &Args) -> Outcome {
     }
     args.png.iter().chain([&args.out]).try_for_each(|f| files::check_target(f))?;
     let task = Task::read(&args.task)?;
-    let clips = read::clips(&task, &args.read.config()?, None)?;
+    let (task, clips) = read::staged(task, &args.read.config()?, None, Some(&args.cache), args.seed)?;
     let found = outcomes(&task, &clips, args)?;
     let (_, first) = &found[0];
-    let mut report = report(first);
+    let mut report = report(&task, first);
     if let Some(png) = &args.png {
         let title = args.task.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         strip::draw(&task, &clips, first, &title).save_png(png)?;
     }
     let faults = found.iter().flat_map(|(_, o)| &o.recheck.violations);
     let fault = faults.map(|v| format!("the check found at {:.3} s: {}", v.time_s, v.what)).next();
-    if report.solved && fault.is_none() {
+    if (report.solved || args.partial) && fault.is_none() {
         for (i, (_, outcome)) in found.iter().enumerate() {
             write(&task, &clips, outcome, &numbered(&args.out, i), &mut report.files)?;
         }
@@ -148,7 +177,8 @@ pub fn run(args: &Args) -> Outcome {
         return fail(format!("{fault}; nothing was written. Try another --seed, or a larger clearance_m"));
     }
     let Some(why) = report.tasks.iter().find(|t| !t.solved) else { return few(&found, args) };
-    fail(format!("{}: {}; nothing was written", why.name, why.why.as_deref().unwrap_or_default()))
+    let written = if args.partial { "the rest was written" } else { "nothing was written (--partial writes the rest)" };
+    fail(format!("{}: {}; {written}", why.name, why.why.as_deref().unwrap_or_default()))
 }
 
 /// One outcome, or as many different ones as were asked for.
@@ -177,21 +207,24 @@ fn few(found: &[(u64, TaskOutcome)], args: &Args) -> Outcome {
 }
 
 /// Sums up an outcome.
-pub fn report(outcome: &TaskOutcome) -> Report {
+pub fn report(task: &Task, outcome: &TaskOutcome) -> Report {
     let plans: Vec<_> = outcome.done.iter().flat_map(|d| &d.plans).collect();
     // From zero, as the sum of no numbers is the negative zero.
     let sum = |of: &dyn Fn(&_) -> f64| plans.iter().map(of).fold(0.0, |sum, v| sum + v);
     let mean = |k: usize| sum(&|p| p.roughness[k].jerk_rms) / plans.len().max(1) as f64;
     let finite = |x: f64| x.is_finite().then_some(x);
-    let task = |d: &throng_planner::task::Done| TaskReport {
+    let times_s = task.times_s();
+    let one = |(d, at_s): (&Done, Option<f64>)| TaskReport {
         name: d.name.clone(),
         solved: d.why.is_none(),
         why: d.why.clone(),
         nearest_m: d.nearest_m.and_then(finite),
+        at_s,
+        collisions: collisions(d),
     };
     Report {
         solved: outcome.is_solved(),
-        tasks: outcome.done.iter().map(task).collect(),
+        tasks: outcome.done.iter().zip(times_s).map(one).collect(),
         first_solution_s: sum(&|p| p.first_solution_s),
         total_s: sum(&|p| p.total_s),
         nodes: plans.iter().map(|p| p.nodes).sum(),
@@ -202,10 +235,26 @@ pub fn report(outcome: &TaskOutcome) -> Report {
         clearance_min_m: finite(outcome.recheck.clearance_min_m),
         limit_margin_rad: finite(-outcome.recheck.outside_limits_rad),
         penetration_max_m: outcome.recheck.penetration_max_m,
+        gaze_off_rad: task.gaze.then_some(outcome.recheck.gaze_off_rad),
         recheck_violations: outcome.recheck.violations.len(),
         files: Vec::new(),
         variants: Vec::new(),
     }
+}
+
+/// Stretches that were corrected, and those that were not.
+fn collisions(done: &Done) -> Vec<CollisionReport> {
+    let left = |s: &Span| done.left.iter().find(|l| l.span == *s).map(|l| l.why.clone());
+    let driven = done.left.iter().map(|l| &l.span).filter(|s| !done.spans.contains(s));
+    let one = |s: &Span| CollisionReport {
+        from_s: s.from_s,
+        to_s: s.to_s,
+        part: s.part.clone(),
+        obstacle: s.with.clone(),
+        depth_m: s.depth_m,
+        why: left(s),
+    };
+    done.spans.iter().chain(driven).map(one).collect()
 }
 
 fn variants(found: &[(u64, TaskOutcome)]) -> Vec<Variant> {

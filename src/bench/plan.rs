@@ -1,19 +1,22 @@
 //! `throng bench plan`: what plans of limbs cost, and how often they succeed.
 
 mod ik;
+mod natural;
 mod scenes;
 
-use crate::args::{Outcome, fail};
+use crate::args::{CacheArgs, Outcome, fail};
 use crate::{keys, output, plan};
+use natural::Natural;
 use scenes::{SCENES, Scene};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::error::Error;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use throng_planner::clips::with_motion;
+use throng_planner::natural::{ReachFigures, reach_figures};
 use throng_planner::planner::{Budget, PlanConfig, Planner};
 use throng_planner::recheck::Recheck;
-use throng_planner::task::Task;
+use throng_planner::task::{ActorClip, Task, TaskOutcome};
 use throng_precompute::Clip;
 use throng_precompute::config::BuildConfig;
 
@@ -37,6 +40,11 @@ pub struct Args {
     /// Poses that inverse kinematics is measured on.
     #[arg(long, default_value_t = 100_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     poses: u32,
+    /// Captured motion to compare with: files and folders; reaches in it are found by the speed of hands.
+    #[arg(long, value_name = "FILE_OR_FOLDER", num_args = 1..)]
+    captured: Vec<PathBuf>,
+    #[command(flatten)]
+    cache: CacheArgs,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -47,6 +55,8 @@ pub struct Args {
 struct Report {
     /// Every scene.
     results: Vec<Figures>,
+    /// Reaches in the captured motion; none without it.
+    captured: Option<Natural>,
 }
 
 /// Figures of a scene.
@@ -82,6 +92,8 @@ struct Figures {
     ik_solved_fraction: f64,
     /// Mean angle between the motions of two seeds, mean of neighbouring seeds (rad).
     variants_distance_rad: Option<f64>,
+    /// How much hands move as people's do on their way, in all plans.
+    natural: Option<Natural>,
     /// What the paper gives for a scene like it (s).
     paper_s: Option<f64>,
 }
@@ -94,11 +106,16 @@ struct Sample {
     length_rad: f64,
     jerk: [f64; 2],
     clip: Option<Clip>,
+    reaches: Vec<ReachFigures>,
 }
 
 pub fn run(args: &Args) -> Outcome {
     let all = || SCENES.iter().map(|(name, _)| (*name).to_owned()).collect();
     let names: Vec<String> = if args.scene.is_empty() { all() } else { args.scene.clone() };
+    let captured = match args.captured.as_slice() {
+        [] => None,
+        files => natural::captured(files, &BuildConfig::of_motion("", Vec::new())?)?,
+    };
     let ik = ik::measure(args.poses);
     let mut results = Vec::new();
     for name in &names {
@@ -111,12 +128,16 @@ pub fn run(args: &Args) -> Outcome {
                 return fail(format!("there is no scene `{name}`; there are {known}, and task files (.toml)"));
             }
         };
-        results.push(figures(name, &samples, violations, &ik, args.seeds));
+        let mut figures = figures(name, &samples, violations, &ik, args.seeds);
+        let reaches: Vec<ReachFigures> = samples.into_iter().flat_map(|s| s.reaches).collect();
+        figures.natural = Natural::of(&reaches, captured.as_ref());
+        results.push(figures);
     }
     if args.json {
-        return output::json(&Report { results });
+        return output::json(&Report { results, captured });
     }
-    results.iter().try_for_each(print)
+    results.iter().try_for_each(print)?;
+    captured.map_or(Ok(()), |c| output::table(&[("captured", c.text())]))
 }
 
 /// Plans a scene with every seed.
@@ -155,6 +176,7 @@ fn plans(scene: &Scene, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Err
             checks: outcome.checks,
             length_rad: outcome.roughness[1].length_rad,
             jerk: outcome.roughness.map(|r| r.jerk_rms),
+            reaches: reach_figures(&after, &who.skeleton, who.linkage.limb, [init, goal]).into_iter().collect(),
             clip: Some(after),
         });
     }
@@ -164,24 +186,33 @@ fn plans(scene: &Scene, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Err
 /// Does a task with every seed.
 fn tasks(path: &Path, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Error>> {
     let task = Task::read(path)?;
-    let clips = plan::read::clips(&task, &BuildConfig::of_motion("", Vec::new())?, None)?;
+    let config = BuildConfig::of_motion("", Vec::new())?;
+    let (task, clips) = plan::read::staged(task, &config, None, Some(&args.cache), None)?;
     let (mut samples, mut violations) = (Vec::new(), 0);
     for seed in 0..args.seeds {
         let outcome = task.run(&clips, Some(seed))?;
         violations += outcome.recheck.violations.len();
         if outcome.is_solved() {
-            let r = plan::report(&outcome);
+            let r = plan::report(&task, &outcome);
             samples.push(Sample {
                 first_s: r.first_solution_s,
                 total_s: r.total_s,
                 checks: r.checks,
                 length_rad: r.path_length_rad,
                 jerk: [r.jerk_before, r.jerk_after],
+                reaches: reaches(&task, &clips, &outcome),
                 clip: outcome.clips.into_iter().next().map(|[_, after]| after),
             });
         }
     }
     Ok((samples, violations))
+}
+
+/// The ways there of everything that has a time.
+fn reaches(task: &Task, clips: &[ActorClip], outcome: &TaskOutcome) -> Vec<ReachFigures> {
+    let arms = task.ways_there().filter(|(_, limb, _)| limb.is_arm());
+    arms.filter_map(|(who, limb, window_s)| reach_figures(&outcome.clips[who][1], &clips[who].skeleton, limb, window_s))
+        .collect()
 }
 
 fn figures(name: &str, samples: &[Sample], recheck_violations: usize, ik: &ik::Figures, seeds: u64) -> Figures {
@@ -210,6 +241,7 @@ fn figures(name: &str, samples: &[Sample], recheck_violations: usize, ik: &ik::F
         ik_error_max_m: ik.error_max_m,
         ik_solved_fraction: ik.solved_fraction,
         variants_distance_rad: (!distances.is_empty()).then(|| distances.iter().sum::<f64>() / distances.len() as f64),
+        natural: None,
         paper_s: known.and_then(|(_, s)| *s),
     }
 }
@@ -223,7 +255,7 @@ fn distance(a: &Clip, b: &Clip) -> Option<f64> {
 
 fn print(f: &Figures) -> Outcome {
     let ms = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.2}"));
-    output::table(&[
+    let mut rows = vec![
         ("scene", format!("{}: {:.0} % of the seeds have a plan", f.scene, 100.0 * f.success_rate)),
         (
             "time",
@@ -253,5 +285,7 @@ fn print(f: &Figures) -> Outcome {
                 f.ik_ns, f.ik_error_max_m, f.ik_solved_fraction
             ),
         ),
-    ])
+    ];
+    rows.extend(f.natural.as_ref().map(|n| ("reaches", n.text())));
+    output::table(&rows)
 }

@@ -39,7 +39,7 @@ pub fn run(args: &super::Args, task: &Path) -> Outcome {
     let task = Task::read(task)?;
     let config = args.read.config()?;
     let clip = plan::read::file_clip(file, &config)?;
-    let clips = plan::read::clips(&task, &config, Some(clip))?;
+    let (task, clips) = plan::read::staged(task, &config, Some(clip), None, None)?;
     let found = task.collisions(&clips, 0)?;
     let collision = |(limb, s): (throng_planner::linkage::Limb, throng_planner::correct::Span)| Collision {
         limb: limb.name().into(),

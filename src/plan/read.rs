@@ -1,24 +1,65 @@
 //! The clips of a task: files and synthetic motion.
 
+use crate::args::CacheArgs;
 use std::error::Error;
-use throng_planner::task::{ActorClip, ClipEntry, Task};
+use throng_planner::task::{ActorClip, ClipEntry, Source, Task, WalkEntry, Walked};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::import::{self, Imported};
 use throng_precompute::synth::{SynthConfig, SynthSet, make};
 use throng_precompute::{Clip, ClipSet, Warnings, pipeline};
 use throng_runtime::NUM_JOINTS;
 use throng_runtime::base::text::did_you_mean;
+use throng_runtime::blend::{BlendSpace, axis};
 
-/// One clip for each character, on the database skeleton.
+/// One clip for each character, on the database skeleton, and the task with the times of those who walk.
 ///
 /// - `main`: in place of the file's clip of the first character.
-pub fn clips(task: &Task, config: &BuildConfig, main: Option<ActorClip>) -> Result<Vec<ActorClip>, Box<dyn Error>> {
+/// - `cache`: with which bundles of walkers are built where they are missing; without it they have to be there.
+/// - `seed`: in place of the task's.
+pub fn staged(
+    task: Task,
+    config: &BuildConfig,
+    main: Option<ActorClip>,
+    cache: Option<&CacheArgs>,
+    seed: Option<u64>,
+) -> Result<(Task, Vec<ActorClip>), Box<dyn Error>> {
     let mut given = main;
-    let one = |c: &throng_planner::task::Character| match given.take() {
-        Some(clip) => Ok(clip),
-        None => clip(&c.clip, config).map_err(|e| format!("`{}`: {e}", c.name).into()),
+    let (mut clips, mut spaces) = (Vec::new(), Vec::new());
+    for c in &task.characters {
+        let named = |e: Box<dyn Error>| -> Box<dyn Error> { format!("`{}`: {e}", c.name).into() };
+        let (clip, space) = match (given.take(), &c.clip.walk) {
+            (Some(clip), _) => (Some(clip), None),
+            (None, Some(walk)) => (None, Some(blend_space(walk, cache).map_err(named)?)),
+            (None, None) => (Some(clip(&c.clip, config).map_err(named)?), None),
+        };
+        clips.push(clip);
+        spaces.push(space);
+    }
+    if spaces.iter().all(Option::is_none) {
+        return Ok((task, clips.into_iter().flatten().collect()));
+    }
+    let pairs = clips.into_iter().zip(&spaces);
+    let sources: Vec<Source<'_>> =
+        pairs.filter_map(|(c, s)| c.map(Source::Clip).or(s.as_ref().map(Source::Walks))).collect();
+    let Walked { task, clips } = task.walked(&sources, config.resample.rate_hz, seed)?;
+    Ok((task, clips))
+}
+
+fn blend_space(walk: &WalkEntry, cache: Option<&CacheArgs>) -> Result<BlendSpace, Box<dyn Error>> {
+    if let Some(cache) = cache {
+        crate::run::make_bundle(&walk.bundle, walk.config.as_deref(), cache)?;
+    }
+    let bundle = crate::args::open(&walk.bundle)?;
+    let names = &bundle.blends().names;
+    let Some(name) = walk.space.as_ref().or(names.first()) else {
+        let path = walk.bundle.display();
+        return Err(format!("{path} has no blend spaces; build one (docs/blending.md)").into());
     };
-    task.characters.iter().map(one).collect()
+    let space = bundle.blend(name)?;
+    if space.axes().first().is_none_or(|a| a.kind != axis::SPEED) {
+        return Err(format!("`{name}` cannot walk here: expected a blend space whose first axis is speed").into());
+    }
+    Ok(space)
 }
 
 fn clip(entry: &ClipEntry, config: &BuildConfig) -> Result<ActorClip, Box<dyn Error>> {

@@ -129,6 +129,47 @@ fn what_is_not_done_is_told_and_nothing_is_written() {
 }
 
 #[test]
+fn what_can_be_mended_is_and_what_cannot_is_told() {
+    let folder = folder();
+    walk_past(&folder, "");
+    let [x, _, z] = hand(&folder, 60);
+    let task = walk_past(&folder, &format!("at = [{:.3}, 0.0, {z:.3}]", x - 0.1));
+    // Thick enough for hand and hips.
+    let text_of = std::fs::read_to_string(&task).expect("a task").replace("radius = 0.03", "radius = 0.15");
+    std::fs::write(&task, &text_of).expect("a task");
+    let out = at(&folder, "out.bvh");
+    let plain = throng(&["plan", &task, "--out", &out]);
+    assert!(plain.status.code() == Some(1) && !Path::new(&out).exists());
+    let run = throng(&["plan", &task, "--out", &out, "--partial", "--json"]);
+    let report: Value = serde_json::from_str(&text(&run.stdout)).expect("a report");
+    assert_eq!((run.status.code(), &report["solved"]), (Some(1), &false.into()), "{report}");
+    assert_eq!(report["recheck_violations"], 0, "{report}");
+    let collisions = report["tasks"][0]["collisions"].as_array().expect("a list");
+    let why = |c: &Value| c["why"].as_str().map(str::to_owned);
+    assert!(collisions.iter().any(|c| why(c).is_some()), "{report}");
+    assert!(Path::new(&out).exists() && text(&run.stderr).contains("the rest was written"));
+}
+
+#[test]
+fn a_task_is_checked_before_any_search() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let good = root.join("data/tasks/errands.toml");
+    let report = json(&["check", &good.to_string_lossy(), "--json"], &["tasks", "meshes", "faults"]);
+    assert_eq!(report["faults"], 0, "{report}");
+    assert_eq!((&report["meshes"][0]["triangles"], &report["meshes"][0]["open_edges"]), (&2552.into(), &0.into()));
+    assert!(report["tasks"][0]["least_s"][0].as_f64() < report["tasks"][0]["given_s"][0].as_f64(), "{report}");
+    let folder = folder();
+    let task = walk_past(&folder, "");
+    let far = "[[scene.objects]]\nname = \"cup\"\nshape = { ball = { radius = 0.03 } }\nat = [9.0, 1.0, 0.0]\n[[tasks]]\nlimb = \
+               \"left_arm\"\ndo = \"grab\"\nobject = \"cup\"\nat_s = 2.0\nwindow_s = [1.0, 3.0]\ngrips = [{}]\n";
+    let whole = std::fs::read_to_string(&task).expect("a task") + far;
+    std::fs::write(&task, whole).expect("a task");
+    let run = throng(&["check", &task]);
+    assert!(run.status.code() == Some(1) && text(&run.stderr).contains("out of reach by 8."), "{}", text(&run.stderr));
+    assert!(text(&run.stdout).contains("0 of 70 hands reach"), "{}", text(&run.stdout));
+}
+
+#[test]
 fn variants_are_different_motions_and_one_seed_is_one_motion() {
     let folder = folder();
     let task = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/tasks/ring.toml");

@@ -16,6 +16,7 @@ pub mod ik;
 pub mod limits;
 pub mod linkage;
 pub mod manipulate;
+pub mod natural;
 pub mod planner;
 pub mod problem;
 mod reach;

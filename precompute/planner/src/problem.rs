@@ -34,6 +34,8 @@ pub struct Solid {
 /// Shapiro, Kallmann and Faloutsos 2007, section 3: configuration (m^M(t), c^P), world w(t).
 #[derive(Clone, Debug)]
 pub struct Problem {
+    /// No two that were prepared have the same one, so that what is kept of looks is of one problem.
+    pub(crate) number: u64,
     pub(crate) chain: Chain,
     pub(crate) limits: [JointLimits; MAX_JOINTS],
     /// The joint that carries the chain.

@@ -1,6 +1,7 @@
 //! Rotations in doubles, with the same bits on every machine: axis and angle, logarithm, slerp, swing and twist.
 
 use glam::{DQuat, DVec3};
+use std::f64::consts::{PI, TAU};
 use throng_base::maths;
 
 /// The rotation about a unit axis (rad).
@@ -8,6 +9,11 @@ pub fn about(axis: DVec3, angle: f64) -> DQuat {
     let (sin, cos) = maths::sin_cos(0.5 * angle);
     let v = axis * sin;
     DQuat::from_xyzw(v.x, v.y, v.z, cos)
+}
+
+/// The same angle in [-pi, pi) (rad).
+pub fn wrap(angle: f64) -> f64 {
+    (angle + PI).rem_euclid(TAU) - PI
 }
 
 /// The rotation of a rotation vector: its direction is the axis, its length the angle (rad).

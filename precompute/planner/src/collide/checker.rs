@@ -1,9 +1,10 @@
 //! One look at a linkage and what is around it.
 
+use super::kept::Kept;
 use crate::linkage::LimbPose;
 use crate::problem::{Hit, Pair, Problem, State, Target};
 use crate::rotation::Rigid;
-use crate::shape::Segment;
+use crate::shape::{Segment, Shape};
 use glam::DVec3;
 
 /// How far outside limits a pose may be on the way between two that are within (rad).
@@ -19,6 +20,8 @@ pub struct Checker {
     /// Where targets are, and at which look they were put there.
     bodies: Vec<(u64, Segment, DVec3)>,
     solids: Vec<(u64, Rigid)>,
+    /// What earlier looks say of parts and meshes.
+    kept: Kept,
     /// Breadth-first: intervals still to be proved, and the pairs that are open in each.
     pub(super) intervals: Vec<super::edge::Interval>,
     pub(super) open: Vec<u16>,
@@ -35,6 +38,7 @@ impl Checker {
         self.bodies.resize(problem.bodies.len(), (0, nowhere, DVec3::ZERO));
         self.solids.clear();
         self.solids.resize(problem.solids.len(), (0, Rigid::IDENTITY));
+        self.kept.prepare(problem);
     }
 
     /// Puts the linkage and its base where they are at a time.
@@ -78,8 +82,11 @@ impl Checker {
     pub(super) fn is_nearer(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64) -> bool {
         let Target::Solid(s) = pair.target else { return self.gap(problem, pair, time_s, limit) < limit };
         let radius = problem.parts[pair.part].radius;
-        let local = self.in_reach(problem, s, pair.part, time_s, limit);
-        local.is_some_and(|local| problem.solids[s].solid.shape.is_nearer(&local, limit + radius))
+        let Some(local) = self.in_reach(problem, s, pair.part, time_s, limit) else { return false };
+        match &problem.solids[s].solid.shape {
+            Shape::Mesh(mesh) => self.kept.is_nearer(problem, (s, pair.part), time_s, mesh, &local, limit + radius),
+            shape => shape.is_nearer(&local, limit + radius),
+        }
     }
 
     /// The core of a part in the frame of a solid, if the ball around that is near enough.
@@ -145,10 +152,9 @@ impl Checker {
         open.fold(limit, |least, pair| least.min(self.gap(problem, pair, state.time_s, least)))
     }
 
-    /// Looks are numbered anew for a problem of another size.
+    /// Looks are numbered anew for another problem.
     pub(super) fn prepare_if_other(&mut self, problem: &Problem) {
-        let sizes = [self.cores.len(), self.bodies.len(), self.solids.len()];
-        if sizes != [problem.parts.len(), problem.bodies.len(), problem.solids.len()] {
+        if !self.kept.is_of(problem) {
             self.prepare(problem);
         }
     }

@@ -2,6 +2,7 @@
 
 mod checker;
 mod edge;
+mod kept;
 #[cfg(test)]
 mod tests;
 

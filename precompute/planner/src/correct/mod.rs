@@ -88,6 +88,8 @@ pub struct Corrected {
     pub window_s: [f64; 2],
     /// The plan, or why there is none.
     pub outcome: Result<Outcome, NotCorrected>,
+    /// Where in that window the rest of the body is in something by itself: the limb gave way, but no plan of it helps there.
+    pub driven: Vec<Span>,
 }
 
 /// Corrects one linkage of a clip: finds where it collides, widens each stretch until both ends are free, and plans it in
@@ -96,7 +98,8 @@ pub struct Corrected {
 /// The clip begins at time 0 of what is around. Frames outside of the windows and other joints stay as they are, to the bit.
 ///
 /// - `spec`: what is around; its motion is the clip's, its ends are not looked at.
-/// - returns the clip, and every stretch with what came of it; those that failed are as they were.
+/// - returns the clip, and every stretch with what came of it; those that failed are as they were. Where the rest of the
+///   body collides by itself, the limb gives way all the same, and the stretch says so.
 ///
 /// # Errors
 /// [`ProblemError`] where the problem is none at all.
@@ -125,17 +128,20 @@ pub fn correct(
         let mut margin_s = config.margin_s;
         let corrected = loop {
             let found = window.around(&span, margin_s, free_from_s).and_then(|window_s| {
-                let (motion, outcome) = planned(&mut planner, spec, window_s, config, clip.rate_hz)?;
+                let (motion, outcome, driven) = planned(&mut planner, spec, window_s, config, clip.rate_hz)?;
                 out = with_motion(&out, 0.0, spec.linkage, &motion).map_err(|e| misfit(&e))?;
-                Ok((window_s, outcome))
+                Ok((window_s, outcome, driven))
             });
             match found {
-                Ok((window_s, outcome)) => {
+                Ok((window_s, outcome, driven)) => {
                     free_from_s = window_s[1];
-                    break Corrected { span: span.clone(), window_s, outcome: Ok(outcome) };
+                    break Corrected { span: span.clone(), window_s, outcome: Ok(outcome), driven };
                 }
                 Err(_) if margin_s < config.margin_most_s => margin_s = (1.5 * margin_s).min(config.margin_most_s),
-                Err(e) => break Corrected { window_s: [span.from_s, span.to_s], span: span.clone(), outcome: Err(e) },
+                Err(e) => {
+                    let window_s = [span.from_s, span.to_s];
+                    break Corrected { window_s, span: span.clone(), outcome: Err(e), driven: Vec::new() };
+                }
             }
         };
         report.push(corrected);
@@ -153,13 +159,14 @@ fn planned<'p>(
     window_s: [f64; 2],
     config: &CorrectConfig<'_>,
     rate_hz: f64,
-) -> Result<(crate::planner::LimbMotion<'p>, Outcome), NotCorrected> {
-    let problem = Problem::new(&between(spec, spec.motion, window_s))?;
+) -> Result<(crate::planner::LimbMotion<'p>, Outcome, Vec<Span>), NotCorrected> {
+    let spec = ProblemSpec { admit_driven: true, ..between(spec, spec.motion, window_s) };
+    let problem = Problem::new(&spec)?;
     let budget = Budget { rate_hz, ..config.budget };
     let outcome = planner.plan(&problem, &config.plan, &budget);
     let unsolved = |why| NotCorrected::Unsolved { from_s: window_s[0], to_s: window_s[1], why };
     match (outcome.why, planner.motion()) {
-        (None, Some(motion)) => Ok((motion, outcome)),
+        (None, Some(motion)) => Ok((motion, outcome, problem.driven_collisions(&spec))),
         (Some(why), _) => Err(unsolved(why)),
         (None, None) => Err(unsolved(crate::planner::Unsolved::Rate)),
     }

@@ -5,6 +5,7 @@ mod swivel;
 #[cfg(test)]
 mod tests;
 mod unreached;
+mod within;
 
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
@@ -15,6 +16,7 @@ use swivel::{offsets, refined};
 use throng_base::maths;
 use throng_core::Joint;
 pub use unreached::Unreached;
+use within::{HALVES, Swivels, Twist};
 
 /// Outside limits by less than this counts as on them (rad).
 const ON_LIMIT: f64 = 1e-7;
@@ -24,7 +26,7 @@ const ON_LIMIT: f64 = 1e-7;
 ///
 /// A place and a rotation are six conditions; the seventh is the swivel angle, by which the elbow turns about the line from
 /// shoulder to wrist. It begins where the present pose has it, and is searched in growing steps to both sides until limits
-/// and a predicate hold. Where that finds nothing, the whole circle is looked at finely.
+/// and a predicate hold; those outside limits are passed over by a few products. Where that finds nothing, the whole circle is looked at finely.
 ///
 /// # Source
 /// Tolani and Badler 1996, *Real-Time Inverse Kinematics of the Human Arm*; Shapiro, Kallmann and Faloutsos 2007, section 5.
@@ -37,6 +39,8 @@ pub struct LimbIk {
     limits: [JointLimits; 3],
     joints: [Joint; 3],
     elbow: Elbow,
+    /// Of shoulder and elbow.
+    twists: [Twist; 2],
 }
 
 /// What does not depend on the swivel.
@@ -71,7 +75,8 @@ impl LimbIk {
         let limits: [JointLimits; 3] = std::array::from_fn(|i| limits[first + i]);
         let elbow = Elbow::new(chain.offsets[first + 1], chain.offsets[first + 2], &limits[1])
             .expect("elbows and knees have flexion");
-        Self { chain: *chain, limits, joints, elbow }
+        let twists = [Twist::new(&limits[0], false), Twist::new(&limits[1], limits[1].mirrored)];
+        Self { chain: *chain, limits, joints, elbow, twists }
     }
 
     /// Poses the limb so that hand or foot is at `goal`.
@@ -120,7 +125,11 @@ impl LimbIk {
                 }
             }
         };
-        for offset in offsets() {
+        let swivels = Swivels::new(self, &reach, start);
+        for (offset, half) in offsets().zip(HALVES.iter()) {
+            if !swivels.may_be_within(*half) {
+                continue;
+            }
             if let (_, Some(pose)) = try_at(start + offset, &mut best) {
                 return Ok(pose);
             }

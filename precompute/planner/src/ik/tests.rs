@@ -223,3 +223,32 @@ fn a_clavicle_keeps_its_rotation() {
     assert_eq!(found.0[0], present.0[0]);
     assert!((chain.place(&base, &found)[3].position - goal.position).length() < 1e-9);
 }
+
+/// What is passed over by products is outside limits by the angles, too, and nearly all that is outside is passed over.
+#[test]
+fn swivels_that_are_passed_over_are_outside_limits() {
+    let (mut passed, mut outside) = (0, 0);
+    for skeleton in [Skeleton::default(), crooked()] {
+        for limb in Limb::ALL {
+            let s = setup(limb, &skeleton);
+            let mut rng = Pcg64Mcg::seed_from_u64(11);
+            for _ in 0..300 {
+                let base = base(&mut rng);
+                let wanted = s.sampler.draw(&mut rng, 1);
+                let goal = s.chain.place(&base, &wanted)[2];
+                let reach = s.ik.reach(&base.local(goal), 0).expect("within reach");
+                let start = s.ik.present_swivel(&reach, s.sampler.draw(&mut rng, 1).0[0]);
+                let swivels = Swivels::new(&s.ik, &reach, start);
+                for (offset, half) in offsets().zip(HALVES.iter()) {
+                    let excess = s.ik.tried(&reach, start + offset).excess;
+                    outside += usize::from(excess > ON_LIMIT);
+                    if !swivels.may_be_within(*half) {
+                        passed += 1;
+                        assert!(excess > ON_LIMIT, "{limb:?}: {excess}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(f64::from(passed) > 0.8 * outside as f64, "{passed} of {outside}");
+}

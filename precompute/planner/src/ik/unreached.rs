@@ -25,6 +25,17 @@ pub enum Unreached<B> {
     },
 }
 
+impl<B> Unreached<B> {
+    /// A number to compare failures by: blocked is nearer than out of limits, that is nearer than out of reach.
+    pub fn farness(&self) -> f64 {
+        match self {
+            Self::OutOfReach { by_m } => 100.0 + by_m,
+            Self::OutOfLimits { by_rad, .. } => 10.0 + by_rad,
+            Self::Blocked { .. } => 0.0,
+        }
+    }
+}
+
 /// What people call a joint.
 pub fn plain_name(joint: Joint) -> &'static str {
     match joint {

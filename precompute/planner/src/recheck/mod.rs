@@ -90,6 +90,8 @@ pub struct RecheckReport {
     pub outside_limits_rad: f64,
     /// Fastest joint, as a share of its limit.
     pub speed_share: f64,
+    /// How far faces are from what they look at, at most, beyond what necks allow; 0 where nobody looks (rad).
+    pub gaze_off_rad: f64,
     /// Looks.
     pub looks: usize,
 }
@@ -103,6 +105,7 @@ impl Default for RecheckReport {
             clearance_min_m: f64::INFINITY,
             outside_limits_rad: f64::NEG_INFINITY,
             speed_share: 0.0,
+            gaze_off_rad: 0.0,
             looks: 0,
         }
     }

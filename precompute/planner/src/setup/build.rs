@@ -3,12 +3,14 @@
 use super::{Allowed, ProblemError, ProblemSpec};
 use crate::body::{BodyCapsule, BodyShape};
 use crate::collide::Checker;
+use crate::correct::Span;
 use crate::driven::Driven;
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, Limb, MAX_JOINTS};
 use crate::problem::{BodyPart, PRESENT_STEP_S, Pair, Part, PlacedSolid, Problem, Solid, Target};
 use crate::shape::Segment;
 use crate::track::Track;
+use std::sync::atomic::{AtomicU64, Ordering};
 use throng_base::text::did_you_mean;
 use throng_core::Joint;
 
@@ -19,6 +21,9 @@ const MAX_SECONDS: f64 = 3600.0;
 /// Ends may be outside limits by so little (rad).
 const AT_LIMIT: f64 = 1e-4;
 
+/// Problems so far; nothing but what is kept of looks depends on it.
+static NUMBERS: AtomicU64 = AtomicU64::new(1);
+
 impl Problem {
     /// Checks a problem and prepares it.
     ///
@@ -27,7 +32,9 @@ impl Problem {
     /// limits, too little time.
     pub fn new(spec: &ProblemSpec<'_>) -> Result<Self, ProblemError> {
         let problem = Self::prepare(spec)?;
-        problem.check_driven(spec)?;
+        if !spec.admit_driven {
+            problem.check_driven(spec)?;
+        }
         problem.check_ends()?;
         Ok(problem)
     }
@@ -52,6 +59,7 @@ impl Problem {
         let present =
             (0..steps).map(|i| spec.motion.limb_pose(spec.linkage, spec.init.time_s + i as f64 * PRESENT_STEP_S));
         let mut problem = Self {
+            number: NUMBERS.fetch_add(1, Ordering::Relaxed),
             chain,
             limits: limits_of(spec, &chain)?,
             base: Track::rigid(spec.motion.clock(), spec.motion.of_joint(spec.linkage.base())),
@@ -141,35 +149,62 @@ impl Problem {
 
     /// The joints that an external motion drives stay clear of solids and of others.
     fn check_driven(&self, spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
+        let mut worst: Option<(f64, ProblemError)> = None;
+        self.each_driven(spec, |joint, with, time_s, depth_m| {
+            if depth_m > 0.0 && worst.as_ref().is_none_or(|(w, _)| depth_m > *w) {
+                let (part, with) = (joint.name().into(), with.name());
+                worst = Some((depth_m, ProblemError::DrivenCollides { part, with, time_s, depth_m }));
+            }
+        });
+        worst.map_or(Ok(()), |(_, error)| Err(error))
+    }
+
+    /// Stretches in which what is not planned is in something by itself, each part with each thing apart, looked at 60
+    /// times a second from the start to the goal.
+    pub fn driven_collisions(&self, spec: &ProblemSpec<'_>) -> Vec<Span> {
+        let mut spans: Vec<Span> = Vec::new();
+        self.each_driven(spec, |joint, with, time_s, depth_m| {
+            if depth_m <= 0.0 {
+                return;
+            }
+            let with = with.name();
+            let goes_on =
+                |s: &&mut Span| s.part == joint.name() && s.with == with && time_s - s.to_s < 1.5 * DRIVEN_STEP_S;
+            match spans.iter_mut().rev().find(goes_on) {
+                Some(span) => (span.to_s, span.depth_m) = (time_s, span.depth_m.max(depth_m)),
+                None => {
+                    spans.push(Span { from_s: time_s, to_s: time_s, part: joint.name().into(), with, depth_m });
+                }
+            }
+        });
+        spans
+    }
+
+    /// Tells how deep each driven part is in each thing and in everybody else, time by time; where it is not, or only by
+    /// rounding, nothing or no more than 0.
+    fn each_driven(&self, spec: &ProblemSpec<'_>, mut tell: impl FnMut(Joint, Met<'_>, f64, f64)) {
         let [from, to] = [spec.init.time_s, spec.goal.time_s];
         let steps = ((to - from) / DRIVEN_STEP_S).ceil() as usize;
-        let own = || self.bodies.iter().filter(|b| b.of.is_none());
-        let mut worst: Option<(f64, ProblemError)> = None;
         for step in 0..=steps {
             let time_s = (from + step as f64 * DRIVEN_STEP_S).min(to);
-            for body in own() {
+            for body in self.bodies.iter().filter(|b| b.of.is_none()) {
                 let core = body.track.at(time_s);
-                let mut note = |with: String, gap: f64| {
-                    if gap < 0.0 && worst.as_ref().is_none_or(|(w, _)| gap < *w) {
-                        let part = body.joint.name().into();
-                        worst = Some((gap, ProblemError::DrivenCollides { part, with, time_s, depth_m: -gap }));
-                    }
-                };
                 for solid in &self.solids {
                     if !may_touch(spec, body.joint, &solid.solid.name, time_s) {
                         let place = solid.solid.path.at(time_s);
                         let local = core.map(|p| place.local_point(p));
-                        note(solid.solid.name.clone(), solid.solid.shape.distance(&local, body.radius) - body.radius);
+                        let gap = solid.solid.shape.distance(&local, body.radius) - body.radius;
+                        tell(body.joint, Met::Solid(solid), time_s, -gap);
                     }
                 }
                 for other in self.bodies.iter().filter(|b| b.of.is_some()) {
                     if !may_touch(spec, body.joint, other.of.as_deref().unwrap_or_default(), time_s) {
-                        note(other.name(), core.distance(&other.track.at(time_s)) - body.radius - other.radius);
+                        let gap = core.distance(&other.track.at(time_s)) - body.radius - other.radius;
+                        tell(body.joint, Met::Body(other), time_s, -gap);
                     }
                 }
             }
         }
-        worst.map_or(Ok(()), |(_, error)| Err(error))
     }
 
     fn check_ends(&self) -> Result<(), ProblemError> {
@@ -193,6 +228,22 @@ impl Problem {
             return Err(ProblemError::TooLittleTime { joint: joint.name().into(), least_s, given_s });
         }
         Ok(())
+    }
+}
+
+/// What a driven part meets.
+#[derive(Clone, Copy)]
+enum Met<'a> {
+    Solid(&'a PlacedSolid),
+    Body(&'a BodyPart),
+}
+
+impl Met<'_> {
+    fn name(self) -> String {
+        match self {
+            Self::Solid(s) => s.solid.name.clone(),
+            Self::Body(b) => b.name(),
+        }
     }
 }
 

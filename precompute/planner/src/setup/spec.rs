@@ -72,6 +72,8 @@ pub struct ProblemSpec<'a> {
     pub self_press_m: f64,
     /// True widens limits so far that both ends are within them: performers bend farther than books say.
     pub admit_ends: bool,
+    /// True plans although what is not planned collides by itself: the limb gives way all the same.
+    pub admit_driven: bool,
 }
 
 impl<'a> ProblemSpec<'a> {
@@ -99,6 +101,7 @@ impl<'a> ProblemSpec<'a> {
             clearance_m: 0.005,
             self_press_m: 0.02,
             admit_ends: false,
+            admit_driven: false,
         }
     }
 }

@@ -81,7 +81,7 @@ impl Mesh {
     pub fn distance(&self, s: &Segment, limit: f64) -> f64 {
         let mut best = f64::INFINITY;
         let mut nearest = limit;
-        self.visit(s, limit, |d2| {
+        self.visit(s, limit, |_, d2| {
             let d = d2.sqrt();
             if d < nearest {
                 (best, nearest) = (d, d);
@@ -93,17 +93,28 @@ impl Mesh {
 
     /// True where a segment is nearer than `limit`; stops at the first triangle that is (m).
     pub fn is_nearer(&self, s: &Segment, limit: f64) -> bool {
-        let mut found = false;
-        self.visit(s, limit, |d2| {
-            found = d2 < limit * limit;
-            (!found).then_some(limit)
+        self.first_nearer(s, limit).is_some()
+    }
+
+    /// A triangle that is nearer to a segment than `limit` (m).
+    pub fn first_nearer(&self, s: &Segment, limit: f64) -> Option<u32> {
+        let mut found = None;
+        self.visit(s, limit, |triangle, d2| {
+            found = (d2 < limit * limit).then_some(triangle);
+            found.is_none().then_some(limit)
         });
         found
     }
 
+    /// True where a certain triangle is nearer to a segment than `limit`; false for one that is not there (m).
+    pub fn is_triangle_nearer(&self, triangle: u32, s: &Segment, limit: f64) -> bool {
+        let corners = self.corners.get(triangle as usize).filter(|_| limit > 0.0);
+        corners.is_some_and(|t| square_distance(s, &t.map(|c| c.as_dvec3())) < limit * limit)
+    }
+
     /// Calls `look` with the squared distances of triangles whose boxes are within a limit, which it returns anew, or
     /// nothing to stop.
-    fn visit(&self, s: &Segment, limit: f64, mut look: impl FnMut(f64) -> Option<f64>) {
+    fn visit(&self, s: &Segment, limit: f64, mut look: impl FnMut(u32, f64) -> Option<f64>) {
         if limit.is_nan() || limit <= 0.0 {
             return;
         }
@@ -115,7 +126,7 @@ impl Mesh {
             }
             let Some(leaf) = node.leaf_data() else { return TraversalAction::Continue };
             let triangle = self.corners[leaf as usize].map(|c| c.as_dvec3());
-            match look(square_distance(s, &triangle)) {
+            match look(leaf, square_distance(s, &triangle)) {
                 Some(limit) => square = core.square(limit),
                 None => return TraversalAction::EarlyExit,
             }

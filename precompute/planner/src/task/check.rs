@@ -1,11 +1,13 @@
 //! The check of everything that a task did, by the means of [`crate::recheck`].
 
+use super::gaze;
 use super::stage::{Actor, Planned, Stage, Whereabouts, hand};
 use crate::limits::JointLimits;
 use crate::linkage::Linkage;
 use crate::recheck::{OtherClip, Recheck, RecheckReport, Violation};
 use crate::rotation::{Rigid, angle};
 use crate::setup::Allowed;
+use glam::Vec3;
 use throng_core::{Contacts, Joint};
 
 /// Grips and targets are kept by so much (m).
@@ -14,6 +16,10 @@ const GRIP_M: f64 = 1e-4;
 const GRIP_RAD: f64 = 1e-3;
 /// Planted feet stay within this (m).
 const PLANTED_M: f64 = 1e-3;
+/// Heads turn aside no faster (rad/s).
+const HEAD_RATE: f64 = 5.0;
+/// And face what they look at within this, where necks reach (rad).
+const GAZE_RAD: f64 = 0.3;
 /// How deep parts may be in what they do not hold (m).
 const PENETRATION_M: f64 = 1e-3;
 
@@ -24,6 +30,9 @@ pub(super) fn check(stage: &Stage<'_>) -> RecheckReport {
         let planned: Vec<&Planned> = stage.planned.iter().filter(|p| p.character == who).collect();
         let spans: Vec<(Joint, [f64; 2])> =
             planned.iter().flat_map(|p| p.limb.joints().map(|j| (j, p.window_s))).collect();
+        let looks = stage.looked.iter().filter(|l| l.character == who);
+        let heads = looks.flat_map(|l| gaze::JOINTS.map(|j| (j, [l.times_s[0], l.times_s[2]])));
+        let spans: Vec<(Joint, [f64; 2])> = spans.into_iter().chain(heads).collect();
         crate::recheck::unchanged(&actor.before, &actor.clip, &spans, &mut report);
         for piece in pieces(stage, who) {
             look(stage, who, actor, &piece, &mut report);
@@ -31,6 +40,7 @@ pub(super) fn check(stage: &Stage<'_>) -> RecheckReport {
         planted(actor, &mut report);
     }
     grips(stage, &mut report);
+    gazes(stage, &mut report);
     report
 }
 
@@ -106,6 +116,44 @@ fn planted(actor: &Actor, report: &mut RecheckReport) {
                 let what = format!("{} stands and moved by {moved:.4} m", foot.name());
                 report.violations.push(Violation { time_s: frame as f64 / actor.before.rate_hz, what });
             }
+        }
+    }
+}
+
+/// Heads that look aside are where necks allow, turn no faster than they do, and face what they look at as far as that goes.
+fn gazes(stage: &Stage<'_>, report: &mut RecheckReport) {
+    for look in &stage.looked {
+        let actor = &stage.actors[look.character];
+        let rate_hz = actor.clip.rate_hz;
+        let frames = look.times_s.map(|t| (t * rate_hz).round() as usize);
+        // Turned away from the clip, as seen from the chest (rad).
+        let turned = |frame: usize| {
+            let [a, b] = [&actor.before, &actor.clip].map(|clip| {
+                let all = clip.joint_transforms(&actor.skeleton, frame);
+                all[Joint::UpperChest.index()].1.inverse() * all[Joint::Head.index()].1
+            });
+            (a.inverse() * b).normalize().as_dquat()
+        };
+        let mut violation = |frame: usize, what: String| {
+            report.violations.push(Violation { time_s: frame as f64 / rate_hz, what });
+        };
+        for frame in frames[0] + 1..=frames[2].min(actor.clip.num_frames() - 1) {
+            let [before, after] = [frame - 1, frame].map(turned);
+            let speed = angle(before.normalize(), after.normalize()) * rate_hz;
+            if speed > HEAD_RATE {
+                violation(frame, format!("head turns aside at {speed:.2} rad/s, at most {HEAD_RATE}"));
+            }
+        }
+        let all = actor.clip.joint_transforms(&actor.skeleton, frames[1]);
+        let [chest, head] = [Joint::UpperChest, Joint::Head].map(|j| all[j.index()]);
+        let to = (look.at.as_vec3() - head.0).normalize_or(Vec3::Z);
+        let [face, chest] = [head.1, chest.1].map(|q| q * Vec3::Z);
+        let off = f64::from(face.angle_between(to));
+        // A neck turns so far from the chest; what lies behind that is not faced.
+        let beyond = (f64::from(chest.angle_between(to)) - gaze::FARTHEST[1]).max(0.0);
+        report.gaze_off_rad = report.gaze_off_rad.max(off - beyond);
+        if off > beyond + GAZE_RAD {
+            violation(frames[1], format!("head looks {off:.2} rad past what is reached for"));
         }
     }
 }

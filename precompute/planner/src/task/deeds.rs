@@ -1,8 +1,9 @@
 //! One step: a correction, or a limb that goes somewhere and comes back.
 
 use super::entries::Deed;
+use super::gaze;
 use super::grips::{Goal, goals};
-use super::run::nearest_of;
+use super::run::{Left, nearest_of};
 use super::stage::{Stage, Whereabouts, hand};
 use super::step::{Anchor, Place, Receiver, Step};
 use super::visit::{Change, Visit, beside, go};
@@ -27,13 +28,15 @@ pub(super) struct Problems {
     pub nearest_m: Option<f64>,
     pub plans: Vec<Outcome>,
     pub spans: Vec<Span>,
+    /// Stretches that stay as they are, and why.
+    pub left: Vec<Left>,
     /// What was planned is kept: some stretches of a correction.
     pub keep: bool,
 }
 
 impl Problems {
     pub fn new(why: impl Into<String>) -> Self {
-        Self { why: why.into(), nearest_m: None, plans: Vec::new(), spans: Vec::new(), keep: false }
+        Self { why: why.into(), nearest_m: None, plans: Vec::new(), spans: Vec::new(), left: Vec::new(), keep: false }
     }
 }
 
@@ -46,6 +49,9 @@ pub(super) fn do_step(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig
     // Everything happens on frames.
     let rate = stage.actors[step.character].clip.rate_hz;
     let step = &Step { times_s: step.times_s.map(|t| (t * rate).round() / rate), ..step.clone() };
+    if step.deed != Deed::Correct && stage.task.gaze {
+        gaze::look(stage, step);
+    }
     match (step.deed, step.object) {
         (Deed::Correct, _) => corrected(stage, step, &config),
         (_, None) => Err(Problems::new("there is no object")),
@@ -63,7 +69,7 @@ fn corrected(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> 
     let pins = stage.pins.iter().filter(|p| p.character == who && p.limb == limb).map(|p| p.time_s);
     let mut cuts: Vec<f64> = pins.filter(|t| from < *t && *t < to).chain([from, to]).collect();
     cuts.sort_by(f64::total_cmp);
-    let (mut plans, mut spans, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut plans, mut spans, mut left) = (Vec::new(), Vec::new(), Vec::new());
     let mut nearest_m: Option<f64> = None;
     for cut in cuts.windows(2).filter(|w| w[1] - w[0] > 0.5 / rate) {
         let within = [cut[0], cut[1]];
@@ -79,21 +85,34 @@ fn corrected(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> 
                 Ok(outcome) => {
                     plans.push(outcome);
                     stage.note(who, limb, one.window_s);
+                    let stays = |s: Span| Left { why: no_help(&s, limb), span: s, is_driven: true };
+                    left.extend(one.driven.into_iter().map(stays));
                 }
                 Err(e) => {
                     if let NotCorrected::Unsolved { why, .. } = &e {
                         nearest_m = nearest_of(why);
                     }
-                    wrong.push(e.to_string());
+                    left.push(Left { span: one.span.clone(), why: e.to_string(), is_driven: false });
                 }
             }
             spans.push(one.span);
         }
     }
-    if wrong.is_empty() {
+    if left.is_empty() {
         return Ok((plans, spans));
     }
-    Err(Problems { why: wrong.join("; "), nearest_m, plans, spans, keep: true })
+    Err(Problems { why: Left::why(&left), nearest_m, plans, spans, left, keep: true })
+}
+
+/// What to do where the rest of the body is in something.
+fn no_help(s: &Span, limb: Limb) -> String {
+    let Span { from_s, to_s, part, with, depth_m } = s;
+    let other = Limb::ALL.into_iter().find(|l| Joint::from_name(part).is_some_and(|j| l.moves(j)));
+    let way = other.map_or_else(|| format!("move {with}"), |l| format!("correct {} too, or move {with}", l.name()));
+    let limb = limb.name();
+    format!(
+        "{part} itself is {depth_m:.3} m too near {with} from {from_s:.2} s to {to_s:.2} s: no motion of {limb} helps; {way}"
+    )
 }
 
 /// Comes to an object, and takes it along if that is wanted.

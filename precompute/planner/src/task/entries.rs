@@ -43,10 +43,37 @@ pub struct ClipEntry {
     pub synth: Option<String>,
     /// Clip of the set; the first one where absent.
     pub clip: Option<String>,
+    /// It walks up to what it does.
+    pub walk: Option<WalkEntry>,
     /// Where it begins: that is time 0 of everything (s).
     pub from_s: f64,
     /// Where it ends; the clip's end where absent (s).
     pub to_s: Option<f64>,
+}
+
+/// Somebody who walks up to what its tasks without `at_s` are about, with a body of a blend space.
+#[derive(Clone, Debug, Deserialize, PartialEq, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WalkEntry {
+    /// Bundle with the blend space, from the task's folder.
+    pub bundle: PathBuf,
+    /// Config from which the bundle is built where it is missing.
+    pub config: Option<PathBuf>,
+    /// Blend space, whose first axis is speed; the bundle's first one where absent.
+    pub space: Option<String>,
+    /// Where it stands at first, x and z (m).
+    #[serde(default)]
+    pub from: [f64; 2],
+    /// How it looks then: 0 along z, 90 along x (degrees).
+    #[serde(default)]
+    pub heading_deg: f64,
+    /// How fast it walks (m/s, 0.3 to 4).
+    #[serde(default = "walking")]
+    pub speed_mps: f64,
+}
+
+fn walking() -> f64 {
+    1.2
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -67,6 +94,8 @@ struct ClipTable {
     synth: Option<String>,
     /// Clip of the set; the first one where absent.
     clip: Option<String>,
+    /// It walks up to what it does, in place of a clip.
+    walk: Option<WalkEntry>,
     /// Where it begins: that is time 0 of everything (s).
     #[serde(default)]
     from_s: f64,
@@ -86,9 +115,9 @@ impl<'de> Deserialize<'de> for ClipEntry {
                 Ok(ClipEntry { file: Some(file.into()), ..ClipEntry::default() })
             }
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ClipEntry, A::Error> {
-                let ClipTable { file, synth, clip, from_s, to_s } =
+                let ClipTable { file, synth, clip, walk, from_s, to_s } =
                     ClipTable::deserialize(MapAccessDeserializer::new(map))?;
-                Ok(ClipEntry { file, synth, clip, from_s, to_s })
+                Ok(ClipEntry { file, synth, clip, walk, from_s, to_s })
             }
         }
         deserializer.deserialize_any(Either)
@@ -251,7 +280,7 @@ pub(super) struct TaskEntry {
     pub deed: Deed,
     /// With what.
     pub object: Option<String>,
-    /// When it is reached (s).
+    /// When it is reached (s); who walks may leave it out, and goes there first.
     pub at_s: Option<f64>,
     /// From when to when the limb leaves the clip; of `correct`, where it is looked for collisions (s).
     pub window_s: Option<[f64; 2]>,
@@ -353,6 +382,8 @@ pub(super) struct PlannerEntry {
     pub round_s: f64,
     /// Time over which ends are blended (s).
     pub blend_s: f64,
+    /// Heads turn to what limbs reach for, and back, as far as necks allow.
+    pub gaze: bool,
     /// Time before and after a collision in which a limb gives way at first (s).
     pub margin_s: f64,
 }

@@ -1,10 +1,11 @@
 //! `TASK.toml`, checked.
 
-use super::entries::{CharacterEntry, PlannerEntry, ShapeEntry, TaskFile, ThingEntry};
+use super::entries::{CharacterEntry, Deed, PlannerEntry, ShapeEntry, TaskFile, ThingEntry, WalkEntry};
 use super::mesh;
 use super::step::{Step, steps};
 use crate::collide::EdgeCheck;
 use crate::correct::CorrectConfig;
+use crate::linkage::Limb;
 use crate::planner::{Budget, PlanConfig};
 use crate::rotation::{Rigid, about, exp};
 use crate::shape::{Segment, Shape};
@@ -19,6 +20,8 @@ pub use super::entries::ClipEntry;
 
 const HELP: &str = "A task has `clip`, `[[characters]]`, `[[scene.obstacles]]`, `[[scene.objects]]`, `[[tasks]]` and \
                     `[planner]`; `throng schema --of task` lists every key.";
+/// How far from the middle somebody begins to walk (m).
+const MOST_M: f64 = 1e4;
 /// Most characters, things or tasks of a file.
 const MOST: usize = 1000;
 
@@ -73,6 +76,8 @@ pub struct Task {
     pub config: CorrectConfig<'static>,
     /// How far everything stays from things (m).
     pub clearance_m: f64,
+    /// Heads turn to what limbs reach for.
+    pub gaze: bool,
     pub(super) steps: Vec<Step>,
 }
 
@@ -101,6 +106,18 @@ impl Task {
     /// Number of things to do.
     pub fn num_steps(&self) -> usize {
         self.steps.len()
+    }
+
+    /// When each thing to do is reached; none for corrections, and before somebody has walked there (s).
+    pub fn times_s(&self) -> Vec<Option<f64>> {
+        let one = |s: &Step| (s.deed != Deed::Correct && s.is_timed()).then_some(s.times_s[1]);
+        self.steps.iter().map(one).collect()
+    }
+
+    /// Who does it, with which limb, and from when until it is there, of each thing to do that has a time (s).
+    pub fn ways_there(&self) -> impl Iterator<Item = (usize, Limb, [f64; 2])> + '_ {
+        let timed = self.steps.iter().filter(|s| s.deed != Deed::Correct && s.is_timed());
+        timed.map(|s| (s.character, s.limb, [s.times_s[0], s.times_s[1]]))
     }
 
     fn of(source: &Source) -> Result<Self> {
@@ -136,7 +153,7 @@ impl Task {
         let steps =
             steps(&file.tasks, &characters, &things).map_err(|(i, why)| source.at(&format!("tasks[{i}]"), why))?;
         let config = file.planner.config().map_err(|(key, why)| source.at(&format!("planner.{key}"), why))?;
-        Ok(Self { characters, things, config, clearance_m: file.planner.clearance_m, steps })
+        Ok(Self { characters, things, config, clearance_m: file.planner.clearance_m, gaze: file.planner.gaze, steps })
     }
 }
 
@@ -152,8 +169,12 @@ fn new_name(names: &mut Vec<String>, name: &str) -> std::result::Result<(), Stri
 }
 
 fn clip(entry: &ClipEntry, folder: &Path) -> std::result::Result<ClipEntry, String> {
-    if entry.file.is_some() == entry.synth.is_some() || (entry.clip.is_some() && entry.synth.is_none()) {
-        return Err("expected `file`, or `synth` with or without `clip`".into());
+    let kinds = [entry.file.is_some(), entry.synth.is_some(), entry.walk.is_some()];
+    if kinds.iter().filter(|k| **k).count() != 1 || (entry.clip.is_some() && entry.synth.is_none()) {
+        return Err("expected `file`, or `synth` with or without `clip`, or `walk`".into());
+    }
+    if let Some(walk) = &entry.walk {
+        return walked(entry, walk, folder);
     }
     let to_s = entry.to_s.unwrap_or(f64::INFINITY);
     if !(entry.from_s >= 0.0 && entry.from_s < to_s) {
@@ -161,6 +182,21 @@ fn clip(entry: &ClipEntry, folder: &Path) -> std::result::Result<ClipEntry, Stri
     }
     let file: Option<PathBuf> = entry.file.as_ref().map(|f| folder.join(f));
     Ok(ClipEntry { file, ..entry.clone() })
+}
+
+fn walked(entry: &ClipEntry, walk: &WalkEntry, folder: &Path) -> std::result::Result<ClipEntry, String> {
+    if entry.from_s != 0.0 || entry.to_s.is_some() {
+        return Err("`walk` goes on until everything is done: expected no `from_s` and no `to_s`".into());
+    }
+    if !(walk.from.iter().all(|c| c.abs() < MOST_M) && walk.heading_deg.abs() < 1e6) {
+        return Err(format!("walk: expected `from` within {MOST_M} m and a finite `heading_deg`"));
+    }
+    if !(0.3..=4.0).contains(&walk.speed_mps) {
+        return Err(format!("walk: speed_mps: expected 0.3 to 4, found {}", walk.speed_mps));
+    }
+    let (bundle, config) = (folder.join(&walk.bundle), walk.config.as_ref().map(|c| folder.join(c)));
+    let walk = WalkEntry { bundle, config, ..walk.clone() };
+    Ok(ClipEntry { walk: Some(walk), ..entry.clone() })
 }
 
 pub(super) fn placed(at: [f64; 3], turn_deg: [f64; 3]) -> Rigid {
@@ -253,6 +289,7 @@ impl Default for PlannerEntry {
             straighten: plan.smooth.straighten,
             round_s: plan.smooth.round_s,
             blend_s: plan.smooth.blend_s,
+            gaze: false,
             margin_s: correct.margin_s,
         }
     }

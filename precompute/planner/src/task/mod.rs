@@ -1,9 +1,11 @@
 //! Tasks as files: who and what is there, and what limbs have to do in it.
 
+mod ahead;
 mod check;
 mod deeds;
 mod entries;
 mod file;
+mod gaze;
 mod grips;
 mod held;
 mod mesh;
@@ -14,8 +16,12 @@ mod step;
 #[cfg(test)]
 mod tests;
 mod visit;
+mod walk;
 
+pub use ahead::{Ahead, MeshAhead};
+pub use entries::WalkEntry;
 pub use file::{Character, ClipEntry, Start, Task, Thing};
 pub use obj::triangles as obj_triangles;
-pub use run::{Attachment, Done, Event, NoClips, TaskOutcome};
+pub use run::{Attachment, Done, Event, Left, NoClips, TaskOutcome};
 pub use stage::ActorClip;
+pub use walk::{NoWalk, Source, Walked};

@@ -26,10 +26,49 @@ pub struct Done {
     pub plans: Vec<Outcome>,
     /// Where the clip collided, of corrections.
     pub spans: Vec<Span>,
+    /// Stretches that stay in a collision, and why: what limbs cannot mend, or could not.
+    pub left: Vec<Left>,
     /// Why it was not done.
     pub why: Option<String>,
     /// How near it came where it was not done (m).
     pub nearest_m: Option<f64>,
+}
+
+/// A stretch of a clip that stays in a collision.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Left {
+    /// Where it collides.
+    pub span: Span,
+    /// Why it stays so, and the way out.
+    pub why: String,
+    /// True where a part collides that is not the limb's: no motion of it helps.
+    pub is_driven: bool,
+}
+
+impl Done {
+    /// A correction that was tried again: what the first try did counts, too.
+    fn after(&mut self, first: Self) {
+        let mut plans = first.plans;
+        plans.append(&mut self.plans);
+        self.plans = plans;
+        let mut spans: Vec<Span> = first.spans.into_iter().filter(|s| !self.spans.contains(s)).collect();
+        spans.append(&mut self.spans);
+        self.spans = spans;
+        let mut left: Vec<Left> = first.left.into_iter().filter(|l| l.is_driven && !self.left.contains(l)).collect();
+        left.append(&mut self.left);
+        if !left.is_empty() {
+            self.why = Some(Left::why(&left));
+        }
+        self.left = left;
+    }
+}
+
+impl Left {
+    /// All of it in one line.
+    pub(super) fn why(all: &[Self]) -> String {
+        let each: Vec<&str> = all.iter().map(|l| l.why.as_str()).collect();
+        each.join("; ")
+    }
 }
 
 /// Where a thing is for a time: with a joint of somebody, on another thing, or by itself.
@@ -126,6 +165,12 @@ pub enum NoClips {
         /// (Hz)
         found_hz: f64,
     },
+    /// Of somebody who has to walk first.
+    #[error("`{name}` walks up to what it does: its clip is made by `Task::walked`, which gives the task its times")]
+    NotWalked {
+        /// Whose.
+        name: String,
+    },
     /// Too short to be moved in.
     #[error("`{name}`: expected a clip of two frames at least, found {found}")]
     Short {
@@ -138,7 +183,8 @@ pub enum NoClips {
 
 impl Task {
     /// Does everything by its priority, and in the file's order where it is equal: what comes later sees the limbs as they
-    /// were planned before. What cannot be done is tried once more after all others, and leaves everything as it was.
+    /// were planned before. What cannot be done is tried once more after all others, and leaves everything as it was;
+    /// where that helps, corrections are looked at again.
     ///
     /// - `clips`: one for each character, in the task's order; frame 0 is at time 0.
     /// - `seed`: in place of the file's.
@@ -154,14 +200,22 @@ impl Task {
         let mut order: Vec<usize> = (0..self.steps.len()).collect();
         order.sort_by_key(|i| self.steps[*i].priority);
         let mut done: Vec<Option<Done>> = vec![None; self.steps.len()];
-        let mut failed = Vec::new();
-        for round in 0..2 {
+        let (mut failed, mut late) = (Vec::new(), false);
+        for round in 0..3 {
             for i in std::mem::take(if round == 0 { &mut order } else { &mut failed }) {
-                let one = attempt(&mut stage, i, &config);
+                let mut one = attempt(&mut stage, i, &config);
                 if one.why.is_some() && round == 0 {
                     failed.push(i);
                 }
+                late |= round == 1 && one.why.is_none() && self.steps[i].deed != Deed::Correct;
+                if let Some(first) = done[i].take().filter(|_| self.steps[i].deed == Deed::Correct) {
+                    one.after(first);
+                }
                 done[i] = Some(one);
+            }
+            if round == 1 && late {
+                // Hands hold other things now than when they were corrected.
+                failed = (0..self.steps.len()).filter(|i| self.steps[*i].deed == Deed::Correct).collect();
             }
         }
         let recheck = super::check::check(&stage);
@@ -190,10 +244,13 @@ impl Task {
         Ok(out)
     }
 
-    fn check_clips(&self, clips: &[ActorClip]) -> Result<(), NoClips> {
+    pub(super) fn check_clips(&self, clips: &[ActorClip]) -> Result<(), NoClips> {
         let (expected, found) = (self.characters.len(), clips.len());
         if expected != found {
             return Err(NoClips::Number { expected, found });
+        }
+        if let Some(step) = self.steps.iter().find(|s| !s.is_timed()) {
+            return Err(NoClips::NotWalked { name: self.characters[step.character].name.clone() });
         }
         for (clip, who) in clips.iter().map(|c| &c.clip).zip(&self.characters) {
             let (expected_hz, found_hz) = (clips[0].clip.rate_hz, clip.rate_hz);
@@ -217,17 +274,19 @@ fn attempt(stage: &mut Stage<'_>, i: usize, config: &crate::correct::CorrectConf
         limb: step.limb,
         plans: Vec::new(),
         spans: Vec::new(),
+        left: Vec::new(),
         why: None,
         nearest_m: None,
     };
     let before = stage.clone();
     match do_step(stage, step, config) {
         Ok((plans, spans)) => (done.plans, done.spans) = (plans, spans),
-        Err(Problems { why, nearest_m, plans, spans, keep }) => {
+        Err(Problems { why, nearest_m, plans, spans, left, keep }) => {
             if !keep {
                 *stage = before;
             }
-            (done.why, done.nearest_m, done.plans, done.spans) = (Some(why), nearest_m, plans, spans);
+            (done.why, done.nearest_m, done.plans) = (Some(why), nearest_m, plans);
+            (done.spans, done.left) = (spans, left);
         }
     }
     done

@@ -8,10 +8,10 @@ use crate::correct::{Span, collisions};
 use crate::driven::Driven;
 use crate::limits::BodyLimits;
 use crate::linkage::{Limb, LimbPose, Linkage};
-use crate::problem::{Problem, Solid, State};
+use crate::problem::{PRESENT_STEP_S, Problem, Solid, State};
 use crate::rotation::{Rigid, about};
 use crate::setup::{Allowed, Held, Other, ProblemSpec};
-use crate::track::{Path as Motion, Track};
+use crate::track::{Clock, Path as Motion, Track};
 use glam::{DVec3, Quat};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -87,6 +87,15 @@ pub(super) struct Planned {
     pub ends: [LimbPose; 2],
 }
 
+/// Somebody who looks at what a limb reaches for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Looked {
+    pub character: usize,
+    pub times_s: [f64; 3],
+    /// What it looks at when the limb is there (m).
+    pub at: DVec3,
+}
+
 /// Where hand or foot has to be at a time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pin {
@@ -107,6 +116,7 @@ pub(super) struct Stage<'a> {
     pub contacts: Vec<(usize, Limb, Allowed)>,
     pub planned: Vec<Planned>,
     pub pins: Vec<Pin>,
+    pub looked: Vec<Looked>,
 }
 
 /// What is around a limb in a stretch of time.
@@ -219,7 +229,7 @@ impl<'a> Stage<'a> {
             vec![Stretch { from_s: f64::NEG_INFINITY, at }]
         };
         let lives = task.things.iter().map(|t| life(&t.start)).collect();
-        Self { task, actors, lives, contacts: Vec::new(), planned: Vec::new(), pins: Vec::new() }
+        Self { task, actors, lives, contacts: Vec::new(), planned: Vec::new(), pins: Vec::new(), looked: Vec::new() }
     }
 
     /// The last moment of anybody (s).
@@ -285,9 +295,14 @@ impl<'a> Stage<'a> {
         if let [Stretch { at: Whereabouts::Path(path), .. }] = &self.lives[thing][..] {
             return path.clone();
         }
-        let clock = self.actors[0].motion.clock();
-        let step_s = self.actors[0].motion.window_s()[1] / (self.actors[0].motion.places().len() - 1).max(1) as f64;
-        let count = (self.end_s() / step_s.max(1e-6)).ceil() as usize + 1;
+        // The samples of a clip, if there is one that moves.
+        let even = |a: &Actor| match a.motion.clock() {
+            Clock::Even { step_s, .. } if a.motion.places().len() > 1 => Some(step_s),
+            _ => None,
+        };
+        let step_s = self.actors.iter().find_map(even).unwrap_or(PRESENT_STEP_S);
+        let clock = Clock::Even { start_s: 0.0, step_s };
+        let count = (self.end_s() / step_s).ceil() as usize + 1;
         let samples = (0..count).map(|i| self.place(thing, i as f64 * step_s)).collect();
         Motion::Track(Arc::new(Track::rigid(clock, samples)))
     }

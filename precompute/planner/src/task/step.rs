@@ -30,6 +30,16 @@ pub(super) struct Step {
     pub style: Style,
 }
 
+/// Times of a step that is done once somebody has walked there.
+const UNTIMED: [f64; 3] = [f64::NAN; 3];
+
+impl Step {
+    /// False where somebody has to walk there first.
+    pub fn is_timed(&self) -> bool {
+        !self.times_s[1].is_nan()
+    }
+}
+
 /// Where a hand holds an object, seen from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Grip {
@@ -125,7 +135,7 @@ impl Names<'_> {
             limb: t.limb,
             deed: t.deed,
             object,
-            times_s: times(t)?,
+            times_s: times(t, self.characters[self.character(t.character.as_deref())?].clip.walk.is_some())?,
             hold_s: t.hold_s,
             grips: grips(&t.grips)?,
             to: t.to.as_ref().map(|p| self.place(p)).transpose()?,
@@ -183,13 +193,14 @@ fn name_of(t: &TaskEntry) -> String {
     words.join(" ").trim_end().to_owned()
 }
 
-fn times(t: &TaskEntry) -> Result<[f64; 3], String> {
+fn times(t: &TaskEntry, walks: bool) -> Result<[f64; 3], String> {
     match (t.deed, t.at_s, t.window_s) {
         (Deed::Correct, None, None) => Ok([0.0, 0.0, f64::INFINITY]),
         (Deed::Correct, None, Some([from, to])) if from < to => Ok([from, from, to]),
         (Deed::Correct, ..) => Err("`correct` finds collisions by itself: expected no `at_s`, and an ascending \
                                     `window_s` or none"
             .into()),
+        (_, None, None) if walks => Ok(UNTIMED),
         (_, Some(at_s), Some([from, to])) if from < at_s && at_s < to => Ok([from, at_s, to]),
         (_, Some(_), Some(_)) => Err("expected `at_s` within `window_s`".into()),
         _ => Err("expected `at_s` and `window_s`, from when to when the limb leaves the clip".into()),

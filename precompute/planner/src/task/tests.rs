@@ -362,3 +362,93 @@ proptest! {
         let _ = obj::triangles(&format!("v 0 0 0\nv 1 {with} 0\nf {with} {cut} -{skip}\n"));
     }
 }
+
+/// A lamp that a chest walks through while the arm beside it does, too.
+#[test]
+fn a_limb_gives_way_where_the_body_itself_cannot_and_both_is_said() {
+    let s = Somebody::standing();
+    let text = TASK[..TASK.find("[[tasks]]").expect("tasks")]
+        .replace("0.38, 1.2, 0.28", "0.36, 1.05, 0.2")
+        .replace("radius = 0.06", "radius = 0.3");
+    let only_arm = format!("{text}[[tasks]]\nlimb = \"left_arm\"\ndo = \"correct\"\n[planner]\nseed = 3\n");
+    let free =
+        run(&only_arm.replace("0.36, 1.05, 0.2", "0.38, 1.2, 0.28").replace("radius = 0.3", "radius = 0.06"), &s);
+    assert!(free.is_solved() && free.done[0].left.is_empty(), "{:?}", free.done);
+    let outcome = run(&only_arm, &s);
+    let done = &outcome.done[0];
+    // The arm is out of the way, the chest is where the clip has it: that is no solution, and says so.
+    assert!(!outcome.is_solved() && !done.plans.is_empty() && !done.left.is_empty(), "{done:?}");
+    assert!(done.left.iter().all(|l| l.is_driven && l.span.with == "ball"), "{done:?}");
+    assert!(why(&outcome, 0).contains("no motion of left_arm helps"), "{}", why(&outcome, 0));
+    assert_ne!(outcome.clips[0][0], outcome.clips[0][1]);
+    assert_eq!(outcome.recheck.violations, []);
+}
+
+#[test]
+fn heads_turn_to_what_is_taken_and_back_and_nothing_else_does() {
+    let s = Somebody::standing();
+    let outcome = run(&TASK.replace("seed = 3", "seed = 3\ngaze = true"), &s);
+    assert!(outcome.is_solved(), "{:?}", outcome.done);
+    assert_eq!(outcome.recheck.violations, []);
+    assert!(outcome.recheck.gaze_off_rad < 0.1, "{}", outcome.recheck.gaze_off_rad);
+    let [before, after] = &outcome.clips[0];
+    // How far the face is from the cup, at 1.4 s.
+    let off = |clip: &Clip| {
+        let (at, turn) = clip.joint_transforms(&s.skeleton, 42)[throng_core::Joint::Head.index()];
+        let cup = outcome.paths[1][1].at(1.4).position.as_vec3();
+        (turn * glam::Vec3::Z).angle_between(cup - at)
+    };
+    assert!(off(before) > 0.5 && off(after) < 0.15, "{} {}", off(before), off(after));
+    let head = |clip: &Clip, f: usize| clip.frame_rotations(f)[throng_core::Joint::Head.index()];
+    for frame in [0, 15, 69, 100] {
+        assert_eq!(head(before, frame), head(after, frame), "{frame}");
+    }
+    // Without the switch heads stay as they are.
+    let without = run(TASK, &s);
+    assert!((0..150).all(|f| head(&without.clips[0][1], f) == head(before, f)));
+}
+
+#[test]
+fn what_no_search_can_mend_is_known_before() {
+    let s = Somebody::standing();
+    let ahead = |text: &str| {
+        let task = parse(text).unwrap_or_else(|e| panic!("{e}"));
+        task.ahead(&[ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }]).expect("clips")
+    };
+    let good = ahead(TASK);
+    assert!(good.iter().all(|a| a.faults.is_empty()), "{good:?}");
+    assert_eq!((good[0].reached, good[0].at_s, good[1].collisions.len()), (Some([1, 1]), Some(1.4), 1));
+    let [there, back] = good[0].least_s.expect("times");
+    assert!(there > 0.02 && there < 0.9 && back > 0.02 && back < 0.9);
+    for (from, to, why) in [
+        ("0.42] }", "0.9] }", "out of reach by 0."),
+        ("[0.5, 2.3]", "[1.39, 2.3]", "needs at least"),
+        ("[0.5, 2.3]", "[0.5, 9.3]", "within the clip's 0 to 5.00 s"),
+    ] {
+        let bad = ahead(&TASK.replace(from, to));
+        assert!(bad[0].faults.iter().any(|f| f.contains(why)), "{why}: {bad:?}");
+    }
+}
+
+#[test]
+fn who_walks_needs_no_times_and_says_so_where_it_was_not_walked() {
+    let walk = "clip = { walk = { bundle = \"w.throng\", config = \"w.toml\", from = [1.0, -2.0] } }";
+    let text = TASK.replace("clip = \"stand.bvh\"", walk).replace("at_s = 1.4\nwindow_s = [0.5, 2.3]\n", "");
+    let task = parse(&text).expect("a task");
+    assert!(task.walks());
+    let entry = task.characters[0].clip.walk.as_ref().expect("it walks");
+    assert_eq!((entry.bundle.as_path(), entry.speed_mps), (Path::new("folder/w.throng"), 1.2));
+    assert_eq!(task.times_s(), [None, None]);
+    let s = Somebody::standing();
+    let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
+    assert!(matches!(task.run(&clips, None), Err(NoClips::NotWalked { name }) if name == "main"));
+    for (from, to, why) in [
+        ("from = [1.0, -2.0]", "from = [nan, 0.0]", "expected `from` within"),
+        ("from = [1.0, -2.0]", "speed_mps = 9.0", "expected 0.3 to 4, found 9"),
+        ("} }\n", "}, to_s = 3.0 }\n", "expected no `from_s` and no `to_s`"),
+        ("clip = { walk", "clip = { synth = \"walk\", walk", "or `walk`"),
+    ] {
+        let e = parse(&text.replacen(from, to, 1)).expect_err(why);
+        assert!(e.contains(why), "{why}: {e}");
+    }
+}

@@ -91,7 +91,7 @@ fn reachable(stage: &Stage<'_>, visit: Visit, hands: &[Goal], there: &Surroundin
     let mut checker = Checker::default();
     let present = problem.present_at(at_s);
     let mut out: Vec<(f64, Goal)> = Vec::new();
-    let mut nearest: Option<(f64, Unreached<String>)> = None;
+    let mut nearest: Option<Unreached<String>> = None;
     for goal in hands {
         match problem.reach(&mut checker, &goal.hand, at_s, &present) {
             Ok(pose) => {
@@ -99,19 +99,13 @@ fn reachable(stage: &Stage<'_>, visit: Visit, hands: &[Goal], there: &Surroundin
                 out.push((awkwardness(problem.chain(), &placed, &pose), *goal));
             }
             Err(why) => {
-                // Blocked is nearer than out of limits, that is nearer than out of reach.
-                let far = match &why {
-                    Unreached::OutOfReach { by_m } => 100.0 + by_m,
-                    Unreached::OutOfLimits { by_rad, .. } => 10.0 + by_rad,
-                    Unreached::Blocked { .. } => 0.0,
-                };
-                if nearest.as_ref().is_none_or(|(least, _)| far < *least) {
-                    nearest = Some((far, why));
+                if nearest.as_ref().is_none_or(|n| why.farness() < n.farness()) {
+                    nearest = Some(why);
                 }
             }
         }
     }
-    if let (true, Some((_, why))) = (out.is_empty(), nearest) {
+    if let (true, Some(why)) = (out.is_empty(), nearest) {
         let nearest_m = if let Unreached::OutOfReach { by_m } = &why { Some(*by_m) } else { None };
         return Err(Problems { nearest_m, ..Problems::new(NotReached::Target { time_s: at_s, why }.to_string()) });
     }

@@ -1,0 +1,261 @@
+//! What is known of a task before any search: what limbs reach, how long they need at least, where clips collide.
+
+use super::entries::Deed;
+use super::file::Task;
+use super::grips::goals;
+use super::mesh::open_edges;
+use super::run::NoClips;
+use super::stage::{ActorClip, Stage, Surroundings};
+use super::step::{Grip, Step};
+use crate::collide::Checker;
+use crate::correct::{Span, collisions};
+use crate::ik::Unreached;
+use crate::linkage::LimbPose;
+use crate::problem::{Problem, State};
+use crate::rotation::Rigid;
+use crate::setup::{Allowed, ProblemSpec};
+use crate::shape::Shape;
+use glam::DVec3;
+use throng_core::{Contacts, Joint};
+
+/// What is known of one thing to do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ahead {
+    /// Its name.
+    pub name: String,
+    /// What no search can mend, and the way out.
+    pub faults: Vec<String>,
+    /// When it is reached; none of corrections (s).
+    pub at_s: Option<f64>,
+    /// Least time that joints need there and back, of the hand that is there soonest (s).
+    pub least_s: Option<[f64; 2]>,
+    /// Time that there is (s).
+    pub given_s: Option<[f64; 2]>,
+    /// Hands that are within reach, within limits and free, of all that grips and turns allow.
+    pub reached: Option<[usize; 2]>,
+    /// Where the limb of a correction collides by the clip itself.
+    pub collisions: Vec<Span>,
+}
+
+/// What is known of a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshAhead {
+    /// Whose it is.
+    pub thing: String,
+    /// Number of triangles.
+    pub triangles: usize,
+    /// Edges of one triangle only: where there are any, it has no inside.
+    pub open_edges: usize,
+}
+
+impl Task {
+    /// Looks at everything that can be known before any search, each task by itself: the clips are as they are, and
+    /// what earlier tasks would change is not.
+    ///
+    /// # Errors
+    /// [`NoClips`].
+    pub fn ahead(&self, clips: &[ActorClip]) -> Result<Vec<Ahead>, NoClips> {
+        self.check_clips(clips)?;
+        let stage = Stage::new(self, clips);
+        Ok(self.steps.iter().map(|step| of_step(&stage, step)).collect())
+    }
+
+    /// All meshes.
+    pub fn meshes(&self) -> Vec<MeshAhead> {
+        let of = |thing: &super::file::Thing, shape: &Shape| match shape {
+            Shape::Mesh(mesh) => Some(MeshAhead {
+                thing: thing.name.clone(),
+                triangles: mesh.corners().len(),
+                open_edges: open_edges(mesh.corners()),
+            }),
+            _ => None,
+        };
+        self.things.iter().flat_map(|t| t.shapes.iter().filter_map(move |s| of(t, s))).collect()
+    }
+}
+
+fn of_step(stage: &Stage<'_>, step: &Step) -> Ahead {
+    let name = step.name.clone();
+    let (at_s, none) = ((step.deed != Deed::Correct).then_some(step.times_s[1]), None);
+    let mut out =
+        Ahead { name, faults: Vec::new(), at_s, least_s: none, given_s: none, reached: None, collisions: Vec::new() };
+    let end_s = stage.actors[step.character].end_s();
+    let [from_s, _, to_s] = step.times_s;
+    if step.deed == Deed::Correct {
+        correction(stage, step, &mut out);
+    } else if !(from_s >= 0.0 && to_s <= end_s + 1e-6) {
+        let why = format!("expected a window within the clip's 0 to {end_s:.2} s, found {from_s:.2} to {to_s:.2} s");
+        out.faults.push(why);
+    } else {
+        visit(stage, step, &mut out);
+    }
+    out
+}
+
+fn correction(stage: &Stage<'_>, step: &Step, out: &mut Ahead) {
+    let actor = &stage.actors[step.character];
+    let window_s = [step.times_s[0].max(0.0), step.times_s[2].min(actor.end_s())];
+    let around = stage.around(step.character, step.limb, window_s);
+    let others = stage.other_bodies(step.character);
+    let spec = between(stage.spec(step.character, step.limb, &around, &others), window_s);
+    let problem = match Problem::prepare(&spec) {
+        Ok(problem) => problem,
+        Err(e) => return out.faults.push(e.to_string()),
+    };
+    out.collisions = collisions(&problem);
+    for s in problem.driven_collisions(&spec) {
+        let Span { from_s, to_s, part, with, depth_m } = s;
+        let during = out.collisions.iter().any(|c| c.from_s < to_s && c.to_s > from_s);
+        if during {
+            out.faults.push(format!(
+                "{part} itself is {depth_m:.3} m too near {with} from {from_s:.2} s to {to_s:.2} s, as {} is: no motion of the \
+                 limb helps it",
+                step.limb.name()
+            ));
+        }
+    }
+    let foot = match step.limb {
+        crate::linkage::Limb::LeftLeg => Contacts::LEFT,
+        crate::linkage::Limb::RightLeg => Contacts::RIGHT,
+        _ => return,
+    };
+    for s in &out.collisions {
+        let frames = [s.from_s, s.to_s].map(|t| (t * actor.clip.rate_hz).round() as usize);
+        let stands = |f: usize| actor.clip.contacts.get(f).is_some_and(|c| c.any(foot));
+        if let Some(frame) = (frames[0]..=frames[1]).find(|f| stands(*f)) {
+            let t = frame as f64 / actor.clip.rate_hz;
+            out.faults
+                .push(format!("{} stands on the ground at {t:.2} s, in {}: planted feet never move", s.part, s.with));
+        }
+    }
+}
+
+fn visit(stage: &Stage<'_>, step: &Step, out: &mut Ahead) {
+    let (who, [from_s, at_s, to_s]) = (step.character, step.times_s);
+    let around = around_target(stage, step, at_s);
+    let others = stage.other_bodies(who);
+    let spec = between(stage.spec(who, step.limb, &around, &others), [from_s, to_s]);
+    let problem = match Problem::prepare(&spec) {
+        Ok(problem) => problem,
+        Err(e) => return out.faults.push(e.to_string()),
+    };
+    let (all, nearest) = reached(stage, step, &problem, at_s);
+    let hands = all.len();
+    let poses: Vec<LimbPose> = all.into_iter().flatten().collect();
+    out.reached = Some([poses.len(), hands]);
+    out.given_s = Some([at_s - from_s, to_s - at_s - step.hold_s]);
+    let ends = [spec.init.pose, spec.goal.pose];
+    let needs = poses.iter().map(|p| ends.map(|end| problem.least_time(&end, p)));
+    let soonest = needs.min_by(|a, b| (a[0].0 + a[1].0).total_cmp(&(b[0].0 + b[1].0)));
+    match (soonest, nearest) {
+        (Some(least), _) => {
+            out.least_s = Some(least.map(|l| l.0));
+            for ((least_s, joint), given_s) in least.into_iter().zip(out.given_s.unwrap_or_default()) {
+                if least_s > given_s {
+                    let joint = joint.name();
+                    out.faults.push(format!(
+                        "{joint} needs at least {least_s:.3} s at its speed limit, but has {given_s:.3} s; give more time"
+                    ));
+                }
+            }
+        }
+        (None, Some(why)) => out.faults.push(format!("not reached at {at_s:.2} s: {why}")),
+        (None, None) => {}
+    }
+    for (part, with) in deep_at_ends(&problem) {
+        out.faults.push(format!(
+            "{part} is in {with} where the window begins or ends; begin earlier, end later, or correct first"
+        ));
+    }
+}
+
+/// What the clip's poses at both ends are in.
+fn deep_at_ends(problem: &Problem) -> Vec<(String, String)> {
+    let mut checker = Checker::default();
+    let mut found: Vec<(String, String)> = Vec::new();
+    for state in [problem.init(), problem.goal()] {
+        if let Some(hit) = checker.deepest(problem, state) {
+            let [part, with] = problem.names(&hit);
+            if !found.contains(&(part.clone(), with.clone())) {
+                found.push((part, with));
+            }
+        }
+    }
+    found
+}
+
+/// From and to the clip's own poses.
+fn between<'a>(spec: ProblemSpec<'a>, window_s: [f64; 2]) -> ProblemSpec<'a> {
+    let [init, goal] = window_s.map(|time_s| State { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s });
+    ProblemSpec { init, goal, admit_ends: true, ..spec }
+}
+
+/// Where a step's object is, or is brought.
+pub(super) fn target(stage: &Stage<'_>, step: &Step, time_s: f64) -> Rigid {
+    match (&step.to, step.object) {
+        (Some(to), _) => stage.resolve(to, time_s)[0],
+        (None, Some(object)) => stage.place(object, time_s),
+        (None, None) => Rigid::IDENTITY,
+    }
+}
+
+/// The grips of a step; of what is brought, that with which it was taken, but for the turn, which is not known before it is.
+pub(super) fn grips_of(task: &Task, step: &Step) -> Vec<Grip> {
+    if !step.deed.holds() {
+        return step.grips.clone();
+    }
+    let taken = task.steps.iter().filter(|s| s.object == step.object && s.limb == step.limb);
+    let at = taken.flat_map(|s| &s.grips).next().map_or(DVec3::ZERO, |g| match g {
+        Grip::Any(at) => *at,
+        Grip::Turned(wrist) => wrist.position,
+    });
+    vec![Grip::Any(at)]
+}
+
+/// What is around a limb that is at its target: the hand may touch what it takes, and what is brought is in the hand.
+pub(super) fn around_target(stage: &Stage<'_>, step: &Step, at_s: f64) -> Surroundings {
+    let mut around = stage.around(step.character, step.limb, [at_s, at_s]);
+    if let Some(name) = step.object.map(|o| stage.task.things[o].name.clone()) {
+        around.allowed.retain(|a| a.with != name && a.part.as_ref() != Some(&name));
+        if step.deed.holds() {
+            around.solids.retain(|s| s.name != name);
+            around.held.retain(|h| h.name != name);
+        } else {
+            around.allowed.extend(touching(step, &name));
+        }
+    }
+    around.allowed.extend(step.contacts.iter().flat_map(|c| touching(step, c)));
+    around
+}
+
+/// Hand and fingers, or foot and toes, may touch something.
+fn touching<'a>(step: &'a Step, with: &'a str) -> impl Iterator<Item = Allowed> + 'a {
+    let limb = step.limb;
+    let ends = Joint::ALL.into_iter().filter(move |j| limb.moves(*j) && !limb.joints()[..2].contains(j));
+    ends.map(|j| Allowed { part: Some(j.name().into()), with: with.into(), window_s: None })
+}
+
+/// The pose of each hand that a step's grips allow, none where it is not reached; and of those the nearest failure.
+pub(super) fn reached(
+    stage: &Stage<'_>,
+    step: &Step,
+    problem: &Problem,
+    at_s: f64,
+) -> (Vec<Option<LimbPose>>, Option<Unreached<String>>) {
+    let mut checker = Checker::default();
+    let present = problem.present_at(at_s);
+    let target = target(stage, step, at_s);
+    let mut nearest: Option<Unreached<String>> = None;
+    let hands = goals(&grips_of(stage.task, step), &target, &stage.actors[step.character], step.limb, at_s);
+    let poses = hands.into_iter().map(|goal| match problem.reach(&mut checker, &goal.hand, at_s, &present) {
+        Ok(pose) => Some(pose),
+        Err(why) => {
+            if nearest.as_ref().is_none_or(|n| why.farness() < n.farness()) {
+                nearest = Some(why);
+            }
+            None
+        }
+    });
+    let poses = poses.collect();
+    (poses, nearest)
+}

@@ -1,0 +1,222 @@
+//! A walker of a blend space, frame by frame into a clip.
+
+use crate::rotation::wrap;
+use glam::{DQuat, DVec2, DVec3, Quat, Vec2, Vec3};
+use throng_base::{Id, Inline, Result};
+use throng_core::blend::BlendSpace;
+use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_core::{Cast, Contacts, NUM_JOINTS, Planar};
+use throng_motion::Clip;
+use throng_motion::export::Pose;
+
+/// Steps a second at least.
+const STEP_HZ: f64 = 60.0;
+/// How fast somebody who stands turns (rad/s).
+const TURN: f64 = 1.6;
+/// How fast walks begin and end (m/s^2).
+const START: f64 = 1.2;
+/// Until feet that turned on the spot stand again (s).
+const SETTLE_S: f64 = 0.3;
+/// A turn on the spot that nobody makes (rad).
+const NO_TURN: f64 = 0.02;
+/// A walk begins with its own turn where that is less (rad).
+const ON_THE_WAY: f64 = 0.5;
+
+/// Somebody who walks, and all frames so far.
+#[derive(Clone)]
+pub(super) struct Gait {
+    walkers: Walkers,
+    who: Id,
+    rate_hz: f64,
+    steps: usize,
+    /// Where it stands and looks when it stands.
+    at: DVec2,
+    heading: f64,
+    roots: Vec<Vec3>,
+    rotations: Vec<Quat>,
+    contacts: Vec<Contacts>,
+    /// What it looks at (m).
+    pub look_at: Option<DVec3>,
+}
+
+impl Gait {
+    /// Stands at a place (x and z, m) with a heading (rad); frame 0 is there.
+    pub fn new(space: &BlendSpace, at: DVec2, heading: f64, rate_hz: f64) -> Result<Self> {
+        let mut walkers = Walkers::with_capacity(space.clone(), &[], WalkersConfig::default(), 1)?;
+        let root = Planar::new(at.x as f32, at.y as f32, heading as f32);
+        let who = walkers.spawn(WalkerStart { root, ..WalkerStart::default() })?;
+        let steps = (STEP_HZ / rate_hz).ceil().max(1.0) as usize;
+        let mut gait = Self {
+            walkers,
+            who,
+            rate_hz,
+            steps,
+            at,
+            heading,
+            roots: Vec::new(),
+            rotations: Vec::new(),
+            contacts: Vec::new(),
+            look_at: None,
+        };
+        gait.keep();
+        Ok(gait)
+    }
+
+    /// Time of the last frame (s).
+    pub fn time_s(&self) -> f64 {
+        (self.roots.len() - 1) as f64 / self.rate_hz
+    }
+
+    /// Where it stands (x and z, m) and looks (rad).
+    pub fn place(&self) -> (DVec2, f64) {
+        (self.at, self.heading)
+    }
+
+    /// Hips and rotations of the last frame.
+    pub fn pose(&self) -> (DVec3, [DQuat; NUM_JOINTS]) {
+        self.frame_pose(self.roots.len() - 1)
+    }
+
+    fn frame_pose(&self, frame: usize) -> (DVec3, [DQuat; NUM_JOINTS]) {
+        let row = frame * NUM_JOINTS;
+        let turns = std::array::from_fn(|j| self.rotations[row + j].as_dquat().normalize());
+        (self.roots[frame].as_dvec3(), turns)
+    }
+
+    /// Frames after a time: when, hips and rotations.
+    pub fn frames_after(&self, time_s: f64) -> Vec<(f64, (DVec3, [DQuat; NUM_JOINTS]))> {
+        let first = (time_s * self.rate_hz).round() as usize + 1;
+        (first..self.roots.len()).map(|f| (f as f64 / self.rate_hz, self.frame_pose(f))).collect()
+    }
+
+    /// The clip so far.
+    pub fn clip(&self, name: &str) -> Clip {
+        let mut clip = Clip::new(name, self.rate_hz, self.roots.clone(), self.rotations.clone());
+        clip.contacts.clone_from(&self.contacts);
+        clip
+    }
+
+    /// Stands until a time (s).
+    pub fn stand(&mut self, until_s: f64) -> Result<()> {
+        while self.time_s() + 0.5 / self.rate_hz < until_s {
+            let (at, heading) = self.place();
+            self.frame(|_| (at, DVec2::ZERO, heading))?;
+        }
+        Ok(())
+    }
+
+    /// Turns on the spot, evenly eased.
+    pub fn turn(&mut self, heading: f64) -> Result<()> {
+        let by = wrap(heading - self.heading);
+        if by.abs() < NO_TURN {
+            return Ok(());
+        }
+        // Fastest in the middle, by half more than in the mean.
+        let seconds = 1.5 * by.abs() / TURN;
+        let (at, from, start_s) = (self.at, self.heading, self.time_s());
+        while self.time_s() - start_s < seconds {
+            self.frame(|t| {
+                let share = ((t - start_s) / seconds).clamp(0.0, 1.0);
+                (at, DVec2::ZERO, from + by * share * share * (3.0 - 2.0 * share))
+            })?;
+        }
+        self.heading = heading;
+        let until_s = self.time_s() + SETTLE_S;
+        self.stand(until_s)
+    }
+
+    /// Walks along a way from where it stands.
+    ///
+    /// - `way`: x and z (m, two at least), the first where it stands.
+    /// - returns when the way ends (s).
+    pub fn walk(&mut self, way: &[DVec2], speed_mps: f64) -> Result<f64> {
+        let lengths: Vec<f64> = way.windows(2).map(|w| w[0].distance(w[1])).collect();
+        let length: f64 = lengths.iter().sum();
+        let Some(first) = way.windows(2).find(|w| w[0].distance(w[1]) > 1e-6) else { return Ok(self.time_s()) };
+        let tangent = heading_of(first[1] - first[0]);
+        if wrap(tangent - self.heading).abs() > ON_THE_WAY {
+            self.turn(tangent)?;
+        }
+        let top = speed_mps.min((START * length).sqrt());
+        let (ramp_s, even_s) = (top / START, (length - top * top / START) / top);
+        let total_s = 2.0 * ramp_s + even_s;
+        let start_s = self.time_s();
+        // How far along the way, and how fast (m, m/s).
+        let along = |t: f64| {
+            let t = (t - start_s).clamp(0.0, total_s);
+            let left = total_s - t;
+            if t < ramp_s {
+                (0.5 * START * t * t, START * t)
+            } else if left < ramp_s {
+                (length - 0.5 * START * left * left, START * left)
+            } else {
+                (0.5 * START * ramp_s * ramp_s + top * (t - ramp_s), top)
+            }
+        };
+        while self.time_s() - start_s < total_s {
+            let mut heading = self.heading;
+            self.frame(|t| {
+                let (s, v) = along(t);
+                let (at, tangent) = on_way(way, &lengths, s);
+                heading = heading_of(tangent);
+                (at, tangent * v, heading)
+            })?;
+            self.heading = heading;
+        }
+        self.at = way[way.len() - 1];
+        self.heading = heading_of(on_way(way, &lengths, length).1);
+        Ok(self.time_s())
+    }
+
+    /// One frame on: place (x and z, m), velocity (m/s) and heading (rad) at a time.
+    fn frame(&mut self, mut path: impl FnMut(f64) -> (DVec2, DVec2, f64)) -> Result<()> {
+        let from_s = self.time_s();
+        let dt_s = 1.0 / (self.rate_hz * self.steps as f64);
+        let look_at = self.look_at.map(|p| p.as_vec3());
+        for k in 1..=self.steps {
+            let (at, velocity, heading) = path(from_s + k as f64 * dt_s);
+            let narrow = |v: DVec2| Vec2::new(v.x as f32, v.y as f32);
+            let control = Control {
+                position: Some(narrow(at)),
+                velocity: narrow(velocity),
+                heading: Some(heading as f32),
+                look_at,
+                ..Control::default()
+            };
+            self.walkers.order(self.who, control)?;
+            self.walkers.step(dt_s as f32, &Inline)?;
+        }
+        self.keep();
+        Ok(())
+    }
+
+    fn keep(&mut self) {
+        let pose = Pose::of_model(self.walkers.root(0), self.walkers.pose(0));
+        self.roots.push(pose.translations[0]);
+        let before = self.rotations.len().checked_sub(NUM_JOINTS);
+        for (j, q) in pose.rotations.into_iter().enumerate() {
+            // Neighbouring frames keep a positive dot product.
+            let turned = before.is_some_and(|row| q.dot(self.rotations[row + j]) < 0.0);
+            self.rotations.push(if turned { -q } else { q });
+        }
+        self.contacts.push(self.walkers.contacts(0));
+    }
+}
+
+/// Where a way is after a length, and its direction.
+fn on_way(way: &[DVec2], lengths: &[f64], along: f64) -> (DVec2, DVec2) {
+    let mut left = along;
+    for (w, length) in way.windows(2).zip(lengths) {
+        if left <= *length && *length > 1e-9 {
+            return (w[0].lerp(w[1], left / length), (w[1] - w[0]) / *length);
+        }
+        left -= length;
+    }
+    let last = way.windows(2).rev().find(|w| w[0].distance(w[1]) > 1e-9);
+    (way[way.len() - 1], last.map_or(DVec2::Y, |w| (w[1] - w[0]).normalize()))
+}
+
+/// The heading of a direction (x and z): 0 along z, a quarter turn along x (rad).
+pub(super) fn heading_of(v: DVec2) -> f64 {
+    throng_base::maths::atan2(v.x, v.y)
+}

@@ -1,0 +1,216 @@
+//! Characters who walk up to what they do: where they stand, the way there, and when the limb sets out.
+
+mod gait;
+mod route;
+mod stand;
+
+use super::file::Task;
+use super::run::NoClips;
+use super::stage::{ActorClip, Stage};
+use gait::Gait;
+use glam::DVec2;
+use stand::Wanted;
+use throng_core::blend::BlendSpace;
+
+/// How long before a walk ends a limb sets out (s).
+const EARLY_S: f64 = 0.45;
+/// From the end of the walk until hand or foot is there, at least; from its setting out, too (s).
+const THERE_S: f64 = 0.25;
+const OUT_S: f64 = 0.85;
+/// How long the limb is on its way back into the clip (s).
+const BACK_S: f64 = 0.9;
+/// How long somebody stands on before the next walk (s).
+const STAY_S: f64 = 0.35;
+/// Standing at the beginning and at the end of everything (s).
+const REST_S: f64 = 0.5;
+/// How often places to stand are changed because a limb found no way.
+const MOST_TRIES: usize = 12;
+
+/// How a character moves.
+#[derive(Clone, Debug)]
+pub enum Source<'a> {
+    /// As a clip says.
+    Clip(ActorClip),
+    /// It walks up to what it does, with bodies of a blend space whose first axis is speed.
+    Walks(&'a BlendSpace),
+}
+
+/// Clips of characters who walk, and the task with the times at which they are where they have to be.
+#[derive(Clone, Debug)]
+pub struct Walked {
+    /// To be run with the clips.
+    pub task: Task,
+    /// Of every character.
+    pub clips: Vec<ActorClip>,
+}
+
+/// Why nobody walks.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum NoWalk {
+    /// Clips that do not fit.
+    #[error(transparent)]
+    Clips(#[from] NoClips),
+    /// The blend space refuses.
+    #[error("`{name}`: {source}")]
+    Space {
+        /// Who walks.
+        name: String,
+        /// Why.
+        source: throng_base::Error,
+    },
+    /// There is no place to stand, or no way to one.
+    #[error("{task}: {why}")]
+    Nowhere {
+        /// The task.
+        task: String,
+        /// Why, of the place that came nearest, and the way out.
+        why: String,
+    },
+}
+
+impl Task {
+    /// True where somebody walks up to what it does: the task has to be walked before it is run.
+    pub fn walks(&self) -> bool {
+        self.characters.iter().any(|c| c.clip.walk.is_some())
+    }
+
+    /// Lets characters walk up to what they do: for each task without a time, in the file's order, the nearest place to
+    /// stand from which the limb reaches what it has to, within limits and free, and a way there past what stands
+    /// around. The limb sets out before the walk ends.
+    ///
+    /// Where a limb finds no way from a place, the next one is taken, a few times.
+    ///
+    /// - `sources`: one for each character, in the task's order.
+    /// - `rate_hz`: of the clips of those who walk, where nobody has one.
+    /// - `seed`: as in [`Task::run`].
+    ///
+    /// # Errors
+    /// [`NoWalk`].
+    ///
+    /// # Source
+    /// Shapiro, Kallmann and Faloutsos 2007, section 6.2, last paragraph. Differs: the place to stand is searched, too.
+    pub fn walked(&self, sources: &[Source<'_>], rate_hz: f64, seed: Option<u64>) -> Result<Walked, NoWalk> {
+        let mut passed = vec![0; self.steps.len()];
+        let mut best: Option<(usize, Walked)> = None;
+        for _ in 0..MOST_TRIES {
+            let walked = match (self.walk(sources, rate_hz, &passed), &best) {
+                (Ok(walked), _) => walked,
+                (Err(NoWalk::Nowhere { .. }), Some(_)) => break,
+                (Err(e), _) => return Err(e),
+            };
+            if !self.walks() {
+                return Ok(walked);
+            }
+            let outcome = walked.task.run(&walked.clips, seed)?;
+            let num_done = outcome.done.iter().filter(|d| d.why.is_none()).count();
+            if best.as_ref().is_none_or(|(n, _)| num_done > *n) {
+                best = Some((num_done, walked));
+            }
+            let failed = outcome.done.iter().zip(&self.steps).position(|(d, s)| d.why.is_some() && !s.is_timed());
+            match failed {
+                Some(step) => passed[step] += 1,
+                None => break,
+            }
+        }
+        // The first round has put one there, or has returned.
+        best.map(|(_, walked)| walked)
+            .ok_or_else(|| NoWalk::Nowhere { task: "the task".into(), why: "nobody walks".into() })
+    }
+
+    /// - `passed`: places of each step that were taken before.
+    fn walk(&self, sources: &[Source<'_>], rate_hz: f64, passed: &[usize]) -> Result<Walked, NoWalk> {
+        let (expected, found) = (self.characters.len(), sources.len());
+        if expected != found {
+            return Err(NoClips::Number { expected, found }.into());
+        }
+        let known = sources.iter().find_map(|s| if let Source::Clip(c) = s { Some(c.clip.rate_hz) } else { None });
+        let rate_hz = known.unwrap_or(rate_hz);
+        let mut gaits: Vec<Option<Gait>> = Vec::new();
+        let mut clips = Vec::new();
+        for (source, who) in sources.iter().zip(&self.characters) {
+            let space = match (source, &who.clip.walk) {
+                (Source::Clip(clip), _) => {
+                    clips.push(clip.clone());
+                    gaits.push(None);
+                    continue;
+                }
+                (Source::Walks(_), None) => return Err(NoClips::NotWalked { name: who.name.clone() }.into()),
+                (Source::Walks(space), Some(walk)) => (*space, walk),
+            };
+            let wrong = |source| NoWalk::Space { name: who.name.clone(), source };
+            let (space, walk) = space;
+            let mut gait =
+                Gait::new(space, DVec2::from(walk.from), walk.heading_deg.to_radians(), rate_hz).map_err(wrong)?;
+            gait.stand(REST_S).map_err(wrong)?;
+            clips.push(ActorClip { clip: gait.clip(&who.name), skeleton: space.skeleton().clone() });
+            gaits.push(Some(gait));
+        }
+        let mut task = self.clone();
+        for (who, gait) in gaits.into_iter().enumerate() {
+            let Some(mut gait) = gait else { continue };
+            let wrong = |source| NoWalk::Space { name: self.characters[who].name.clone(), source };
+            let mut end_s = 0.0f64;
+            for i in 0..task.steps.len() {
+                if task.steps[i].character != who || task.steps[i].is_timed() {
+                    continue;
+                }
+                let (times_s, after) = go(&task, &clips, i, &gait, passed[i])?;
+                task.steps[i].times_s = times_s;
+                gait = after;
+                end_s = end_s.max(times_s[2]);
+                clips[who].clip = gait.clip(&self.characters[who].name);
+            }
+            gait.look_at = None;
+            gait.stand(end_s.max(gait.time_s()) + REST_S).map_err(wrong)?;
+            clips[who].clip = gait.clip(&self.characters[who].name);
+        }
+        Ok(Walked { task, clips })
+    }
+}
+
+/// Walks to where a step can be done, and stands there as long as it takes.
+///
+/// - returns when the limb sets out, is there and is back (s), and who has walked.
+fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize) -> Result<([f64; 3], Gait), NoWalk> {
+    let step = &task.steps[i];
+    let who = step.character;
+    let speed_mps = task.characters[who].clip.walk.as_ref().map_or(1.2, |w| w.speed_mps);
+    let wrong = |source| NoWalk::Space { name: task.characters[who].name.clone(), source };
+    // When the limb is back from what it did before.
+    let same = |s: &&super::step::Step| s.character == who && s.limb == step.limb && s.is_timed();
+    let free_s = task.steps[..i].iter().filter(same).map(|s| s.times_s[2]).fold(0.0, f64::max);
+    let mut wanted = Wanted::new(Stage::new(task, clips), step, gait);
+    let (from, heading) = gait.place();
+    for stand in wanted.stands(speed_mps) {
+        if !wanted.is_free(&stand) || !wanted.is_reached_from(&stand) {
+            continue;
+        }
+        let mut after = gait.clone();
+        after.look_at = Some(wanted.target(stand.at_s).position);
+        let is_here = stand.at == from && stand.heading == heading;
+        let mut walked_s = after.time_s();
+        if !is_here {
+            let Some(way) = wanted.ground(&stand).way(from, stand.at) else { continue };
+            walked_s = after.walk(&way, speed_mps).map_err(wrong)?;
+            after.turn(stand.heading).map_err(wrong)?;
+        }
+        let from_s = (walked_s - EARLY_S).max(free_s).max(0.0);
+        let at_s = (after.time_s() + THERE_S).max(from_s + OUT_S);
+        let held_s = at_s + step.hold_s;
+        after.stand(at_s).map_err(wrong)?;
+        if !wanted.is_reached_at(after.pose(), at_s) {
+            continue;
+        }
+        after.stand(held_s + STAY_S).map_err(wrong)?;
+        if !wanted.is_walk_free(&after, [from_s, held_s + BACK_S]) {
+            continue;
+        }
+        if passed > 0 {
+            passed -= 1;
+            continue;
+        }
+        return Ok(([from_s, at_s, held_s + BACK_S], after));
+    }
+    Err(NoWalk::Nowhere { task: step.name.clone(), why: wanted.why() })
+}

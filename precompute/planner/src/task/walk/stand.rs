@@ -1,0 +1,244 @@
+//! Places to stand from which a limb reaches what it has to.
+
+use super::gait::{Gait, heading_of};
+use super::route::Ground;
+use crate::driven::{Driven, placed};
+use crate::ik::Unreached;
+use crate::linkage::Limb;
+use crate::problem::Problem;
+use crate::rotation::{Rigid, about, wrap};
+use crate::shape::Shape;
+use crate::task::ahead::{around_target, reached, target};
+use crate::task::stage::{Stage, Whereabouts};
+use crate::task::step::Step;
+use glam::{DQuat, DVec2, DVec3};
+use std::f64::consts::TAU;
+use throng_core::{Joint, NUM_JOINTS};
+
+/// How far from the target somebody stands, the best one, and how many to either side (m).
+const BEST_M: f64 = 0.5;
+const STEP_M: f64 = 0.05;
+const NUM_RINGS: i32 = 8;
+/// Directions in which somebody stands.
+const NUM_SIDES: u32 = 20;
+/// By how much somebody looks past the target, so that the shoulder is nearer to it (rad).
+const ASIDE: [f64; 3] = [0.35, 0.0, 0.8];
+/// Prices: of turning once there (m/rad), of standing nearer or farther (1), of looking aside (m/rad).
+const TURN_M: f64 = 0.4;
+const RING_M: f64 = 1.5;
+const ASIDE_M: f64 = 0.3;
+/// How far a body that stands is from everything, and its arms (m).
+const CLEAR_M: f64 = 0.04;
+const ARM_M: f64 = 0.01;
+/// How much nearer than need be somebody stands who brings something (m).
+const SPARE_M: f64 = 0.05;
+/// How far it is from everything while a limb is planned, and how deep in something at other times (m).
+const WALK_M: f64 = 0.004;
+const PRESS_M: f64 = 0.02;
+/// Turning at the beginning and at the end, and coming to a stand, at a guess (s).
+const AROUND_S: f64 = 2.0;
+/// How far around others nobody walks (m).
+const BODY_M: f64 = 0.25;
+
+/// A place to stand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stand {
+    /// x and z (m).
+    pub at: DVec2,
+    /// (rad)
+    pub heading: f64,
+    /// When the target is reached from there, about (s).
+    pub at_s: f64,
+    price: f64,
+}
+
+/// What is to be reached, and by whom.
+pub(super) struct Wanted<'a> {
+    stage: Stage<'a>,
+    step: &'a Step,
+    /// Where it stands now.
+    from: (DVec2, f64),
+    now_s: f64,
+    /// How it stands there.
+    pose: (DVec3, [DQuat; NUM_JOINTS]),
+    nearest: Option<Unreached<String>>,
+    /// What the body met on the way to a place that would do.
+    met: Option<String>,
+}
+
+impl<'a> Wanted<'a> {
+    /// - `stage`: with the clip of who walks so far.
+    pub fn new(stage: Stage<'a>, step: &'a Step, gait: &Gait) -> Self {
+        Self { stage, step, from: gait.place(), now_s: gait.time_s(), pose: gait.pose(), nearest: None, met: None }
+    }
+
+    /// Where the object is, or is brought.
+    pub fn target(&self, time_s: f64) -> Rigid {
+        target(&self.stage, self.step, time_s)
+    }
+
+    /// Places that may do, the best first: where it stands already, then around the target.
+    pub fn stands(&self, speed_mps: f64) -> Vec<Stand> {
+        let (from, heading) = self.from;
+        let soon_s = self.now_s + 1.0;
+        let mut all = vec![Stand { at: from, heading, at_s: soon_s, price: f64::NEG_INFINITY }];
+        let flat = |p: DVec3| DVec2::new(p.x, p.z);
+        // Where it will be by the time somebody is there.
+        let distance = flat(self.target(soon_s).position).distance(from);
+        let at_s = self.now_s + distance / speed_mps + AROUND_S;
+        let target = flat(self.target(at_s).position);
+        // A right arm is nearer to what is to the right: who looks to the left of it.
+        let side = if self.step.limb.joints()[0].name().starts_with("left") { -1.0 } else { 1.0 };
+        for ring in -NUM_RINGS..=NUM_RINGS {
+            let radius = BEST_M + STEP_M * f64::from(ring);
+            if radius < 0.1 {
+                continue;
+            }
+            for k in 0..NUM_SIDES {
+                let angle = TAU * f64::from(k) / f64::from(NUM_SIDES);
+                let at = target + radius * DVec2::new(angle.sin(), angle.cos());
+                let travel = heading_of(at - from);
+                for aside in ASIDE {
+                    let heading = wrap(heading_of(target - at) + side * aside);
+                    let price = from.distance(at)
+                        + TURN_M * wrap(heading - travel).abs()
+                        + RING_M * (radius - BEST_M).abs()
+                        + ASIDE_M * (aside - ASIDE[0]).abs();
+                    all.push(Stand { at, heading, at_s, price });
+                }
+            }
+        }
+        all.sort_by(|a, b| a.price.total_cmp(&b.price));
+        all
+    }
+
+    /// Hips and rotations of somebody who stands there.
+    fn pose_at(&self, stand: &Stand) -> (DVec3, [DQuat; NUM_JOINTS]) {
+        let (root, mut turns) = self.pose;
+        let (from, heading) = self.from;
+        let turn = about(DVec3::Y, stand.heading - heading);
+        let ground = |p: DVec2| DVec3::new(p.x, 0.0, p.y);
+        turns[0] = (turn * turns[0]).normalize();
+        (ground(stand.at) + turn * (root - ground(from)), turns)
+    }
+
+    /// True where a body that stands there is in nothing.
+    pub fn is_free(&self, stand: &Stand) -> bool {
+        let actor = &self.stage.actors[self.step.character];
+        let (root, turns) = self.pose_at(stand);
+        let places = placed(&actor.skeleton, root, &turns);
+        let solids = self.around(stand.at_s);
+        actor.shape.capsules.iter().all(|c| {
+            let core = c.core.map(|p| places[c.joint.index()].point(p));
+            let is_limb = Limb::ALL.iter().any(|l| l.is_arm() && l.moves(c.joint));
+            let room = if is_limb { ARM_M } else { CLEAR_M };
+            solids.iter().all(|(_, shape, at)| {
+                let local = core.map(|p| at.local_point(p));
+                !shape.is_nearer(&local, c.radius + room)
+            })
+        })
+    }
+
+    /// What stands on the ground until somebody is there.
+    pub fn ground(&self, stand: &Stand) -> Ground {
+        let both = [self.now_s, stand.at_s].map(|t| self.around(t).into_iter().map(|(_, shape, at)| (shape, at)));
+        let mut ground = Ground { things: both.into_iter().flatten().collect(), discs: Vec::new() };
+        let others = self.stage.actors.iter().enumerate().filter(|(i, _)| *i != self.step.character);
+        for (_, other) in others {
+            let steps = ((stand.at_s - self.now_s) / 0.5).ceil() as usize;
+            for k in 0..=steps {
+                let at = other.joint(Joint::Hips, self.now_s + 0.5 * k as f64).position;
+                ground.discs.push((DVec2::new(at.x, at.z), BODY_M));
+            }
+        }
+        ground
+    }
+
+    /// True where who has walked so was in nothing on the way, frame by frame, but for limbs that have tasks of their own,
+    /// and arms while nothing is planned.
+    ///
+    /// - `window_s`: in which the limb is planned.
+    pub fn is_walk_free(&mut self, walked: &Gait, window_s: [f64; 2]) -> bool {
+        let actor = &self.stage.actors[self.step.character];
+        let steps = self.stage.task.steps.iter().filter(|s| s.character == self.step.character);
+        let limbs: Vec<Limb> = steps.map(|s| s.limb).collect();
+        let is_arm = |j: Joint| Limb::ALL.iter().any(|l| l.is_arm() && l.moves(j));
+        for (time_s, (root, turns)) in walked.frames_after(self.now_s) {
+            let places = placed(&actor.skeleton, root, &turns);
+            let is_planned = (window_s[0]..=window_s[1]).contains(&time_s);
+            let room = if is_planned { WALK_M } else { -PRESS_M };
+            // Arms that swing into something on the way are mended by tasks of their own.
+            let counts = |j: Joint| !limbs.iter().any(|l| l.moves(j)) && (is_planned || !is_arm(j));
+            for c in actor.shape.capsules.iter().filter(|c| counts(c.joint)) {
+                let core = c.core.map(|p| places[c.joint.index()].point(p));
+                let meets = |(_, shape, at): &&(String, Shape, Rigid)| {
+                    shape.is_nearer(&core.map(|p| at.local_point(p)), c.radius + room)
+                };
+                if let Some((with, ..)) = self.around(time_s).iter().find(meets) {
+                    let limb = Limb::ALL.iter().find(|l| l.is_arm() && l.moves(c.joint));
+                    let out =
+                        limb.map_or_else(String::new, |l| format!(" (a task `correct` of {} mends that)", l.name()));
+                    self.met = Some(format!("{} meets {with} on the way{out}", c.joint.name()));
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Everything but the object that is taken or brought, and what hands carry.
+    fn around(&self, time_s: f64) -> Vec<(String, Shape, Rigid)> {
+        let is_carried = |i: usize| matches!(self.stage.stretch(i, time_s), Whereabouts::On { .. });
+        let things = self.stage.task.things.iter().enumerate();
+        let there = things.filter(|(i, t)| !(t.is_object && Some(*i) == self.step.object) && !is_carried(*i));
+        let placed = there.flat_map(|(i, thing)| {
+            let at = self.stage.place(i, time_s);
+            thing.shapes.iter().map(move |s| (thing.name.clone(), s.clone(), at))
+        });
+        placed.collect()
+    }
+
+    /// True where the limb of who stands there reaches, within limits and free.
+    pub fn is_reached_from(&mut self, stand: &Stand) -> bool {
+        self.is_reached_at(self.pose_at(stand), stand.at_s)
+    }
+
+    /// The same of a pose: hips and rotations. Where it is not known yet how the object lies in the hand, a little farther.
+    pub fn is_reached_at(&mut self, (root, turns): (DVec3, [DQuat; NUM_JOINTS]), at_s: f64) -> bool {
+        let away = (root - self.target(at_s).position).with_y(0.0).normalize_or_zero();
+        let is_near = !self.step.deed.holds() || self.is_reached_by((root + SPARE_M * away, turns), at_s);
+        is_near && self.is_reached_by((root, turns), at_s)
+    }
+
+    fn is_reached_by(&mut self, (root, turns): (DVec3, [DQuat; NUM_JOINTS]), at_s: f64) -> bool {
+        let who = self.step.character;
+        let actor = &mut self.stage.actors[who];
+        actor.motion = Driven::still(&actor.skeleton, root, turns);
+        let around = around_target(&self.stage, self.step, at_s);
+        let others = self.stage.other_bodies(who);
+        let spec = self.stage.spec(who, self.step.limb, &around, &others);
+        let Ok(problem) = Problem::prepare(&spec) else { return false };
+        let (poses, nearest) = reached(&self.stage, self.step, &problem, at_s);
+        if let Some(why) = nearest
+            && self.nearest.as_ref().is_none_or(|n| why.farness() < n.farness())
+        {
+            self.nearest = Some(why);
+        }
+        poses.iter().any(Option::is_some)
+    }
+
+    /// Why there is no place.
+    pub fn why(&self) -> String {
+        let nearest =
+            self.nearest.as_ref().map_or_else(|| "everywhere something is in the way".into(), |u| u.to_string());
+        match &self.met {
+            Some(met) => {
+                format!("no way leads to a place to stand from which it is reached: {met}; give more room, or move it")
+            }
+            None => format!(
+                "there is no place to stand from which it is reached, or no way there: at best {nearest}; give more room, more \
+                 grips or another limb"
+            ),
+        }
+    }
+}

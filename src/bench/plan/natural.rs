@@ -1,0 +1,84 @@
+//! Reaches beside those of captured motion.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::error::Error;
+use std::path::PathBuf;
+use throng_planner::natural::{ReachFigures, captured_reaches};
+use throng_precompute::config::BuildConfig;
+use throng_precompute::import;
+
+/// Figures of many reaches: 5th percentile, median, 95th percentile of each, as seen from the upper chest.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct Natural {
+    /// Number of reaches.
+    reaches: usize,
+    /// Share of them whose speed has one main peak.
+    one_peak: f64,
+    /// Fastest of the hand (m/s).
+    peak_mps: [f64; 3],
+    /// How high the elbow is above the middle between shoulder and hand, at most (m).
+    elbow_m: [f64; 3],
+    /// Root mean square of the hand's jerk, times the cube of the time, over the length of the way; 26.8 is the least.
+    jerk: [f64; 3],
+    /// Shares of these reaches that are between the percentiles of captured ones: speed, elbow, jerk.
+    within_captured: Option<[f64; 3]>,
+}
+
+impl Natural {
+    /// None without reaches.
+    ///
+    /// - `captured`: what they are compared with.
+    pub fn of(reaches: &[ReachFigures], captured: Option<&Self>) -> Option<Self> {
+        let n = reaches.len();
+        let column = |of: &dyn Fn(&ReachFigures) -> f64| {
+            let mut all: Vec<f64> = reaches.iter().map(of).collect();
+            all.sort_by(f64::total_cmp);
+            let at = |share: f64| all.get((share * n as f64) as usize).or(all.last()).copied();
+            Some([at(0.05)?, at(0.5)?, at(0.95)?])
+        };
+        let columns: [&dyn Fn(&ReachFigures) -> f64; 3] = [&|r| r.peak_mps, &|r| r.elbow_m, &|r| r.jerk];
+        let within = captured.map(|c| {
+            let ranges = [c.peak_mps, c.elbow_m, c.jerk];
+            std::array::from_fn(|k| {
+                let [low, _, high] = ranges[k];
+                reaches.iter().filter(|r| (low..=high).contains(&columns[k](r))).count() as f64 / n.max(1) as f64
+            })
+        });
+        Some(Self {
+            reaches: n,
+            one_peak: reaches.iter().filter(|r| r.peaks == 1).count() as f64 / n.max(1) as f64,
+            peak_mps: column(columns[0])?,
+            elbow_m: column(columns[1])?,
+            jerk: column(columns[2])?,
+            within_captured: within,
+        })
+    }
+
+    /// For people.
+    pub fn text(&self) -> String {
+        let three = |v: [f64; 3]| format!("{:.2} ({:.2} to {:.2})", v[1], v[0], v[2]);
+        let within = self.within_captured.map_or_else(String::new, |w| {
+            let percent = w.map(|x| format!("{:.0}", 100.0 * x)).join(", ");
+            format!("; {percent} % within captured ones")
+        });
+        format!(
+            "{} reaches, {:.0} % with one peak; hand {} m/s, elbow {} m up, jerk {}{within}",
+            self.reaches,
+            100.0 * self.one_peak,
+            three(self.peak_mps),
+            three(self.elbow_m),
+            three(self.jerk)
+        )
+    }
+}
+
+/// Reaches of all clips of files and folders.
+pub fn captured(files: &[PathBuf], config: &BuildConfig) -> Result<Option<Natural>, Box<dyn Error>> {
+    let mut all = Vec::new();
+    for file in import::expand(files)? {
+        let clip = crate::plan::read::file_clip(&file, config).map_err(|e| format!("{}: {e}", file.display()))?;
+        all.extend(captured_reaches(&clip.clip, &clip.skeleton));
+    }
+    Ok(Natural::of(&all, None))
+}
