@@ -36,6 +36,8 @@ pub enum Action {
     Body,
     /// Joint axes.
     JointAxes,
+    /// Steer the selected character, or let it go.
+    Steer,
     /// Select nothing.
     SelectNone,
     /// Next theme.
@@ -90,6 +92,7 @@ pub const SHORTCUTS: &[Shortcut] = &[
     plain(Key::R, Action::Restart, "restart the run"),
     plain(Key::C, Action::Stage, "crowd, blend or clip"),
     plain(Key::F, Action::Follow, "camera follows the selected character"),
+    plain(Key::G, Action::Steer, "steer the selected character, or let it go"),
     plain(Key::A, Action::FrameAll, "show everything"),
     plain(Key::B, Action::Body, "next body"),
     plain(Key::J, Action::JointAxes, "joint axes"),
@@ -106,7 +109,7 @@ pub const SHORTCUTS: &[Shortcut] = &[
 const WIDTH: f32 = 900.0;
 
 /// What the mouse does in the 3-D view.
-const MOUSE: [(&str, &str); 10] = [
+const MOUSE: [(&str, &str); 11] = [
     ("click", "select a character, or a unit of a world"),
     ("drag a target", "move it; with Shift, all targets"),
     ("Ctrl + click the ground", "put the selected character's target there"),
@@ -115,6 +118,7 @@ const MOUSE: [(&str, &str); 10] = [
     ("drag", "turn the camera"),
     ("middle or Shift + drag", "move the camera"),
     ("right drag, scroll", "nearer and farther"),
+    ("W A S D, Shift, X", "who is steered: walk, run, strike"),
     ("double click", "turn the camera about that place"),
     ("Ctrl + plus, minus, 0", "size of everything in the window"),
 ];
