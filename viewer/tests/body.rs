@@ -53,8 +53,10 @@ fn everybody_wears_the_mesh_of_a_file() {
             let rgb = image.rgb();
             (0..rgb.len() / 3).filter(|&i| rgb[3 * i + 2] > 90 && rgb[3 * i] < rgb[3 * i + 2] / 2).collect::<Vec<_>>()
         };
+        // So is an axis, which is there without it.
         let (worn, made) = (blue(&worn), blue(&made));
-        assert!(worn.len() > 3000 && made.len() < 100, "{view}: {} and {}", worn.len(), made.len());
+        let worn: Vec<usize> = worn.into_iter().filter(|i| !made.contains(i)).collect();
+        assert!(worn.len() > 3000 && made.len() < 1000, "{view}: {} and {}", worn.len(), made.len());
         // From head to feet: taller than wide, and not all over the picture.
         let rows = [worn[0] / 400, worn[worn.len() - 1] / 400];
         let columns: Vec<usize> = worn.iter().map(|i| i % 400).collect();

@@ -121,43 +121,40 @@ impl Model {
         }
         if self.shows_blend() {
             self.blend_as(held);
+        } else {
+            self.send(held);
         }
     }
 
     /// Sends who is steered on its way, before the steps of a frame.
     pub(super) fn steer(&mut self) {
         let Some(held) = self.steering.as_ref().map(|s| s.held) else { return };
-        let Some((at, _)) = self.steered().filter(|_| self.why_not_steered().is_none()) else {
+        if self.steered().is_none() || self.why_not_steered().is_some() {
             self.steering = None;
-            return;
-        };
-        let to = self.way(held).map(|way| at + way * ahead(AHEAD_M, held));
-        if let Document::World(_) = &self.document {
-            return self.send_on_patches(held, at);
-        }
-        let Some(character) = self.selection.character.filter(|_| !self.shows_blend()) else { return };
-        let Some((_, run)) = self.document.crowd_mut() else { return };
-        let who = (run.config().targets != TargetMode::Shared).then_some(character);
-        // Who is let go stays where it is.
-        let to = to.unwrap_or(if run.targets()[character].distance(at) < AHEAD_M[0] {
-            run.targets()[character]
-        } else {
-            at
-        });
-        if run.targets()[character].distance(to) > SAME_M {
-            run.input(Input::Target { character: who, to });
+        } else if held.moves() {
+            self.send(held);
         }
     }
 
-    fn send_on_patches(&mut self, held: Held, at: Vec3) {
-        let (way, character) = (self.way(held), self.selection.character);
-        let (Some(s), Some(character)) = (&mut self.steering, character) else { return };
-        s.waited += 1;
-        if s.waited >= PATCH_EVERY {
-            s.waited = 0;
-            let place = way.map_or(at, |way| at + way * ahead(PATCH_AHEAD_M, held));
-            let wish = Some(Wish::GoNear { place, within_m: PATCH_WITHIN_M });
-            self.apply_to_world(WorldCommand::Tell { character, wish });
+    /// Sends who is steered where keys lead, or lets it stay where it is where none is held down.
+    fn send(&mut self, held: Held) {
+        let Some((at, _)) = self.steered().filter(|_| !self.shows_blend()) else { return };
+        let (way, Some(character)) = (self.way(held).unwrap_or_default(), self.selection.character) else { return };
+        if let Document::World(_) = &self.document {
+            let Some(s) = &mut self.steering else { return };
+            s.waited += 1;
+            if s.waited >= PATCH_EVERY {
+                s.waited = 0;
+                let place = at + way * ahead(PATCH_AHEAD_M, held);
+                let wish = Some(Wish::GoNear { place, within_m: PATCH_WITHIN_M });
+                self.apply_to_world(WorldCommand::Tell { character, wish });
+            }
+        } else if let Some((_, run)) = self.document.crowd_mut() {
+            let to = at + way * ahead(AHEAD_M, held);
+            let character = (run.config().targets != TargetMode::Shared).then_some(character);
+            if run.targets()[character.unwrap_or(0)].distance(to) > SAME_M {
+                run.input(Input::Target { character, to });
+            }
         }
     }
 

@@ -92,7 +92,7 @@ pub const SHORTCUTS: &[Shortcut] = &[
     plain(Key::R, Action::Restart, "restart the run"),
     plain(Key::C, Action::Stage, "crowd, blend or clip"),
     plain(Key::F, Action::Follow, "camera follows the selected character"),
-    plain(Key::G, Action::Steer, "steer the selected character, or let it go"),
+    plain(Key::G, Action::Steer, "steer the selected one: W A S D, Shift, X"),
     plain(Key::A, Action::FrameAll, "show everything"),
     plain(Key::B, Action::Body, "next body"),
     plain(Key::J, Action::JointAxes, "joint axes"),
@@ -109,7 +109,7 @@ pub const SHORTCUTS: &[Shortcut] = &[
 const WIDTH: f32 = 900.0;
 
 /// What the mouse does in the 3-D view.
-const MOUSE: [(&str, &str); 11] = [
+const MOUSE: [(&str, &str); 10] = [
     ("click", "select a character, or a unit of a world"),
     ("drag a target", "move it; with Shift, all targets"),
     ("Ctrl + click the ground", "put the selected character's target there"),
@@ -118,7 +118,6 @@ const MOUSE: [(&str, &str); 11] = [
     ("drag", "turn the camera"),
     ("middle or Shift + drag", "move the camera"),
     ("right drag, scroll", "nearer and farther"),
-    ("W A S D, Shift, X", "who is steered: walk, run, strike"),
     ("double click", "turn the camera about that place"),
     ("Ctrl + plus, minus, 0", "size of everything in the window"),
 ];
@@ -187,7 +186,7 @@ fn key_name(ctx: &egui::Context, s: &Shortcut) -> String {
 }
 
 fn table(ui: &mut Ui, id: &str, rows: Vec<(String, &str)>) {
-    Grid::new(id).num_columns(2).spacing([16.0, 1.0]).show(ui, |ui| {
+    Grid::new(id).num_columns(2).spacing([16.0, 0.0]).show(ui, |ui| {
         for (key, text) in rows {
             ui.label(RichText::new(key).monospace().strong());
             ui.label(text);

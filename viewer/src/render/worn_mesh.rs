@@ -102,15 +102,30 @@ impl WornMesh {
 fn coarser(all: &WornLevel, corners: &[Corner], rest: &[Vec3], cell_m: f32) -> WornLevel {
     let mut out = WornLevel::default();
     let mut known: HashMap<([i32; 3], u16, u16), u32> = HashMap::new();
-    let mut place = |i: u32| {
-        let (c, cell) = (&corners[i as usize], (rest[i as usize] / cell_m).floor().as_ivec3().to_array());
-        *known.entry((cell, c.frames[0], c.material)).or_insert_with(|| {
-            out.vertices.push(all.vertices[i as usize]);
-            out.vertices.len() as u32 - 1
-        })
-    };
-    let merged: Vec<[u32; 3]> = all.indices.chunks_exact(3).map(|t| [place(t[0]), place(t[1]), place(t[2])]).collect();
-    out.indices = merged.into_iter().filter(|[a, b, c]| a != b && b != c && c != a).flatten().collect();
+    let mut normals: Vec<Vec3> = Vec::new();
+    for t in all.indices.chunks_exact(3) {
+        let [a, b, c] = [0, 1, 2].map(|k| rest[t[k] as usize]);
+        let area = (b - a).cross(c - a).length();
+        let merged = [0, 1, 2].map(|k| {
+            let i = t[k] as usize;
+            let cell = (rest[i] / cell_m).floor().as_ivec3().to_array();
+            let place = *known.entry((cell, corners[i].frames[0], corners[i].material)).or_insert_with(|| {
+                out.vertices.push(all.vertices[i]);
+                normals.push(Vec3::ZERO);
+                out.vertices.len() as u32 - 1
+            });
+            // Large faces tell more of how the surface lies than small ones.
+            normals[place as usize] += corners[i].normal * area;
+            place
+        });
+        let [a, b, c] = merged;
+        if a != b && b != c && c != a {
+            out.indices.extend(merged);
+        }
+    }
+    for (vertex, normal) in out.vertices.iter_mut().zip(normals) {
+        vertex.normal = normal.try_normalize().map_or(vertex.normal, |n| n.to_array());
+    }
     out
 }
 

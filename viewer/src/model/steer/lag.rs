@@ -12,8 +12,6 @@ const SEEN_M: f32 = 0.02;
 const MOST_STEPS: u32 = 180;
 /// Runs of more characters are not copied for it.
 const MOST_CHARACTERS: usize = 2000;
-/// From the frame in which a key is pressed to the first step that knows of it (frames).
-const INTERFACE_FRAMES: u32 = 1;
 /// Measurements that are kept.
 const KEPT: usize = 200;
 
@@ -46,7 +44,8 @@ impl Lags {
 
     fn keep(&mut self, steps: Option<u32>) {
         match steps {
-            Some(steps) => self.frames.push(INTERFACE_FRAMES + steps),
+            // The first step that knows of a key is shown a frame after it was pressed.
+            Some(steps) => self.frames.push(steps),
             None => self.unseen += 1,
         }
         if self.frames.len() > KEPT {
