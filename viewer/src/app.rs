@@ -1,12 +1,12 @@
 //! The viewer but for its window: the same in a window, in a picture and in a test.
 
-use crate::command::{Command, WorldCommand};
+use crate::command::{Command, SteerCommand, WorldCommand};
 use crate::document::Document;
 use crate::model::Model;
 use crate::panels::{Dialog, PANELS, PanelStates, dock, keys, messages, start, top_bar, transport, viewport};
-use crate::render::{Body, DrawReport, SceneCallback, SceneFrame, SceneRenderer};
+use crate::render::{DrawReport, SceneCallback, SceneFrame, SceneRenderer, Worn};
 use crate::settings::Dock;
-use crate::settings::{BODIES, Settings};
+use crate::settings::Settings;
 use crate::stage::{Layout, scene_colours};
 use crate::theme;
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
@@ -34,7 +34,7 @@ pub struct Viewer {
     layout: Layout,
     /// What the panels asked for in the last frame.
     pending: Vec<Command>,
-    dialog: Option<Receiver<Vec<PathBuf>>>,
+    dialog: Option<(Dialog, Receiver<Vec<PathBuf>>)>,
     /// Scale of the window as it was last set.
     zoom: Option<f32>,
 }
@@ -67,9 +67,12 @@ impl Viewer {
             self.model.times.frame_s = f64::from(wall_s);
         }
         self.model.times.drawing_s = self.drawn().time.as_secs_f64();
-        if let Some(paths) = self.dialog.as_ref().and_then(|d| d.try_recv().ok()) {
+        if let Some((wanted, paths)) = self.dialog.as_ref().and_then(|(w, d)| Some((*w, d.try_recv().ok()?))) {
             self.dialog = None;
-            self.model.apply(ctx, Command::Open(paths));
+            match (wanted, &paths[..]) {
+                (Dialog::Body, [path]) => self.model.apply(ctx, Command::Wear(path.clone())),
+                _ => self.model.apply(ctx, Command::Open(paths)),
+            }
         }
         let begin = Instant::now();
         for command in self.pending.drain(..) {
@@ -178,6 +181,7 @@ impl Viewer {
         let frame = SceneFrame {
             skeleton: &self.layout.skeleton,
             body: self.model.settings.body,
+            worn: self.model.worn_outfit().map(|o| Worn { mesh: &o.mesh, matrices: &self.layout.worn }),
             palette: self.layout.poses(&self.model),
             instances: &self.layout.instances,
             records: &self.layout.records,
@@ -197,6 +201,7 @@ impl Viewer {
         if ctx.text_edit_focused() || egui::Popup::is_any_open(ctx) {
             return;
         }
+        viewport::steer::keys(ctx, &self.model, commands);
         for panel in PANELS {
             if ctx.input_mut(|i| i.consume_key(egui::Modifiers::NONE, panel.key)) {
                 commands.push(Command::TogglePanel(panel.kind));
@@ -235,6 +240,7 @@ impl Viewer {
                 Command::Stage(next)
             }
             Action::FrameAll => Command::FrameAll,
+            Action::Steer => Command::Steer(SteerCommand::Toggle),
             Action::SelectNone => Command::SelectCharacter(None),
             Action::Reload => Command::Reload,
             Action::Open => return self.states.dialog = Some(Dialog::Files),
@@ -244,7 +250,7 @@ impl Viewer {
             Action::Follow | Action::Body | Action::JointAxes | Action::Theme => {
                 match action {
                     Action::Follow => s.follow = !s.follow,
-                    Action::Body => s.body = next_body(s.body),
+                    Action::Body => s.body = m.next_body(),
                     Action::JointAxes => s.overlays.joint_axes = !s.overlays.joint_axes,
                     _ => {
                         s.theme = if is_dark { egui::ThemePreference::Light } else { egui::ThemePreference::Dark };
@@ -264,6 +270,10 @@ impl Viewer {
                 let dialog = dialog.add_filter("bundles, scenes, worlds, motion files, archives of them", &extensions);
                 Box::pin(dialog.add_filter("all files", &["*"]).pick_files())
             }
+            Dialog::Body => {
+                let chosen = dialog.add_filter("characters with a skin", &["glb", "gltf"]).pick_file();
+                Box::pin(async { chosen.await.map(|file| vec![file]) })
+            }
             Dialog::Folder => {
                 let chosen = dialog.pick_folder();
                 Box::pin(async { chosen.await.map(|folder| vec![folder]) })
@@ -279,14 +289,8 @@ impl Viewer {
                 ctx.request_repaint();
             }
         });
-        self.dialog = Some(receive);
+        self.dialog = Some((wanted, receive));
     }
-}
-
-/// The body after another, the first one after the last.
-fn next_body(body: Body) -> Body {
-    let at = BODIES.iter().position(|b| b.0 == body).unwrap_or(0);
-    BODIES[(at + 1) % BODIES.len()].0
 }
 
 /// What is shown where nothing is open.

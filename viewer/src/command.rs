@@ -1,9 +1,11 @@
 //! Everything a panel may ask for.
 
 mod scene;
+mod steer;
 mod world;
 
 pub use scene::{BoardCell, Boards, SceneCommand, SceneLook, Whose};
+pub use steer::{Held, SteerCommand};
 pub use world::{Draft, Tool, WorldCommand, WorldLook};
 
 use crate::render::Camera;
@@ -63,6 +65,11 @@ pub enum Command {
     World(WorldCommand),
     /// Do something to the scene.
     Scene(SceneCommand),
+    /// Steer the selected character.
+    Steer(SteerCommand),
+
+    /// Let everybody wear the mesh of a file.
+    Wear(PathBuf),
 
     /// Select a character, or none.
     SelectCharacter(Option<usize>),

@@ -5,15 +5,17 @@ mod documents;
 mod places;
 mod played;
 mod shown;
+mod steer;
 pub mod world;
 
 pub use documents::name_of;
+pub use steer::{Lags, Steering};
 
 use crate::command::{SceneLook, Stage, WorldLook};
-use crate::document::{Build, Building, Document, Loader, Watch};
-use crate::render::Camera;
+use crate::document::{Build, Building, Document, Dressing, Loader, Outfit, Watch};
+use crate::render::{Body, Camera};
 use crate::settings::PanelKind;
-use crate::settings::Settings;
+use crate::settings::{BODIES, Settings};
 use eframe::egui;
 use glam::Vec3;
 use std::path::PathBuf;
@@ -118,6 +120,10 @@ pub struct Model {
     pub generation: u64,
     /// The build under way, or the last one until it is taken away.
     pub build: Option<Build>,
+    /// A character of the user's own.
+    pub outfit: Option<Outfit>,
+    dressing: Option<Dressing>,
+    steering: Option<Steering>,
     weights: Vec<f32>,
     /// What is open, as it was asked for.
     asked: Vec<PathBuf>,
@@ -204,6 +210,42 @@ impl Model {
         }
     }
 
+    /// The mesh that everybody wears.
+    pub fn worn_outfit(&self) -> Option<&Outfit> {
+        self.outfit.as_ref().filter(|_| self.settings.body == Body::Own)
+    }
+
+    /// The bodies that there are, with what they are called.
+    pub fn bodies(&self) -> Vec<(Body, String)> {
+        let made = BODIES.into_iter().map(|(body, name)| (body, name.to_owned()));
+        made.chain(self.outfit.as_ref().map(|o| (Body::Own, o.name()))).collect()
+    }
+
+    /// The body after the one shown, the first one after the last.
+    pub fn next_body(&self) -> Body {
+        let all = self.bodies();
+        let at = all.iter().position(|b| b.0 == self.settings.body).unwrap_or(0);
+        all[(at + 1) % all.len()].0
+    }
+
+    /// Lets everybody wear a mesh.
+    pub fn wear(&mut self, outfit: Outfit) {
+        self.outfit = Some(outfit);
+        self.settings.body = Body::Own;
+    }
+
+    fn take_in_outfit(&mut self) {
+        let Some(read) = self.dressing.as_ref().and_then(Dressing::poll) else { return };
+        self.dressing = None;
+        match read {
+            Ok(outfit) => {
+                self.say(format!("Everybody wears {}: {} triangles", outfit.name(), outfit.mesh.num_triangles()));
+                self.wear(outfit);
+            }
+            Err(why) => self.complain(format!("{why}\nBodies stay as they are.")),
+        }
+    }
+
     /// Says something.
     pub fn say(&mut self, text: impl Into<String>) {
         self.push_message(text.into(), false);
@@ -227,15 +269,18 @@ impl Model {
         let now = self.now_s;
         self.messages.retain(|m| m.until > now);
         self.take_in();
+        self.take_in_outfit();
         self.look_for_changes(ctx);
         self.take_in_world(false);
         self.take_in_scene(false);
         self.times.steps = 0;
+        self.steer();
         if self.shows_clip() {
             self.advance_clip(wall_s);
         } else {
             self.times.steps = self.advance_run(wall_s);
         }
+        self.see_steered(self.times.steps, wall_s);
         self.follow();
     }
 

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Entries remembered.
 const MAX_RECENT: usize = 8;
 
-/// Bodies, with what they are called.
+/// Bodies that the viewer makes, with what they are called.
 pub const BODIES: [(Body, &str); 2] = [(Body::Capsules, "capsules"), (Body::Mannequin, "mannequin")];
 
 /// Which panel.
@@ -141,6 +141,8 @@ pub struct Settings {
     pub zoom: f32,
     /// Body of the characters.
     pub body: Body,
+    /// Bodies differ from one another, but capsules.
+    pub varied: bool,
     /// Colours of the characters.
     pub colouring: Colouring,
     /// What of a motion file is shown.
@@ -167,6 +169,7 @@ impl Default for Settings {
             theme: ThemePreference::Dark,
             zoom: 1.0,
             body: Body::default(),
+            varied: true,
             colouring: Colouring::default(),
             raw_view: RawView::default(),
             overlays: Overlays::default(),
@@ -186,6 +189,10 @@ impl Settings {
         self.zoom = if self.zoom.is_finite() { self.zoom.clamp(0.5, 3.0) } else { 1.0 };
         self.camera.limit();
         self.run = self.run.limited();
+        if self.body == Body::Own {
+            // Its file is named anew each time.
+            self.body = Body::Mannequin;
+        }
         self
     }
 

@@ -97,6 +97,7 @@ impl Window {
             settings.zoom = scale;
         }
         let mut viewer = Viewer::new(settings, cc.wgpu_render_state.as_ref());
+        args.dress(&mut viewer.model)?;
         let made = args.file.as_ref().filter(|f| may_be_made(f));
         match made {
             Some(file) => viewer.model.start_reading(&cc.egui_ctx, std::slice::from_ref(file)),

@@ -281,3 +281,77 @@ fn a_hanging_target_dragged_in_the_view_keeps_its_height_unless_alt_is_held() {
     assert!(lifted.y > moved.y + 0.05, "{moved} became {lifted}");
     assert!((lifted - moved).with_y(0.0).length() < 1e-3);
 }
+
+/// Presses or lets go of a key, with or without Shift.
+fn press(v: &mut Viewing, key: Key, pressed: bool, modifiers: Modifiers) {
+    v.harness.event(egui::Event::Key { key, physical_key: None, pressed, repeat: false, modifiers });
+    v.harness.step();
+}
+
+#[test]
+fn a_character_is_steered_with_keys_and_frames_until_it_is_seen_are_counted() {
+    let mut v = Viewing::of(&golden());
+    v.apply(Command::SelectCharacter(Some(3)));
+    press(&mut v, Key::G, true, Modifiers::NONE);
+    press(&mut v, Key::G, false, Modifiers::NONE);
+    assert!(v.model().steering().is_some() && v.model().settings.follow);
+    let root = |v: &Viewing| run(v).characters().root(3);
+    let camera = |v: &Viewing| v.model().settings.camera;
+    let mut travelled = 0.0;
+    for key in [Key::W, Key::D, Key::W, Key::A, Key::W] {
+        let from = root(&v).translation();
+        press(&mut v, key, true, Modifiers::NONE);
+        let [right, _, back] = camera(&v).axes();
+        let target = run(&v).targets()[3];
+        v.harness.step();
+        let way = (run(&v).targets()[3] - root(&v).translation()).normalize_or_zero();
+        let wanted = match key {
+            Key::D => right,
+            Key::A => -right,
+            _ => -back.with_y(0.0).normalize(),
+        };
+        assert!(way.dot(wanted) > 0.95, "{key:?}: {way} for {wanted}, target {target}");
+        (0..100).for_each(|_| v.harness.step());
+        travelled += root(&v).translation().distance(from);
+        press(&mut v, key, false, Modifiers::NONE);
+    }
+    assert!(travelled > 2.0, "{travelled} m");
+    let lags = &v.model().steering().expect("somebody").lags;
+    let (median, p95) = lags.median_and_p95().expect("keys were measured");
+    println!("frames from key to change: median {median}, 95th percentile {p95}, {:?} keys", lags.count());
+    assert!(median >= 2 && lags.count().0 >= 2);
+    // Who is let go stays, and A shows everything again.
+    let held = run(&v).targets()[3];
+    (0..30).for_each(|_| v.harness.step());
+    assert!(run(&v).targets()[3].distance(held) < 1.7);
+    press(&mut v, Key::G, true, Modifiers::NONE);
+    assert!(v.model().steering().is_none());
+}
+
+#[test]
+fn who_is_steered_strikes_where_there_are_blows() {
+    let boxing = Boxing::new();
+    let mut v = Viewing::of(&boxing.bundle());
+    press(&mut v, Key::G, true, Modifiers::NONE);
+    assert_eq!(v.model().selection.character, Some(0));
+    press(&mut v, Key::X, true, Modifiers::NONE);
+    v.harness.step();
+    let (bundle, run) = v.model().document.crowd().expect("a crowd");
+    assert!(!bundle.motion_set().hits_of(run.characters().segment(0).0).is_empty());
+    let mut v = Viewing::of(&golden());
+    press(&mut v, Key::G, true, Modifiers::NONE);
+    press(&mut v, Key::X, true, Modifiers::NONE);
+    v.harness.step();
+    let has_blows = !v.model().document.bundle().expect("a bundle").motion_set().hits().is_empty();
+    assert!(has_blows || v.model().messages.iter().any(|m| m.text.contains("No blow")));
+}
+
+#[test]
+fn scenes_say_why_nobody_is_steered() {
+    let boxing = Boxing::new();
+    let mut v = Viewing::of(&boxing.pairs(2));
+    press(&mut v, Key::G, true, Modifiers::NONE);
+    v.harness.step();
+    assert!(v.model().steering().is_none());
+    assert!(v.model().messages.iter().any(|m| m.text.contains("open its bundle")), "{:?}", v.model().messages);
+}

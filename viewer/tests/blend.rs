@@ -164,3 +164,39 @@ fn a_scene_of_walkers_plays_rewinds_and_restarts() {
     }
     assert!(has_no_errors(&v), "{:?}", v.model().messages);
 }
+
+#[test]
+fn who_walks_in_a_blend_space_is_steered_with_keys() {
+    use throng_runtime::blend::axis;
+    let paces = Paces::new();
+    let mut v = Viewing::of(&paces.bundle());
+    let press = |v: &mut Viewing, key: Key, pressed: bool| {
+        v.harness.event(egui::Event::Key {
+            key,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        });
+        v.harness.run_steps(2);
+    };
+    press(&mut v, Key::G, true);
+    press(&mut v, Key::G, false);
+    let (bundle, _) = v.model().document.blend().expect("a blend space");
+    let axes = bundle.blend(blending(&v).space).expect("a space").axes().to_vec();
+    let of = |kind: u32| axes.iter().position(|a| a.kind == kind);
+    let speed = of(axis::SPEED).expect("a speed");
+    press(&mut v, Key::W, true);
+    let walks = blending(&v).point[speed];
+    v.harness.run_steps(60);
+    press(&mut v, Key::W, false);
+    let stands = blending(&v).point[speed];
+    assert!(walks > stands && stands <= axes[speed].low.max(0.0), "{walks} and {stands}");
+    let turn = of(axis::GYRATION).expect("turning");
+    press(&mut v, Key::A, true);
+    assert!(blending(&v).point[turn] > 0.0);
+    v.harness.run_steps(60);
+    let lags = &v.model().steering().expect("somebody").lags;
+    println!("frames from key to change: {:?}", lags.median_and_p95());
+    assert!(lags.count().0 > 0 && lags.last() >= Some(2));
+}

@@ -177,3 +177,36 @@ fn a_scene_in_a_world_is_drawn_the_same_every_time() {
     draw_picture(&one, &b).expect("a picture");
     assert!(read(&a) != read(&b), "the number of characters changes nothing");
 }
+
+#[test]
+fn who_is_steered_on_patches_is_sent_ahead() {
+    let square = Square::new();
+    let mut v = opened(&square.world(3));
+    let key = |v: &mut Viewing, key: Key, pressed: bool| {
+        v.harness.event(egui::Event::Key {
+            key,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        });
+        v.harness.run_steps(2);
+    };
+    v.apply(Command::SelectCharacter(Some(0)));
+    key(&mut v, Key::G, true);
+    key(&mut v, Key::G, false);
+    key(&mut v, Key::W, true);
+    let world = v.model().document.world().expect("a world");
+    let (at, wish) = (world.run().moment().roots[0].translation(), world.run().moment().states[0].wish);
+    let Wish::GoNear { place, .. } = wish else { panic!("{wish:?}") };
+    let [_, _, back] = v.model().settings.camera.axes();
+    let way = (place - at).with_y(0.0).normalize_or_zero();
+    assert!(way.dot(-back.with_y(0.0).normalize()) > 0.9, "{way}");
+    key(&mut v, Key::W, false);
+    v.harness.run_steps(40);
+    let world = v.model().document.world().expect("a world");
+    let wish = world.run().moment().states[0].wish;
+    assert!(
+        matches!(wish, Wish::GoNear { place, .. } if place.distance(world.run().moment().roots[0].translation()) < 1.5)
+    );
+}

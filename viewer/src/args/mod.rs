@@ -3,9 +3,8 @@
 mod parse;
 mod scene;
 
-pub use parse::{Adapter, Character, PanelChoice, Size, StageName, ThemeName, View};
+pub use parse::{Adapter, BodyChoice, Character, PanelChoice, Size, StageName, ThemeName, View};
 
-use crate::render::Body;
 use std::path::PathBuf;
 use throng_runtime::base::limits::{self, number};
 use throng_runtime::crowd::Scheme;
@@ -94,9 +93,9 @@ pub struct Args {
     /// Panels that are open, with commas; `none` for none, and in a picture for the 3-D view alone.
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = parse::panel)]
     pub panel: Vec<PanelChoice>,
-    /// Body of the characters: capsules or mannequin.
-    #[arg(long, value_parser = parse::body)]
-    pub body: Option<Body>,
+    /// Body of the characters: capsules, mannequin, or the .glb file of a character with a skin, which all wear.
+    #[arg(long, value_name = "BODY", value_parser = parse::body)]
+    pub body: Option<BodyChoice>,
 
     /// What is shown of a bundle.
     #[arg(long, value_enum, requires = "file")]
@@ -133,6 +132,7 @@ pub struct Args {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::Body;
     use clap::Parser;
     use clap::error::ErrorKind;
 
@@ -156,7 +156,9 @@ mod tests {
         assert_eq!(args.size, Some(Size { width: 640, height: 400 }));
         assert_eq!((args.frames, args.characters, args.seed), (Some(3), Some(7), Some(9)));
         assert_eq!((args.panel.len(), args.character), (2, Some(Character(Some(2)))));
-        assert_eq!((args.body, args.adapter, args.scale), (Some(Body::Capsules), Adapter::Any, Some(1.5)));
+        assert_eq!((args.adapter, args.scale), (Adapter::Any, Some(1.5)));
+        assert_eq!(args.body, Some(BodyChoice::Made(Body::Capsules)));
+        assert_eq!(parse("--body me.GLB").expect("a right line").body, Some(BodyChoice::File("me.GLB".into())));
         assert_eq!(parse("a.toml --engine fixed").expect("a right line").engine, Some(Scheme::Fixed));
         assert_eq!(parse("a.throng --bench 10,20").expect("a right line").bench, [10, 20]);
     }

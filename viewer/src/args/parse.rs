@@ -2,8 +2,9 @@
 
 use crate::panels::{PANELS, Panel};
 use crate::render::{Body, Camera, CameraParseError};
-use crate::settings::PanelKind;
+use crate::settings::{BODIES, PanelKind};
 use eframe::egui::ThemePreference;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use throng_runtime::base::limits::{self, number};
 use throng_runtime::crowd::Scheme;
@@ -82,6 +83,15 @@ pub enum PanelChoice {
     Open(PanelKind),
 }
 
+/// A body on the command line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BodyChoice {
+    /// One that the viewer makes.
+    Made(Body),
+    /// A file whose mesh everybody wears.
+    File(PathBuf),
+}
+
 /// A character on the command line, or `none`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Character(pub Option<usize>);
@@ -144,11 +154,13 @@ pub(super) fn engine(text: &str) -> Result<Scheme, String> {
     engines::named(text).ok_or_else(|| format!("there is no such engine; expected one of {}", engines::names()))
 }
 
-pub(super) fn body(text: &str) -> Result<Body, String> {
-    match text {
-        "capsules" => Ok(Body::Capsules),
-        "mannequin" => Ok(Body::Mannequin),
-        _ => Err("the bodies are capsules and mannequin".into()),
+pub(super) fn body(text: &str) -> Result<BodyChoice, String> {
+    let made = BODIES.iter().find(|b| b.1 == text);
+    let extension = Path::new(text).extension().map(|e| e.to_string_lossy().to_lowercase());
+    match (made, extension.as_deref()) {
+        (Some((body, _)), _) => Ok(BodyChoice::Made(*body)),
+        (None, Some("glb" | "gltf")) => Ok(BodyChoice::File(text.into())),
+        (None, _) => Err("the bodies are capsules, mannequin, or a character with a skin as a .glb file".into()),
     }
 }
 

@@ -1,8 +1,8 @@
 //! What the arguments make of settings and model.
 
-use super::{Args, PanelChoice};
+use super::{Args, BodyChoice, PanelChoice};
 use crate::command::{Command, SceneCommand, SceneLook, Stage, WorldCommand};
-use crate::document::{Document, SceneChoice};
+use crate::document::{Document, Outfit, SceneChoice};
 use crate::model::Model;
 use crate::settings::Settings;
 use eframe::egui;
@@ -34,7 +34,7 @@ impl Args {
         if let Some(theme) = self.theme {
             s.theme = theme.into();
         }
-        if let Some(body) = self.body {
+        if let Some(BodyChoice::Made(body)) = self.body {
             s.body = body;
         }
         if let Some(characters) = self.characters {
@@ -54,6 +54,17 @@ impl Args {
             *s.panel_mut(kind.dock()) = Some(kind);
         }
         s
+    }
+
+    /// Lets everybody wear the file that the arguments name.
+    ///
+    /// # Errors
+    /// A message that names the file, what is wrong with it and the way out.
+    pub fn dress(&self, model: &mut Model) -> Result<(), String> {
+        if let Some(BodyChoice::File(path)) = &self.body {
+            model.wear(Outfit::open(path).map_err(|e| format!("--body: {e}"))?);
+        }
+        Ok(())
     }
 
     /// Opens the file at once and shows of it what the arguments say. What has to be made first is told on standard error.

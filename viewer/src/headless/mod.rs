@@ -100,6 +100,7 @@ impl Headless {
         let mut viewer = Viewer::new(settings, Some(screen.render_state()));
         viewer.model.is_unhurried = true;
         viewer.states.bare = args.panel.contains(&PanelChoice::None);
+        args.dress(&mut viewer.model).map_err(HeadlessError::Scene)?;
         args.open(&ctx, &mut viewer.model).map_err(HeadlessError::Scene)?;
         Ok(Self { ctx, viewer, screen, frame: 0 })
     }

@@ -2,7 +2,7 @@
 
 use super::Model;
 use crate::command::{Command, SceneCommand, Stage, WorldCommand};
-use crate::document::{Document, SceneChoice};
+use crate::document::{Document, Dressing, SceneChoice};
 use crate::run::{Blending, Head, Run};
 use crate::settings::PanelKind;
 use eframe::egui;
@@ -38,7 +38,12 @@ impl Model {
                     self.complain(why.to_string());
                 }
             }
+            Command::Wear(path) => {
+                let ctx = ctx.clone();
+                self.dressing = Some(Dressing::start(&path, move || ctx.request_repaint()));
+            }
             Command::Blend(wanted) => self.blend(wanted),
+            Command::Steer(command) => self.apply_to_steering(command),
             Command::World(command) => self.apply_to_world(command),
             Command::Scene(command) => self.apply_to_scene(ctx, command),
             Command::SelectCharacter(c) => {
@@ -151,7 +156,7 @@ impl Model {
     }
 
     /// Blends something else and shows it.
-    fn blend(&mut self, wanted: Blending) {
+    pub(super) fn blend(&mut self, wanted: Blending) {
         let Some((bundle, run)) = self.document.blend_mut() else { return };
         if let Err(e) = run.blend(bundle, wanted) {
             return self.complain(e.to_string());

@@ -16,7 +16,7 @@ impl Model {
         }
     }
 
-    fn head_mut(&mut self) -> Option<&mut Head> {
+    pub(super) fn head_mut(&mut self) -> Option<&mut Head> {
         if self.shows_clip() {
             return None;
         }

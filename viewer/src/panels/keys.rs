@@ -36,6 +36,8 @@ pub enum Action {
     Body,
     /// Joint axes.
     JointAxes,
+    /// Steer the selected character, or let it go.
+    Steer,
     /// Select nothing.
     SelectNone,
     /// Next theme.
@@ -90,6 +92,7 @@ pub const SHORTCUTS: &[Shortcut] = &[
     plain(Key::R, Action::Restart, "restart the run"),
     plain(Key::C, Action::Stage, "crowd, blend or clip"),
     plain(Key::F, Action::Follow, "camera follows the selected character"),
+    plain(Key::G, Action::Steer, "steer the selected one: W A S D, Shift, X"),
     plain(Key::A, Action::FrameAll, "show everything"),
     plain(Key::B, Action::Body, "next body"),
     plain(Key::J, Action::JointAxes, "joint axes"),
@@ -183,7 +186,7 @@ fn key_name(ctx: &egui::Context, s: &Shortcut) -> String {
 }
 
 fn table(ui: &mut Ui, id: &str, rows: Vec<(String, &str)>) {
-    Grid::new(id).num_columns(2).spacing([16.0, 1.0]).show(ui, |ui| {
+    Grid::new(id).num_columns(2).spacing([16.0, 0.0]).show(ui, |ui| {
         for (key, text) in rows {
             ui.label(RichText::new(key).monospace().strong());
             ui.label(text);

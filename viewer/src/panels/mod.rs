@@ -126,6 +126,8 @@ pub enum Dialog {
     Files,
     /// That chooses a folder.
     Folder,
+    /// That chooses a character of the user's own.
+    Body,
 }
 
 /// What panels remember of how they look.

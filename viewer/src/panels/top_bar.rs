@@ -6,7 +6,7 @@ use crate::command::{Command, Stage};
 use crate::document::Document;
 use crate::model::{Model, name_of};
 use crate::render::Preset;
-use crate::settings::{BODIES, Colouring, RawView, Settings};
+use crate::settings::{Colouring, RawView, Settings};
 use eframe::egui::{self, MenuBar, ThemePreference, Ui};
 use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::scene::engine;
@@ -15,7 +15,7 @@ use throng_runtime::simulation::scene::engine;
 pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file(ui, model, states, commands));
-        ui.menu_button("View", |ui| view(ui, model, commands));
+        ui.menu_button("View", |ui| view(ui, model, states, commands));
         ui.menu_button("Panels", |ui| panels(ui, model, commands));
         if ui.button("Keys").on_hover_text("All keys (H)").clicked() {
             states.help = !states.help;
@@ -105,7 +105,7 @@ fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec
     }
 }
 
-fn view(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+fn view(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
     let mut s = model.settings.clone();
     if ui.button("Show everything").on_hover_text("A").clicked() {
         commands.push(Command::FrameAll);
@@ -122,8 +122,15 @@ fn view(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.checkbox(&mut s.follow, "Follow the selected character");
     ui.separator();
     ui.menu_button("Body", |ui| {
-        for (body, name) in BODIES {
+        for (body, name) in model.bodies() {
             ui.radio_value(&mut s.body, body, name);
+        }
+        ui.separator();
+        ui.checkbox(&mut s.varied, "Bodies vary")
+            .on_hover_text("In proportions and clothes; feet stand where they are");
+        let own = ui.button("Your own…").on_hover_text("A character with a skin, as .glb; everybody wears it");
+        if own.clicked() {
+            states.dialog = Some(Dialog::Body);
         }
     });
     ui.menu_button("Colours", |ui| {

@@ -3,6 +3,7 @@
 mod boards;
 mod edits;
 mod label;
+pub mod steer;
 pub mod world;
 
 use super::{build, messages, words};
@@ -71,6 +72,7 @@ pub fn show(
     drag(ui, &response, model, state, commands);
     click(ui, &response, model, layout, commands);
     label::show(ui, rect, model);
+    steer::show(ui, rect, model);
     let pointed = response.hover_pos();
     let ray = || Some(model.settings.camera.ray(within(rect, pointed?), size(rect)));
     boards::tell(response.clone(), model, ray);

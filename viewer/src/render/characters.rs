@@ -4,6 +4,7 @@ use super::buffer::GrowingBuffer;
 use super::cull::{self, Frustum};
 use super::mesh::{self, Body, LEVELS};
 use super::pipelines::{self, Input, Output, Recipe};
+use super::worn_draws::WornDraws;
 use super::{Camera, RenderError, Rgba, SceneFrame};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
@@ -44,6 +45,8 @@ pub struct CharacterInstance {
     pub colour: Rgba,
     /// How it stands out.
     pub emphasis: Emphasis,
+    /// Bits by which its clothes and skin are coloured; 0 for those that everybody has.
+    pub look: u32,
 }
 
 /// One character to draw from frame rows.
@@ -53,9 +56,11 @@ pub struct Record {
     pub instance: Instance,
     /// Main colour, as that of a [`CharacterInstance`].
     pub colour: Rgba,
+    /// As that of a [`CharacterInstance`].
+    pub look: u32,
 }
 
-/// The struct `Instance` of `shaders/skin.wgsl`.
+/// The struct `Instance` of `shaders/instance.wgsl`.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct GpuInstance {
@@ -67,7 +72,9 @@ struct GpuInstance {
     row_b: u32,
     frac_blend: [u16; 2],
     y: f32,
-    unused: [u32; 2],
+    /// First matrix of a mesh of the user's own.
+    worn: u32,
+    look: u32,
 }
 
 /// Stands for a row where there is none.
@@ -78,29 +85,62 @@ const FROM_PALETTE: u32 = u32::MAX;
 struct Place {
     hips: Vec3,
     ghost: bool,
+    /// Drawn with a mesh of the user's own.
+    worn: bool,
 }
 
 /// Draws of one frame: for each level of detail, a range of the list of character numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct DrawLists {
+pub(super) struct Lists {
     pub solid: [Range<u32>; LEVELS],
     pub ghosts: [Range<u32>; LEVELS],
     /// Those whose shadow can be in view, by the level of the shadow.
     pub shadows: [Range<u32>; LEVELS],
 }
 
+/// Draws of one frame, with the bodies that the viewer makes and with the user's own.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct DrawLists {
+    pub made: Lists,
+    pub worn: Lists,
+}
+
 impl DrawLists {
     /// Characters in view, by level of detail.
     pub fn per_level(&self) -> [usize; LEVELS] {
-        std::array::from_fn(|i| self.solid[i].len() + self.ghosts[i].len())
+        let of = |l: &Lists, i: usize| l.solid[i].len() + l.ghosts[i].len();
+        std::array::from_fn(|i| of(&self.made, i) + of(&self.worn, i))
     }
 }
 
 /// One body's triangles on the GPU.
-struct GpuMesh {
+pub(super) struct GpuMesh {
     vertices: GrowingBuffer,
     indices: GrowingBuffer,
     num_indices: u32,
+}
+
+impl GpuMesh {
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self {
+            vertices: GrowingBuffer::new(device, "body vertices", wgpu::BufferUsages::VERTEX),
+            indices: GrowingBuffer::new(device, "body triangles", wgpu::BufferUsages::INDEX),
+            num_indices: 0,
+        }
+    }
+
+    pub fn write<V: bytemuck::NoUninit>(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        vertices: &[V],
+        indices: &[u32],
+    ) -> Result<(), RenderError> {
+        self.vertices.write(device, queue, vertices)?;
+        self.indices.write(device, queue, indices)?;
+        self.num_indices = indices.len() as u32;
+        Ok(())
+    }
 }
 
 /// Everything about characters that lives on the GPU.
@@ -123,6 +163,9 @@ pub(super) struct Characters {
     ghost: wgpu::RenderPipeline,
     /// The sun's shadow, and what touches the ground.
     shadows: [wgpu::RenderPipeline; 2],
+    worn: WornDraws,
+    /// They were drawn in the last frame.
+    was_worn: bool,
 }
 
 impl Characters {
@@ -130,9 +173,14 @@ impl Characters {
         use wgpu::BufferUsages as Usage;
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let layout = pipelines::buffer_layout(device, "characters", &[storage; 3]);
-        let pieces = [include_str!("shaders/scene.wgsl"), include_str!("shaders/skin.wgsl")];
-        let body = pipelines::shader(device, "body", &[pieces[0], pieces[1], include_str!("shaders/body.wgsl")]);
-        let shadow = pipelines::shader(device, "shadow", &[pieces[0], pieces[1], include_str!("shaders/shadow.wgsl")]);
+        let pieces = [
+            include_str!("shaders/scene.wgsl"),
+            include_str!("shaders/instance.wgsl"),
+            include_str!("shaders/skin.wgsl"),
+        ];
+        let with = |label, last| pipelines::shader(device, label, &[pieces[0], pieces[1], pieces[2], last]);
+        let body = with("body", include_str!("shaders/body.wgsl"));
+        let shadow = with("shadow", include_str!("shaders/shadow.wgsl"));
         let build = |label, shader, stages, output| {
             let groups = &[scene_layout, &layout];
             let input = Input::Body;
@@ -154,16 +202,14 @@ impl Characters {
             rows: GrowingBuffer::new(device, "frame rows", Usage::STORAGE),
             uploaded_rows: None,
             lists: GrowingBuffer::new(device, "draws of characters", Usage::VERTEX),
-            meshes: std::array::from_fn(|_| GpuMesh {
-                vertices: GrowingBuffer::new(device, "body vertices", Usage::VERTEX),
-                indices: GrowingBuffer::new(device, "body triangles", Usage::INDEX),
-                num_indices: 0,
-            }),
+            meshes: std::array::from_fn(|_| GpuMesh::new(device)),
             built: None,
             places: Vec::new(),
             staging: Vec::new(),
             numbers: Vec::new(),
             reach: 0.0,
+            worn: WornDraws::new(device, scene_layout),
+            was_worn: false,
         }
     }
 
@@ -179,9 +225,7 @@ impl Characters {
             return Ok(());
         }
         for (gpu, mesh) in self.meshes.iter_mut().zip(mesh::build(body, skeleton)) {
-            gpu.vertices.write(device, queue, &mesh.vertices)?;
-            gpu.indices.write(device, queue, &mesh.indices)?;
-            gpu.num_indices = mesh.indices.len() as u32;
+            gpu.write(device, queue, &mesh.vertices, &mesh.indices)?;
         }
         self.reach = cull::reach(skeleton);
         self.built = Some((body, skeleton.clone()));
@@ -200,6 +244,11 @@ impl Characters {
         if got != expected {
             return Err(RenderError::PaletteLength { characters, expected, got });
         }
+        let num_frames = frame.worn.map_or(0, |w| w.mesh.num_frames);
+        if let Some(worn) = frame.worn.filter(|w| w.matrices.len() != instances.len() * num_frames) {
+            let (expected, got) = (instances.len() * num_frames, worn.matrices.len());
+            return Err(RenderError::PaletteLength { characters, expected, got });
+        }
         let num_rows = frame.rows.map_or(0, |rows| rows.len() / NUM_JOINTS);
         let highest = records.iter().map(|r| r.instance.row_a.max(r.instance.row_b)).max();
         if let Some(row) = highest.filter(|&row| row as usize >= num_rows) {
@@ -207,26 +256,34 @@ impl Characters {
         }
         self.places.clear();
         self.staging.clear();
-        for (instance, pose) in instances.iter().zip(palette.chunks_exact(NUM_JOINTS)) {
+        for (i, (instance, pose)) in instances.iter().zip(palette.chunks_exact(NUM_JOINTS)).enumerate() {
             let root = instance.root;
             let hips = pose[0].translation();
             let p = root.transform_point(Vec2::new(hips.x, hips.z));
-            self.places.push(Place { hips: Vec3::new(p.x, hips.y, p.y), ghost: instance.colour.0[3] < 255 });
-            let posed = GpuInstance { row_a: FROM_PALETTE, emphasis: instance.emphasis as u32, ..Zeroable::zeroed() };
+            let (hips, ghost) = (Vec3::new(p.x, hips.y, p.y), instance.colour.0[3] < 255);
+            self.places.push(Place { hips, ghost, worn: frame.worn.is_some() });
+            let (worn, look) = ((i * num_frames) as u32, instance.look);
+            let posed = GpuInstance {
+                row_a: FROM_PALETTE,
+                emphasis: instance.emphasis as u32,
+                worn,
+                look,
+                ..Zeroable::zeroed()
+            };
             self.staging.push(GpuInstance { root: gpu_root(root), colour: instance.colour, ..posed });
         }
-        for Record { instance: i, colour } in records {
+        for Record { instance: i, colour, look } in records {
             let hips = Vec3::new(i.x, i.y + frame.skeleton.rest_positions()[0].y, i.z);
-            self.places.push(Place { hips, ghost: colour.0[3] < 255 });
+            self.places.push(Place { hips, ghost: colour.0[3] < 255, worn: false });
             let root = gpu_root(Planar::new(i.x, i.z, i.heading));
             let Instance { row_a, row_b, frac_blend, y, .. } = *i;
-            let recorded = GpuInstance { row_a, row_b, frac_blend, y, ..Zeroable::zeroed() };
+            let recorded = GpuInstance { row_a, row_b, frac_blend, y, look: *look, ..Zeroable::zeroed() };
             self.staging.push(GpuInstance { root, colour: *colour, ..recorded });
         }
         // Every character may be in two lists: its body's and its shadow's.
         self.lists.reserve(device, 2 * self.staging.len(), size_of::<u32>())?;
-        let mut moved = self.palette.write(device, queue, palette)?;
-        moved |= self.instances.write(device, queue, &self.staging)?;
+        let are_new = self.instances.write(device, queue, &self.staging)?;
+        let mut moved = self.palette.write(device, queue, palette)? | are_new;
         let mut bytes = size_of_val(palette) + size_of_val(self.staging.as_slice());
         if let Some(rows) = frame.rows.filter(|rows| self.uploaded_rows.as_ref().is_none_or(|u| !Arc::ptr_eq(u, rows)))
         {
@@ -244,7 +301,16 @@ impl Characters {
                 entries: &[bind(0, palette), bind(1, instances), bind(2, rows)],
             }));
         }
-        Ok(bytes as u64)
+        // The buffer may have been replaced while nothing was worn.
+        let worn_bytes = match &frame.worn {
+            Some(worn) => self.worn.upload(device, queue, worn, self.instances.get(), are_new || !self.was_worn)?,
+            None => 0,
+        };
+        self.was_worn = frame.worn.is_some();
+        if let Some(worn) = frame.worn {
+            self.reach = self.reach.max(worn.mesh.reach * cull::reach(frame.skeleton));
+        }
+        Ok(bytes as u64 + worn_bytes)
     }
 
     /// Forgets all characters.
@@ -261,16 +327,16 @@ impl Characters {
             let pixels = 1.8 * per_metre / p.hips.distance(eye).max(1e-3);
             LEVEL_PIXELS.iter().filter(|&&least| pixels < least).count()
         };
-        let mut bins: [Vec<u32>; 3 * LEVELS] = Default::default();
+        let mut bins: [Vec<u32>; 6 * LEVELS] = std::array::from_fn(|_| Vec::new());
         for (i, place) in self.places.iter().enumerate() {
             if !frustum.sees(place.hips, self.reach + SHADOW_REACH) {
                 continue;
             }
-            let level = level(place);
+            let (level, first) = (level(place), if place.worn { 3 * LEVELS } else { 0 });
             if frustum.sees(place.hips, self.reach) {
-                bins[level + if place.ghost { LEVELS } else { 0 }].push(i as u32);
+                bins[first + level + if place.ghost { LEVELS } else { 0 }].push(i as u32);
             }
-            bins[2 * LEVELS + SHADOW_LEVEL[level]].push(i as u32);
+            bins[first + 2 * LEVELS + SHADOW_LEVEL[level]].push(i as u32);
         }
         self.numbers.clear();
         let mut ranges = bins.iter().map(|bin| {
@@ -279,7 +345,8 @@ impl Characters {
             start..self.numbers.len() as u32
         });
         let mut by_level = || std::array::from_fn(|_| ranges.next().unwrap_or_default());
-        let lists = DrawLists { solid: by_level(), ghosts: by_level(), shadows: by_level() };
+        let mut lists = || Lists { solid: by_level(), ghosts: by_level(), shadows: by_level() };
+        let lists = DrawLists { made: lists(), worn: lists() };
         if !self.numbers.is_empty() {
             queue.write_buffer(self.lists.get(), 0, bytemuck::cast_slice(&self.numbers));
         }
@@ -288,34 +355,51 @@ impl Characters {
 
     /// Draws opaque bodies; returns how many triangles.
     pub fn draw_solid(&self, pass: &mut wgpu::RenderPass<'_>, lists: &DrawLists) -> u64 {
-        self.draw(pass, &self.solid, &lists.solid)
+        self.draw(pass, &self.solid, &lists.made.solid)
+            + self.worn.draw_solid(pass, self.lists.get(), &lists.worn.solid)
     }
 
     /// Draws ghosts; returns how many triangles.
     pub fn draw_ghosts(&self, pass: &mut wgpu::RenderPass<'_>, lists: &DrawLists) -> u64 {
-        self.draw(pass, &self.ghost, &lists.ghosts)
+        self.draw(pass, &self.ghost, &lists.made.ghosts)
+            + self.worn.draw_ghosts(pass, self.lists.get(), &lists.worn.ghosts)
     }
 
     /// Draws shadows into the mask; returns how many triangles. Far away, contact is too small to be seen.
     pub fn draw_shadows(&self, pass: &mut wgpu::RenderPass<'_>, lists: &DrawLists) -> u64 {
         let [sun, contact] = &self.shadows;
-        self.draw(pass, sun, &lists.shadows) + self.draw(pass, contact, &lists.shadows[..CONTACT_LEVELS])
+        let made = &lists.made.shadows;
+        self.draw(pass, sun, made)
+            + self.draw(pass, contact, &made[..CONTACT_LEVELS])
+            + self.worn.draw_shadows(pass, self.lists.get(), &lists.worn.shadows, CONTACT_LEVELS)
     }
 
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, lists: &[Range<u32>]) -> u64 {
         let Some(group) = &self.group else { return 0 };
         pass.set_pipeline(pipeline);
         pass.set_bind_group(1, group, &[]);
-        let mut triangles = 0;
-        for (mesh, list) in self.meshes.iter().zip(lists).filter(|(_, list)| !list.is_empty()) {
-            pass.set_vertex_buffer(0, mesh.vertices.get().slice(..));
-            pass.set_vertex_buffer(1, self.lists.get().slice(..));
-            pass.set_index_buffer(mesh.indices.get().slice(..), wgpu::IndexFormat::Uint32);
-            pass.draw_indexed(0..mesh.num_indices, 0, list.clone());
-            triangles += u64::from(mesh.num_indices / 3) * list.len() as u64;
-        }
-        triangles
+        draw_levels(pass, &self.meshes, self.lists.get(), lists)
     }
+}
+
+/// Draws characters with the mesh of their level of detail; returns how many triangles.
+///
+/// - `numbers`: numbers of characters, of which each list is a range.
+pub(super) fn draw_levels(
+    pass: &mut wgpu::RenderPass<'_>,
+    meshes: &[GpuMesh],
+    numbers: &wgpu::Buffer,
+    lists: &[Range<u32>],
+) -> u64 {
+    let mut triangles = 0;
+    for (mesh, list) in meshes.iter().zip(lists).filter(|(_, list)| !list.is_empty()) {
+        pass.set_vertex_buffer(0, mesh.vertices.get().slice(..));
+        pass.set_vertex_buffer(1, numbers.slice(..));
+        pass.set_index_buffer(mesh.indices.get().slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..mesh.num_indices, 0, list.clone());
+        triangles += u64::from(mesh.num_indices / 3) * list.len() as u64;
+    }
+    triangles
 }
 
 /// A planar root as the shader takes it.

@@ -21,6 +21,8 @@ mod shape_draws;
 mod shapes;
 mod solid_draws;
 mod solids;
+mod worn_draws;
+mod worn_mesh;
 
 pub use callback::{DrawReport, SceneCallback};
 pub use camera::{Camera, CameraParseError, Preset, Ray};
@@ -33,3 +35,5 @@ pub use picking::{Hit, pick};
 pub use renderer::{DrawStats, SceneFrame, SceneRenderer, UploadStats};
 pub use shapes::Shapes;
 pub use solids::{SolidInstance, SolidMesh, Solids};
+pub use worn_draws::Worn;
+pub use worn_mesh::WornMesh;

@@ -33,7 +33,7 @@ pub(super) struct Offscreen {
 impl Offscreen {
     /// For windows of a format; nothing is allocated before the first picture.
     pub fn new(device: &wgpu::Device, window: wgpu::TextureFormat) -> Self {
-        let picture_layout = pipelines::texture_layout(device, "picture");
+        let picture_layout = pipelines::texture_layout(device, "picture", wgpu::TextureViewDimension::D2);
         let shader = pipelines::shader(device, "blit", &[include_str!("shaders/blit.wgsl")]);
         let fragment = if window.is_srgb() { "linear_fragment" } else { "encoded_fragment" };
         let blit = Recipe {
@@ -53,7 +53,7 @@ impl Offscreen {
             ..Default::default()
         });
         let blit = blit.build(device);
-        let mask_layout = pipelines::texture_layout(device, "shadow mask");
+        let mask_layout = pipelines::texture_layout(device, "shadow mask", wgpu::TextureViewDimension::D2);
         Self { mask_layout, sampler, picture_layout, blit, targets: None }
     }
 

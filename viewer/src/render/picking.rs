@@ -146,7 +146,7 @@ mod tests {
         let mut place = || {
             let root =
                 Planar::new(rng.random_range(-6.0..6.0), rng.random_range(-6.0..6.0), rng.random_range(-3.0..3.0));
-            CharacterInstance { root, colour: Rgba::WHITE, emphasis: Emphasis::None }
+            CharacterInstance { root, colour: Rgba::WHITE, emphasis: Emphasis::None, look: 0 }
         };
         (palette, (0..n).map(|_| place()).collect())
     }

@@ -12,6 +12,10 @@ pub(super) const SAMPLES: u32 = 4;
 /// Attributes of [`super::mesh::Vertex`] and, in a second buffer, the character's number.
 const VERTEX: [wgpu::VertexAttribute; 5] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Float32x3, 3 => Uint8x4, 4 => Unorm8x4];
+/// Attributes of [`super::worn_mesh::WornVertex`], around the character's number.
+const WORN: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr_array![
+    0 => Float32x3, 1 => Unorm8x4, 2 => Float32x3, 3 => Uint16x4, 4 => Unorm16x4, 6 => Float32x2, 7 => Uint32
+];
 const CHARACTER: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![5 => Uint32];
 const LINE: [wgpu::VertexAttribute; 5] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Uint32, 4 => Unorm8x4];
@@ -27,6 +31,7 @@ const SOLID: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![2 => Float32x
 
 // Each attribute list above ends where its struct does.
 const _: () = assert!(size_of::<super::mesh::Vertex>() == 36);
+const _: () = assert!(size_of::<super::worn_mesh::WornVertex>() == 56);
 const _: () = assert!(size_of::<super::shapes::LineInstance>() == 36);
 const _: () = assert!(size_of::<super::shapes::RoundInstance>() == 40);
 const _: () = assert!(size_of::<super::shapes::RingInstance>() == 28);
@@ -40,6 +45,8 @@ pub(super) enum Input {
     Nothing,
     /// A body, and one character number an instance.
     Body,
+    /// A mesh of the user's own, and one character number an instance.
+    Worn,
     /// One line an instance.
     Lines,
     /// The corners of a round cone, and one an instance.
@@ -60,6 +67,7 @@ impl Input {
         match self {
             Self::Nothing => Vec::new(),
             Self::Body => vec![layout(&VERTEX, vertex), layout(&CHARACTER, instance)],
+            Self::Worn => vec![layout(&WORN, vertex), layout(&CHARACTER, instance)],
             Self::Lines => vec![layout(&LINE, instance)],
             Self::Rounds => vec![layout(&ROUND_CORNER, vertex), layout(&ROUND, instance)],
             Self::Rings => vec![layout(&RING, instance)],
@@ -212,12 +220,16 @@ pub(super) fn buffer_layout(
 }
 
 /// A layout of one texture and its sampler.
-pub(super) fn texture_layout(device: &wgpu::Device, label: &str) -> wgpu::BindGroupLayout {
+pub(super) fn texture_layout(
+    device: &wgpu::Device,
+    label: &str,
+    view_dimension: wgpu::TextureViewDimension,
+) -> wgpu::BindGroupLayout {
     let entry =
         |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
     let texture = wgpu::BindingType::Texture {
         sample_type: wgpu::TextureSampleType::Float { filterable: true },
-        view_dimension: wgpu::TextureViewDimension::D2,
+        view_dimension,
         multisampled: false,
     };
     let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);

@@ -7,7 +7,7 @@ use super::pipelines::{self, Input, Output, Recipe};
 use super::scene_uniform::SceneUniform;
 use super::shape_draws::ShapeDraws;
 use super::solid_draws::SolidDraws;
-use super::{Camera, RenderError, SceneColours, Shapes, Solids};
+use super::{Camera, RenderError, SceneColours, Shapes, Solids, Worn};
 use std::sync::Arc;
 use throng_runtime::{Mat3x4, Skeleton};
 
@@ -21,6 +21,8 @@ pub struct SceneFrame<'a> {
     pub skeleton: &'a Skeleton,
     /// What they look like.
     pub body: Body,
+    /// A mesh of the user's own that all instances wear; records look like `body`.
+    pub worn: Option<Worn<'a>>,
     /// Joints in model space (num_characters * num_joints).
     pub palette: &'a [Mat3x4],
     /// Where they are (num_characters).

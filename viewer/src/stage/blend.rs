@@ -22,7 +22,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run:
         let stretch = body::stretch(database, body);
         body::put(&mut out.poses, &moment.poses[i * NUM_JOINTS..][..NUM_JOINTS], &stretch);
         let colour = colour(run.blending().beside, i, palette);
-        out.instances.push(CharacterInstance { root, colour, emphasis: Emphasis::None });
+        out.instances.push(CharacterInstance { root, colour, emphasis: Emphasis::None, look: 0 });
     }
     let o = model.settings.overlays;
     for (i, &root) in moment.roots.iter().enumerate() {

@@ -23,6 +23,11 @@ pub(super) fn stretch(database: &Skeleton, body: &Skeleton) -> Stretch {
 
 /// As [`stretch`], from the pose of the other body: limbs are as long in every pose.
 pub(super) fn stretch_of_pose(database: &Skeleton, pose: &[Mat3x4]) -> Stretch {
+    stretch(database, &body_of_pose(database, pose))
+}
+
+/// The skeleton whose pose it is: joints are as far apart in every pose.
+pub(super) fn body_of_pose(database: &Skeleton, pose: &[Mat3x4]) -> Skeleton {
     let mut body = database.clone();
     for joint in Joint::ALL {
         let Some(parent) = joint.parent() else { continue };
@@ -30,7 +35,7 @@ pub(super) fn stretch_of_pose(database: &Skeleton, pose: &[Mat3x4]) -> Stretch {
         let offset = &mut body.offsets[joint.index()];
         *offset = offset.normalize_or_zero() * length;
     }
-    stretch(database, &body)
+    body
 }
 
 /// Joints from which a limb leads to another joint.
@@ -44,6 +49,12 @@ const LIMBS: [(Joint, Joint); 8] = [
     (Joint::RightThigh, Joint::RightShin),
     (Joint::RightShin, Joint::RightFoot),
 ];
+
+/// The axis that a joint's limb lies along in the rest pose, where it has one.
+pub(super) fn axis_of_limb(database: &Skeleton, joint: usize) -> Option<usize> {
+    let (_, end) = LIMBS.iter().find(|l| l.0.index() == joint)?;
+    Some(database.offsets[end.index()].abs().max_position())
+}
 
 /// Adds the poses of a body, so that they skin the database skeleton's triangles to it.
 pub(super) fn put(poses: &mut Vec<Mat3x4>, pose: &[Mat3x4], stretch: &Stretch) {

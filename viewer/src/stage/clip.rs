@@ -43,7 +43,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, pale
     for (i, &frame) in frames.iter().enumerate() {
         let colour = if i == 0 { palette.on_the_way } else { palette.plain.alpha(0.42 / (0.6 + 0.4 * ages[i] as f32)) };
         let root = planar(bundle, frame, ratios[i]);
-        out.instances.push(CharacterInstance { root, colour, emphasis: Emphasis::None });
+        out.instances.push(CharacterInstance { root, colour, emphasis: Emphasis::None, look: 0 });
     }
     draw_cues(out, model, bundle, row, palette);
 }

@@ -1,6 +1,6 @@
 //! A crowd: place and colour of all characters, and the cues of the selected character.
 
-use super::{Layout, Palette, cues, values};
+use super::{Layout, Palette, cues, values, variety};
 use crate::bundle::OpenBundle;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Emphasis, Record, Rgba};
@@ -21,14 +21,16 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run:
     let n = run.characters().num_characters();
     let selected = model.selection.character;
     let (characters, has_records) = (run.characters(), !run.characters().instances().is_empty());
+    let is_varied = variety::is_wanted(model);
     for c in 0..n {
-        let colour = colour(model, bundle, run, c, palette);
+        let colour = variety::plain(model, c, colour(model, bundle, run, c, palette));
+        let look = if is_varied { variety::look(c) } else { 0 };
         if characters.level(c) == Level::Record {
-            out.records.push(Record { instance: characters.instances()[c], colour });
+            out.records.push(Record { instance: characters.instances()[c], colour, look });
             continue;
         }
         let emphasis = if selected == Some(c) { Emphasis::Selected } else { Emphasis::None };
-        out.instances.push(CharacterInstance { root: characters.root(c), colour, emphasis });
+        out.instances.push(CharacterInstance { root: characters.root(c), colour, emphasis, look: 0 });
         if has_records {
             out.poses.extend(characters.pose(c));
             out.drawn.push(c);

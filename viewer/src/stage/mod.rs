@@ -10,7 +10,9 @@ mod cues;
 mod raw;
 pub mod scene;
 mod values;
+mod variety;
 pub mod world;
+mod worn;
 
 use crate::document::Document;
 use crate::model::Model;
@@ -32,6 +34,8 @@ pub struct Layout {
     pub records: Vec<Record>,
     /// The poses of these rows (rows * NUM_JOINTS).
     pub rows: Option<Arc<[Mat3x4]>>,
+    /// Matrices of a mesh of the user's own, where one is worn (instances * its frames).
+    pub worn: Vec<Mat3x4>,
     /// Everything that is not a body.
     pub shapes: Shapes,
     /// What stands in a world.
@@ -40,6 +44,11 @@ pub struct Layout {
     pub drawn: Vec<usize>,
     /// Cells of a policy that are drawn.
     pub cells: Vec<ValueCell>,
+    /// Poses of bodies that differ from one another, where they do (instances * NUM_JOINTS); else empty.
+    varied: Vec<Mat3x4>,
+    /// Joints of those whose bodies differ.
+    dressed: Vec<Option<variety::Dressed>>,
+    variety: variety::Variety,
 }
 
 /// Colours of what is laid out; the view's own are [`SceneColours`].
@@ -125,10 +134,15 @@ impl Layout {
                 }
             }
         }
+        self.vary(model);
+        self.wear(model);
     }
 
     /// Joints in model space (instances * NUM_JOINTS).
     pub fn poses<'a>(&'a self, model: &'a Model) -> &'a [Mat3x4] {
+        if !self.varied.is_empty() {
+            return &self.varied;
+        }
         if let Some(world) = model.shown_world() {
             return &world.run().moment().poses;
         }

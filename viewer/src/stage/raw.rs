@@ -38,6 +38,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, motion: &RawMotion, palet
         root: Planar::IDENTITY,
         colour: if usable { palette.on_the_way } else { palette.plain },
         emphasis: Emphasis::None,
+        look: 0,
     });
     let o = model.settings.overlays;
     if o.contacts {

@@ -1,7 +1,7 @@
 //! A scene: bodies, discs and balls, what stands around them, targets and blows.
 
 use super::agents::{self, Brush, obstacles};
-use super::{Layout, Palette, body, bout, crowd, cues, values, world};
+use super::{Layout, Palette, body, bout, crowd, cues, values, variety, world};
 use crate::document::{SceneDocument, Standing};
 use crate::model::Model;
 use crate::render::{Camera, CharacterInstance, Emphasis, Ray, Rgba, SolidInstance};
@@ -40,7 +40,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, pa
         for who in group.characters.clone() {
             let colour = match by_message(model, simulation, who) {
                 Some((minds, agent, event)) => agents::colour_by_message(minds, agent, event, &brush),
-                None => colour(model.settings.colouring, scene, (g, who), palette),
+                None => variety::plain(model, who, colour(model.settings.colouring, scene, (g, who), palette)),
             };
             character(out, model, simulation, (who, colour), &brush);
         }
@@ -100,7 +100,7 @@ fn character(
     if let Some(pose) = pose {
         body::put(&mut out.poses, pose, &body::stretch_of_pose(&out.skeleton, pose));
         let emphasis = if is_selected { Emphasis::Selected } else { Emphasis::None };
-        out.instances.push(CharacterInstance { root, colour, emphasis });
+        out.instances.push(CharacterInstance { root, colour, emphasis, look: 0 });
         out.drawn.push(who);
     }
 }

@@ -144,6 +144,7 @@ fn inhabitants(out: &mut Layout, model: &Model, world: &WorldDocument, palette: 
         root,
         colour: colour(c),
         emphasis: if selected == Some(c) { Emphasis::Selected } else { Emphasis::None },
+        look: 0,
     }));
 }
 

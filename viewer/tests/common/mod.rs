@@ -6,6 +6,7 @@ pub mod boxing;
 pub mod market;
 pub mod meeting;
 pub mod paces;
+pub mod rig;
 pub mod square;
 
 use eframe::egui;

@@ -60,19 +60,12 @@ struct Copied {
 }
 
 fn copy(parts: &mut Parts, wearer: &Wearer, take: &Take, a: usize) -> Copied {
-    let document = &wearer.document;
-    let top = wearer.rig.above.first().copied().unwrap_or(wearer.rig.joints[0]);
-    let mut below = vec![top];
-    let mut at = 0;
-    while at < below.len() {
-        below.extend(&document.nodes[below[at]].children);
-        at += 1;
-    }
+    let (document, below) = (&wearer.document, wearer.nodes());
     let name = if take.is_library() { "figure" } else { take.actors()[a].name.as_str() };
     let scale = wearer.scale(take, a) as f32;
     let holder = parts.push("nodes", json!({ "name": name, "scale": [scale, scale, scale] }));
     let nodes: BTreeMap<usize, usize> = below.iter().enumerate().map(|(i, &n)| (n, holder + 1 + i)).collect();
-    parts.set("nodes", holder, "children", json!([nodes[&top]]));
+    parts.set("nodes", holder, "children", json!([nodes[&below[0]]]));
     for &n in &below {
         parts.push("nodes", node(wearer, n, &nodes));
     }

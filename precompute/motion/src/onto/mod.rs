@@ -6,7 +6,9 @@
 //! so feet stand where they stood, and everybody keeps its place.
 
 mod copy;
+mod figure;
 mod moved;
+mod surface;
 
 use crate::error::{BuildError, ImportError};
 use crate::export::scratch::Scratch;
@@ -17,10 +19,12 @@ use crate::import::source::content_error;
 use crate::import::{ImportConfig, MAX_MOTION_BYTES, RoleMap, UpAxis, archive, interpret};
 use crate::progress::Progress;
 use crate::retarget::Fit;
+pub use figure::Figure;
 use glam::{DAffine3, DQuat};
-use moved::Moved;
+use moved::{Moved, Sized};
 use serde_json::Value;
 use std::path::Path;
+pub use surface::{Corner, Material, Surface};
 use throng_core::Joint;
 
 /// How to get a file that can be worn.
@@ -129,13 +133,20 @@ impl Wearer {
         Ok(Outfit { wearer: self, scratch })
     }
 
-    /// How much larger it becomes for an actor: as tall as the motion's legs ask for, in metres.
-    fn scale(&self, take: &Take, actor: usize) -> f64 {
-        self.growth(take, actor) * self.metres_per_unit
+    /// Nodes of the character, parents first.
+    fn nodes(&self) -> Vec<usize> {
+        let mut nodes = vec![self.rig.above.first().copied().unwrap_or(self.rig.joints[0])];
+        let mut at = 0;
+        while at < nodes.len() {
+            nodes.extend(&self.document.nodes[nodes[at]].children);
+            at += 1;
+        }
+        nodes
     }
 
-    fn growth(&self, take: &Take, actor: usize) -> f64 {
-        f64::from(take.actors()[actor].skeleton.leg_length() / self.fit.leg_length())
+    /// How much larger it becomes for an actor: as tall as the motion's legs ask for, in metres.
+    fn scale(&self, take: &Take, actor: usize) -> f64 {
+        Sized::new(self, &take.actors()[actor].skeleton).scale
     }
 
     /// The frame that what carries the body is in, and how it is turned, in the file's units.

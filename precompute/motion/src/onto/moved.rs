@@ -6,9 +6,9 @@ use crate::export::scratch::Scratch;
 use crate::import::RoleMap;
 use crate::raw::RawClip;
 use crate::retarget::{Fit, Worn};
-use glam::{DQuat, DVec3, Quat, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
 use std::io;
-use throng_core::Joint;
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// Segments of limbs whose twist is shared, and the joints at their ends. Thighs and upper arms twist at their begin, shins
 /// and forearms at their end.
@@ -117,34 +117,75 @@ impl Twist {
     }
 }
 
-/// Keeps how all joints of a character move in a take: rotations of those that do, and where the hips are.
-pub fn wear(wearer: &Wearer, take: &Take, actor: usize, scratch: &mut Scratch) -> io::Result<()> {
-    let (clip, own) = (&wearer.rig.clip.clip, &take.actors()[actor].skeleton);
-    let (scale, growth) = (wearer.scale(take, actor), wearer.growth(take, actor));
-    let fit = wearer.fit.scaled(growth as f32);
-    let (frame, turn) = wearer.above_centre();
-    let back = frame.inverse();
-    let hips = wearer.roles.get(Joint::Hips).unwrap_or(wearer.centre);
-    let below: Vec<usize> =
-        std::iter::successors(Some(hips), |&j| clip.joints[j].parent).take_while(|&j| j != wearer.centre).collect();
-    let mut before: Option<Vec<f32>> = None;
-    take.poses(actor, |_, pose, _| {
-        let worn = fit.wear(own, &pose.world());
+/// The character as large as a skeleton asks for.
+pub struct Sized {
+    fit: Fit,
+    /// How much larger the character is than its file says.
+    pub scale: f64,
+    /// From the world to the frame that the centre is in.
+    back: DAffine3,
+    /// How that frame is turned.
+    turn: DQuat,
+    /// Joints from the hips' up to below the centre.
+    below: Vec<usize>,
+}
+
+impl Sized {
+    /// - `own`: the skeleton whose motion is worn.
+    pub fn new(wearer: &Wearer, own: &Skeleton) -> Self {
+        let growth = f64::from(own.leg_length() / wearer.fit.leg_length());
+        let (clip, (frame, turn)) = (&wearer.rig.clip.clip, wearer.above_centre());
+        let hips = wearer.roles.get(Joint::Hips).unwrap_or(wearer.centre);
+        let up = std::iter::successors(Some(hips), |&j| clip.joints[j].parent);
+        Self {
+            fit: wearer.fit.scaled(growth as f32),
+            scale: growth * wearer.metres_per_unit,
+            back: frame.inverse(),
+            turn,
+            below: up.take_while(|&j| j != wearer.centre).collect(),
+        }
+    }
+
+    /// The numbers by which the character moves: rotations of the joints that do, and where the centre is, each in the
+    /// frame of its parent.
+    ///
+    /// - `pose`: joints of the skeleton in the world; `before`: the numbers of the frame before, whose signs of rotations
+    ///   are kept.
+    pub fn numbers(
+        &self,
+        wearer: &Wearer,
+        own: &Skeleton,
+        pose: &[(Vec3, Quat); NUM_JOINTS],
+        before: Option<&[f32]>,
+    ) -> Vec<f32> {
+        let clip = &wearer.rig.clip.clip;
+        let worn = self.fit.wear(own, pose);
         let world = turned(wearer, clip, &worn);
         let mut numbers = Vec::with_capacity(4 * wearer.moved.len() + 3);
         for m in &wearer.moved {
             let axes = |j: usize| (world[j] * wearer.rig.axes[j]).normalize();
-            let parent = clip.joints[m.joint].parent.map_or(turn, axes);
+            let parent = clip.joints[m.joint].parent.map_or(self.turn, axes);
             let local = (parent.inverse() * axes(m.joint)).normalize().as_quat();
-            let sign = before.as_ref().map_or(1.0, |b| {
+            let sign = before.map_or(1.0, |b| {
                 let then = Quat::from_slice(&b[numbers.len()..numbers.len() + 4]);
                 if then.dot(local) < 0.0 { -1.0 } else { 1.0 }
             });
             numbers.extend((local * sign).to_array());
         }
         let way = |j: &usize| world[clip.joints[*j].parent.unwrap_or(0)] * clip.translations[*j].as_dvec3();
-        let centre = worn.hips.as_dvec3() / scale - below.iter().map(way).sum::<DVec3>();
-        numbers.extend(back.transform_point3(centre).as_vec3().to_array());
+        let centre = worn.hips.as_dvec3() / self.scale - self.below.iter().map(way).sum::<DVec3>();
+        numbers.extend(self.back.transform_point3(centre).as_vec3().to_array());
+        numbers
+    }
+}
+
+/// Keeps how all joints of a character move in a take: rotations of those that do, and where the hips are.
+pub fn wear(wearer: &Wearer, take: &Take, actor: usize, scratch: &mut Scratch) -> io::Result<()> {
+    let own = &take.actors()[actor].skeleton;
+    let sized = Sized::new(wearer, own);
+    let mut before: Option<Vec<f32>> = None;
+    take.poses(actor, |_, pose, _| {
+        let numbers = sized.numbers(wearer, own, &pose.world(), before.as_deref());
         scratch.push(actor, &numbers)?;
         before = Some(numbers);
         Ok(())

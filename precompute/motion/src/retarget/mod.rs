@@ -28,7 +28,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::{Joint, Skeleton};
-pub(crate) use wear::{Fit, Worn};
+pub use wear::{Fit, Worn};
 
 /// How clips are laid onto the database skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

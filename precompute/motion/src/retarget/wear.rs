@@ -44,6 +44,11 @@ impl Fit {
         Ok(Self { alignment, skeleton, has_toes: [Joint::LeftToe, Joint::RightToe].map(|j| body.has(j)) })
     }
 
+    /// A body like the database skeleton, with proportions of its own.
+    pub fn of(skeleton: Skeleton) -> Self {
+        Self { alignment: [Quat::IDENTITY; NUM_JOINTS], skeleton, has_toes: [true; 2] }
+    }
+
     /// How long its legs are (m).
     pub fn leg_length(&self) -> f32 {
         self.skeleton.leg_length()

@@ -1,6 +1,6 @@
 //! The target of the selected character: a place on the ground, or something to be struck.
 
-use crate::command::Command;
+use crate::command::{Command, SteerCommand};
 use crate::model::Model;
 use crate::run::{Input, MAX_TARGET_M, Run, TargetMode};
 use eframe::egui::{DragValue, Ui};
@@ -34,6 +34,10 @@ pub fn show(ui: &mut Ui, model: &Model, run: &Run, commands: &mut Vec<Command>) 
     if to != target {
         let who = (run.config().targets != TargetMode::Shared).then_some(c);
         commands.push(Command::Input(Input::Target { character: who, to }));
+    }
+    let tip = "With W A S D; Shift runs, X strikes (G)";
+    if model.steering().is_none() && ui.button("Steer it").on_hover_text(tip).clicked() {
+        commands.push(Command::Steer(SteerCommand::Toggle));
     }
     let tip = "All targets move to where this character stands";
     if ui.button("Everybody comes here").on_hover_text(tip).clicked() {

@@ -23,6 +23,8 @@ pub enum Body {
     Capsules,
     /// A smooth figure, skinned.
     Mannequin,
+    /// A mesh of the user's own; who cannot wear it looks like [`Body::Mannequin`].
+    Own,
 }
 
 /// What a part of the surface is; colours depend on it. Numbers are those of `shaders/body.wgsl`.

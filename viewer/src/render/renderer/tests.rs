@@ -37,7 +37,7 @@ fn standing(skeleton: &Skeleton, lift: f32) -> Vec<Mat3x4> {
 }
 
 fn at_origin(colour: Rgba) -> CharacterInstance {
-    CharacterInstance { root: Planar::IDENTITY, colour, emphasis: Emphasis::None }
+    CharacterInstance { root: Planar::IDENTITY, colour, emphasis: Emphasis::None, look: 0 }
 }
 
 struct Picture(Vec<u8>);
@@ -53,8 +53,17 @@ impl Picture {
         let (skeleton, shapes) = (&Skeleton::default(), &Shapes::new());
         let solids = &Solids::default();
         let (records, rows) = (&[], None);
-        let uploaded =
-            renderer.upload(&SceneFrame { skeleton, body, palette, instances, records, rows, shapes, solids });
+        let uploaded = renderer.upload(&SceneFrame {
+            skeleton,
+            body,
+            worn: None,
+            palette,
+            instances,
+            records,
+            rows,
+            shapes,
+            solids,
+        });
         assert_eq!(uploaded.map(|u| u.characters), Ok(instances.len()));
         let stats = renderer.draw(SIZE, camera, &SceneColours::LIGHT);
         let (size, pixels) = renderer.pixels().unwrap_or_default();
@@ -175,7 +184,7 @@ fn bad_uploads_are_refused_and_the_view_keeps_drawing() {
     let (palette, instances) = (&standing(skeleton, 0.0)[1..], &[at_origin(Rgba::WHITE)]);
     let solids = &Solids::default();
     let (body, records, rows) = (Body::Mannequin, &[] as &[Record], None);
-    let frame = SceneFrame { skeleton, body, palette, instances, records, rows, shapes, solids };
+    let frame = SceneFrame { skeleton, body, worn: None, palette, instances, records, rows, shapes, solids };
     let expected = RenderError::PaletteLength { characters: 1, expected: NUM_JOINTS, got: NUM_JOINTS - 1 };
     assert!(renderer.pixels().is_err());
     assert_eq!(renderer.upload(&frame), Err(expected));
@@ -218,7 +227,7 @@ fn records_look_as_posed_characters_do() {
         (0..17).for_each(|_| people.step(motion_set, 1.0 / 34.0, &goals).expect("a step"));
         let mut take = |palette: &[Mat3x4], instances: &[CharacterInstance], records: &[Record]| {
             let rows = Some(bundle.row_poses());
-            let frame = SceneFrame { skeleton, body, palette, instances, records, rows, shapes, solids };
+            let frame = SceneFrame { skeleton, body, worn: None, palette, instances, records, rows, shapes, solids };
             renderer.upload(&frame).expect("uploaded");
             let stats = renderer.draw(SIZE, &camera, &SceneColours::LIGHT);
             assert_eq!(stats.per_level.iter().sum::<usize>(), instances.len() + records.len());
@@ -228,10 +237,10 @@ fn records_look_as_posed_characters_do() {
         for (worst, most_blend) in worst.iter_mut().zip([0, u16::MAX]) {
             let shown = |&c: &usize| people.instances()[c].frac_blend[1] <= most_blend;
             let shown: Vec<usize> = (0..n).filter(shown).collect();
-            let of = |&c: &usize| CharacterInstance { root: people.root(c), colour, emphasis: Emphasis::None };
+            let of = |&c: &usize| CharacterInstance { root: people.root(c), colour, emphasis: Emphasis::None, look: 0 };
             let palette: Vec<Mat3x4> = shown.iter().flat_map(|&c| people.pose(c)).copied().collect();
             let posed = take(&palette, &shown.iter().map(of).collect::<Vec<_>>(), &[]);
-            let record = |&c: &usize| Record { instance: people.instances()[c], colour };
+            let record = |&c: &usize| Record { instance: people.instances()[c], colour, look: 0 };
             let recorded = take(&[], &[], &shown.iter().map(record).collect::<Vec<_>>());
             let differing = |a: &[u8], b: &[u8]| {
                 let differs = |(a, b): (&[u8], &[u8])| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max() > Some(32);
@@ -249,10 +258,12 @@ fn rows_that_there_are_not_are_refused() {
     let Some(mut renderer) = renderer() else { return };
     let (skeleton, shapes, solids) = (&Skeleton::default(), &Shapes::new(), &Solids::default());
     let rows: Arc<[Mat3x4]> = vec![Mat3x4::default(); 3 * NUM_JOINTS].into();
-    let record = |row_b| Record { instance: Instance { row_b, ..Instance::default() }, colour: Rgba::WHITE };
+    let record = |row_b| Record { instance: Instance { row_b, ..Instance::default() }, colour: Rgba::WHITE, look: 0 };
     let mut upload = |records: &[Record], rows| {
         let (body, palette, instances) = (Body::Capsules, &[] as &[Mat3x4], &[] as &[CharacterInstance]);
-        renderer.upload(&SceneFrame { skeleton, body, palette, instances, records, rows, shapes, solids }).err()
+        renderer
+            .upload(&SceneFrame { skeleton, body, worn: None, palette, instances, records, rows, shapes, solids })
+            .err()
     };
     assert_eq!(upload(&[record(2)], Some(&rows)), None);
     assert_eq!(upload(&[record(3)], Some(&rows)), Some(RenderError::Rows { row: 3, rows: 3 }));

@@ -1,18 +1,5 @@
 // Linear blend skinning from the matrix palette or from frame rows, and the planar root.
 
-struct Instance {
-    root: vec4<f32>, // x, z, sine and cosine of the heading
-    colour: u32,
-    emphasis: u32,
-    row_a: u32, // of a record; FROM_PALETTE where the pose is in the palette
-    row_b: u32,
-    frac_blend: u32,
-    y: f32,
-    unused: vec2<u32>,
-}
-
-const FROM_PALETTE: u32 = 0xffffffffu;
-
 struct BodyVertex {
     @location(0) position: vec3<f32>,
     @location(1) part: u32,
@@ -50,11 +37,6 @@ fn matrix_row(number: u32, joint: u32, i: u32) -> vec4<f32> {
     return mix(own, between((*instance).row_b, joint, i, share.x), share.y);
 }
 
-struct Skinned {
-    position: vec3<f32>,
-    normal: vec3<f32>,
-}
-
 fn skin(v: BodyVertex) -> Skinned {
     var position = vec3(0.0);
     var normal = vec3(0.0);
@@ -75,8 +57,4 @@ fn skin(v: BodyVertex) -> Skinned {
     let root = instances[v.character].root;
     let y = instances[v.character].y;
     return Skinned(turned(position, root) + vec3(root.x, y, root.y), turned(normal, root));
-}
-
-fn turned(p: vec3<f32>, root: vec4<f32>) -> vec3<f32> {
-    return vec3(root.w * p.x + root.z * p.z, p.y, root.w * p.z - root.z * p.x);
 }

@@ -56,6 +56,21 @@ impl<'a> Reader<'a> {
         Ok(Self { document, buffers })
     }
 
+    /// The one buffer of a document, which was read before.
+    pub(crate) fn of_buffer(document: &'a Document, bytes: &'a [u8]) -> Self {
+        Self { document, buffers: vec![Some(Cow::Borrowed(bytes))] }
+    }
+
+    /// The bytes of a part of a buffer.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub(crate) fn view(&self, view: usize) -> Result<&[u8], String> {
+        let length = self.document.buffer_views.get(view).map_or(0, |v| v.byte_length);
+        let mut whole = self.items(view, 0, 1, length)?;
+        whole.next().ok_or_else(|| format!("bufferViews[{view}] is empty"))
+    }
+
     /// The bytes of a buffer, where it has some.
     pub(crate) fn bytes(&self, buffer: usize) -> Option<&[u8]> {
         self.buffers.get(buffer)?.as_deref()
@@ -68,7 +83,7 @@ impl<'a> Reader<'a> {
 
     /// Numbers of an accessor, those of one item after another; whole numbers that stand for fractions are made such.
     ///
-    /// - `kind`: what its items are: `SCALAR`, `VEC3`, `VEC4` or `MAT4`.
+    /// - `kind`: what its items are: `SCALAR`, `VEC2`, `VEC3`, `VEC4` or `MAT4`.
     ///
     /// # Errors
     /// The accessor and what is wrong with it.
@@ -107,6 +122,7 @@ impl<'a> Reader<'a> {
         let width = match kind {
             _ if a.kind != kind => 0,
             "SCALAR" => 1,
+            "VEC2" => 2,
             "VEC3" => 3,
             "VEC4" => 4,
             _ => 16,
@@ -211,7 +227,7 @@ fn number(kind: u32, normalized: bool) -> Result<(usize, ReadNumber), String> {
 }
 
 /// The bytes of a base64 text; `None` for characters that have no place there.
-fn base64(text: &str) -> Option<Vec<u8>> {
+pub(crate) fn base64(text: &str) -> Option<Vec<u8>> {
     let mut out = Vec::with_capacity(text.len() / 4 * 3);
     let (mut bits, mut held) = (0u32, 0);
     for c in text.trim_end_matches('=').bytes() {

@@ -69,6 +69,8 @@ pub struct Node {
     pub children: Vec<usize>,
     /// Mesh that it shows.
     pub mesh: Option<usize>,
+    /// Skin that moves the mesh.
+    pub skin: Option<usize>,
     /// Camera that stands there.
     pub camera: Option<usize>,
     /// Frame in that of its parent, in columns; instead of the three that follow.
@@ -97,6 +99,8 @@ pub struct Primitive {
     pub indices: Option<usize>,
     /// Points, lines or triangles.
     pub mode: Option<u32>,
+    /// What its surface is like.
+    pub material: Option<usize>,
 }
 
 /// Accessors of what each corner has; the others are not read.
@@ -105,6 +109,18 @@ pub struct Attributes {
     /// Accessor of positions.
     #[serde(rename = "POSITION")]
     pub position: Option<usize>,
+    /// Accessor of unit vectors outwards.
+    #[serde(rename = "NORMAL")]
+    pub normal: Option<usize>,
+    /// Accessor of places in textures.
+    #[serde(rename = "TEXCOORD_0")]
+    pub texture: Option<usize>,
+    /// Accessor of places of joints in the list of the skin.
+    #[serde(rename = "JOINTS_0")]
+    pub joints: Option<usize>,
+    /// Accessor of how much each of them moves the corner.
+    #[serde(rename = "WEIGHTS_0")]
+    pub weights: Option<usize>,
 }
 
 /// Joints that carry a mesh.

@@ -11,6 +11,7 @@ use super::nodes::{self, FALLBACK_HZ, Scene, Span, Transform, rate_of_keys};
 use super::source::{MAX_JOINTS, SourceClip, content_error};
 use crate::error::ImportError;
 use crate::raw::SourceFormat;
+pub(crate) use accessor::base64;
 pub use accessor::{MAX_BYTES, Reader, beside};
 pub(crate) use document::split;
 pub use document::{

@@ -1,0 +1,134 @@
+//! A character that is drawn: its triangles, and the matrices that move them in a pose.
+
+use super::moved::Sized;
+use super::surface::Surface;
+use super::{HELP, Wearer};
+use crate::error::BuildError;
+use crate::import::ImportConfig;
+use crate::import::gltf;
+use crate::import::source::content_error;
+use glam::{Affine3A, Quat, Vec3};
+use std::path::Path;
+use throng_core::{Mat3x4, NUM_JOINTS, Skeleton};
+
+/// A character with its triangles, which wears one pose after another.
+pub struct Figure {
+    wearer: Wearer,
+    surface: Surface,
+    /// Nodes of the character, parents first.
+    nodes: Vec<Node>,
+    /// Place in `nodes` of what each frame of the surface hangs on, and the way to there from the mesh at rest.
+    frames: Vec<(usize, Affine3A)>,
+}
+
+/// A node of the character.
+struct Node {
+    parent: Option<usize>,
+    scale: Vec3,
+    rotation: Quat,
+    translation: Vec3,
+    /// Place of its rotation among the joints that move.
+    moved: Option<usize>,
+    /// True for the one that carries all that moves.
+    is_centre: bool,
+}
+
+impl Figure {
+    /// Reads a character as [`Wearer::open`] does, and its triangles.
+    ///
+    /// # Errors
+    /// As [`Wearer::open`], and for meshes that cannot be read.
+    pub fn open(path: &Path, config: &ImportConfig) -> Result<Self, BuildError> {
+        let wearer = Wearer::open(path, config)?;
+        let all = wearer.nodes();
+        let surface = Surface::read(&wearer, &all).map_err(|what| content_error(path, what, HELP))?;
+        let place = |n: usize| all.iter().position(|&m| m == n);
+        let moved = |n: usize| wearer.moved.iter().position(|m| wearer.rig.joints[m.joint] == n);
+        let mut nodes: Vec<Node> = all
+            .iter()
+            .map(|&n| {
+                let local = gltf::local(&wearer.document.nodes[n]);
+                Node {
+                    parent: None,
+                    scale: local.scale.as_vec3(),
+                    rotation: local.rotation.as_quat().normalize(),
+                    translation: local.translation.as_vec3(),
+                    moved: moved(n),
+                    is_centre: wearer.rig.joints[wearer.centre] == n,
+                }
+            })
+            .collect();
+        for (at, &n) in all.iter().enumerate() {
+            for child in wearer.document.nodes[n].children.iter().filter_map(|&c| place(c)) {
+                nodes[child].parent = Some(at);
+            }
+        }
+        let frames = surface.frames.iter().map(|(n, inverse)| Some((place(*n)?, Affine3A::from_mat4(*inverse))));
+        let frames = frames.collect::<Option<Vec<_>>>();
+        let frames = frames.ok_or_else(|| content_error(path, "a skin hangs on what is no joint", HELP))?;
+        Ok(Self { wearer, surface, nodes, frames })
+    }
+
+    /// Its triangles.
+    pub fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    /// Number of matrices of a pose.
+    pub fn num_frames(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// What wears the motion.
+    pub fn wearer(&self) -> &Wearer {
+        &self.wearer
+    }
+
+    /// The matrices of a pose: from the space of the mesh to that of the pose (m), one for each frame of the surface.
+    ///
+    /// - `own`: the skeleton whose pose it is; `pose`: its joints.
+    /// - `out`: (num_frames); what is beyond stays as it is.
+    pub fn wear(&self, own: &Skeleton, pose: &[(Vec3, Quat); NUM_JOINTS], out: &mut [Mat3x4]) {
+        let sized = Sized::new(&self.wearer, own);
+        let numbers = sized.numbers(&self.wearer, own, pose, None);
+        self.place(sized.scale as f32, Some(&numbers), out);
+    }
+
+    /// Where corners are in the pose of the file, as large as the file says (m, corners).
+    pub fn rest(&self) -> Vec<Vec3> {
+        let mut matrices = vec![Mat3x4::default(); self.frames.len()];
+        self.place(self.wearer.metres_per_unit as f32, None, &mut matrices);
+        let matrices: Vec<_> = matrices.iter().map(Mat3x4::to_mat4).collect();
+        let at = |c: &super::Corner| {
+            let of = |k: usize| matrices[usize::from(c.frames[k])].transform_point3(c.position) * c.weights[k];
+            (0..4).filter(|&k| c.weights[k] > 0.0).map(of).sum()
+        };
+        self.surface.corners.iter().map(at).collect()
+    }
+
+    fn place(&self, scale: f32, numbers: Option<&[f32]>, out: &mut [Mat3x4]) {
+        let all = Affine3A::from_scale(Vec3::splat(scale));
+        let mut placed: Vec<Affine3A> = Vec::with_capacity(self.nodes.len());
+        for node in &self.nodes {
+            let (mut rotation, mut translation) = (node.rotation, node.translation);
+            if let Some(numbers) = numbers {
+                if let Some(m) = node.moved {
+                    rotation = Quat::from_slice(&numbers[4 * m..4 * m + 4]);
+                }
+                if node.is_centre {
+                    translation = Vec3::from_slice(&numbers[4 * self.wearer.moved.len()..]);
+                }
+            }
+            let local = Affine3A::from_scale_rotation_translation(node.scale, rotation, translation);
+            placed.push(node.parent.map_or(all, |p| placed[p]) * local);
+        }
+        for (out, (node, inverse)) in out.iter_mut().zip(&self.frames) {
+            let m = placed[*node] * *inverse;
+            let row = |i: usize| {
+                let [x, y, z] = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis].map(|axis| axis[i]);
+                [x, y, z, m.translation[i]]
+            };
+            *out = Mat3x4 { rows: [row(0), row(1), row(2)] };
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! A character of the user's own, whose mesh everybody wears.
+
+use crate::render::WornMesh;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use throng_precompute::import::ImportConfig;
+use throng_precompute::onto::Figure;
+
+/// A character of the user's own.
+pub struct Outfit {
+    /// Its file.
+    pub path: PathBuf,
+    /// What wears poses.
+    pub figure: Figure,
+    /// What is drawn.
+    pub mesh: Arc<WornMesh>,
+}
+
+impl std::fmt::Debug for Outfit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Outfit").field("path", &self.path).field("mesh", &self.mesh).finish_non_exhaustive()
+    }
+}
+
+impl Outfit {
+    /// Reads a character with a skin: a `.glb` file, or a `.gltf` file with one buffer.
+    ///
+    /// # Errors
+    /// A message that names the file, what is wrong with it and the way out.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let figure = Figure::open(path, &ImportConfig::default()).map_err(|e| e.to_string())?;
+        let mesh = WornMesh::new(&figure).map_err(|e| format!("{}: {e}", path.display()))?;
+        Ok(Self { path: path.to_path_buf(), figure, mesh: Arc::new(mesh) })
+    }
+
+    /// Its file's name.
+    pub fn name(&self) -> String {
+        self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+}
+
+/// Reads a character on a thread of its own.
+#[derive(Debug)]
+pub struct Dressing {
+    path: PathBuf,
+    read: Receiver<Result<Outfit, String>>,
+}
+
+impl Dressing {
+    /// Starts to read. `wake` is called when it is done.
+    pub fn start(path: &Path, wake: impl FnOnce() + Send + 'static) -> Self {
+        let (send, read) = channel();
+        let own = path.to_path_buf();
+        std::thread::spawn(move || {
+            if send.send(Outfit::open(&own)).is_ok() {
+                wake();
+            }
+        });
+        Self { path: path.to_path_buf(), read }
+    }
+
+    /// What was read, as soon as it is there.
+    pub fn poll(&self) -> Option<Result<Outfit, String>> {
+        match self.read.try_recv() {
+            Ok(read) => Some(read),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => {
+                Some(Err(format!("{}: reading failed unexpectedly", self.path.display())))
+            }
+        }
+    }
+}

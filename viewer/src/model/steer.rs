@@ -1,0 +1,243 @@
+//! Somebody who is steered with keys: by a policy, in a blend space, or on motion patches.
+
+mod lag;
+
+use super::Model;
+use crate::command::{Held, SteerCommand, WorldCommand};
+use crate::document::Document;
+use crate::run::{Blending, Input, TargetMode};
+use glam::Vec3;
+pub use lag::Lags;
+use lag::Twin;
+use std::f32::consts::PI;
+use throng_runtime::blend::axis;
+use throng_runtime::planar::wrap_angle;
+use throng_runtime::world::inhabitants::Wish;
+use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
+
+/// The target of a policy stands so far ahead of who walks and of who runs (m).
+const AHEAD_M: [f32; 2] = [1.6, 4.5];
+/// On patches, and how far from there one may stop (m).
+const PATCH_AHEAD_M: [f32; 2] = [2.5, 5.0];
+const PATCH_WITHIN_M: f32 = 2.0;
+/// On patches a new place is asked for after so many frames.
+const PATCH_EVERY: u32 = 30;
+/// Targets that move by less stay (m).
+const SAME_M: f32 = 0.02;
+/// Speeds of who walks and of who runs, as far as a space has them (m/s), and how fast they turn (rad/s).
+const BLEND_MPS: [f32; 2] = [1.3, 3.5];
+const BLEND_TURN: f32 = 1.2;
+/// The camera comes behind with this half-life (s), from so far (m), and looks at this height (m).
+const BEHIND_HALF_LIFE_S: f32 = 0.5;
+const BEHIND_M: f32 = 4.5;
+const LOOK_AT_M: f32 = 1.1;
+const PITCH: f32 = 0.24;
+
+/// Somebody who is steered.
+#[derive(Clone, Debug, Default)]
+pub struct Steering {
+    /// What is held down.
+    pub held: Held,
+    /// Frames from keys to what is seen.
+    pub lags: Lags,
+    twin: Option<Twin>,
+    /// Frames since a place on patches was asked for.
+    waited: u32,
+}
+
+impl Model {
+    /// Somebody who is steered.
+    pub fn steering(&self) -> Option<&Steering> {
+        self.steering.as_ref()
+    }
+
+    /// Why nobody can be steered in what is shown; none where somebody can.
+    pub fn why_not_steered(&self) -> Option<&'static str> {
+        match &self.document {
+            _ if self.shows_clip() => Some("A clip is played as it is; show the crowd to steer somebody."),
+            Document::World(_) => None,
+            Document::Bundle(_) if self.shows_blend() || self.document.crowd().is_some() => None,
+            Document::Scene(_) => Some("In scenes groups are moved by the scene; open its bundle or a world to steer."),
+            _ => Some("Open a bundle with behaviours or a blend space, or a world, to steer somebody."),
+        }
+    }
+
+    /// Carries out what who steers asks for.
+    pub(super) fn apply_to_steering(&mut self, command: SteerCommand) {
+        match command {
+            SteerCommand::Toggle if self.steering.is_some() => self.steering = None,
+            SteerCommand::Toggle => self.take_over(),
+            SteerCommand::Hold(held) => self.hold(held),
+            SteerCommand::Strike => {
+                if let Err(why) = self.strike() {
+                    self.say(why);
+                }
+            }
+        }
+    }
+
+    fn take_over(&mut self) {
+        if let Some(why) = self.why_not_steered() {
+            return self.say(why);
+        }
+        if !self.shows_blend() && self.selection.character.is_none() {
+            self.selection.character = Some(0);
+        }
+        self.steering = Some(Steering::default());
+        self.settings.follow = true;
+        let heading = self.steered().map_or(0.0, |s| s.1);
+        let camera = &mut self.settings.camera;
+        (camera.distance, camera.pitch, camera.target.y) = (BEHIND_M, PITCH, LOOK_AT_M);
+        camera.yaw = wrap_angle(heading + PI);
+        if let Some(head) = self.head_mut() {
+            head.play(true);
+        }
+    }
+
+    /// Place and heading of who is steered (m, rad).
+    fn steered(&self) -> Option<(Vec3, f32)> {
+        let root = match &self.document {
+            Document::World(w) => *w.run().moment().roots.get(self.selection.character?)?,
+            Document::Bundle(b) if self.shows_blend() => *b.blend.as_ref()?.moment().roots.first()?,
+            document => {
+                let characters = document.crowd()?.1.characters();
+                characters.root(self.selection.character.filter(|&c| c < characters.num_characters())?)
+            }
+        };
+        Some((root.translation(), root.heading))
+    }
+
+    fn hold(&mut self, held: Held) {
+        let Some(before) = self.steering.as_ref().map(|s| s.held).filter(|h| *h != held) else { return };
+        let twin = match (&self.document, self.selection.character) {
+            (Document::Bundle(b), _) if self.shows_blend() => b.blend.as_ref().and_then(Twin::of_blend),
+            (Document::Bundle(b), Some(c)) => b.run.as_ref().ok().and_then(|run| Twin::of_crowd(run, c, before)),
+            _ => None,
+        };
+        if let Some(s) = &mut self.steering {
+            // What is being measured is measured to its end.
+            s.twin = s.twin.take().or(twin);
+            (s.held, s.waited) = (held, PATCH_EVERY);
+        }
+        if self.shows_blend() {
+            self.blend_as(held);
+        } else {
+            self.send(held);
+        }
+    }
+
+    /// Sends who is steered on its way, before the steps of a frame.
+    pub(super) fn steer(&mut self) {
+        let Some(held) = self.steering.as_ref().map(|s| s.held) else { return };
+        if self.steered().is_none() || self.why_not_steered().is_some() {
+            self.steering = None;
+        } else if held.moves() {
+            self.send(held);
+        }
+    }
+
+    /// Sends who is steered where keys lead, or lets it stay where it is where none is held down.
+    fn send(&mut self, held: Held) {
+        let Some((at, _)) = self.steered().filter(|_| !self.shows_blend()) else { return };
+        let (way, Some(character)) = (self.way(held).unwrap_or_default(), self.selection.character) else { return };
+        if let Document::World(_) = &self.document {
+            let Some(s) = &mut self.steering else { return };
+            s.waited += 1;
+            if s.waited >= PATCH_EVERY {
+                s.waited = 0;
+                let place = at + way * ahead(PATCH_AHEAD_M, held);
+                let wish = Some(Wish::GoNear { place, within_m: PATCH_WITHIN_M });
+                self.apply_to_world(WorldCommand::Tell { character, wish });
+            }
+        } else if let Some((_, run)) = self.document.crowd_mut() {
+            let to = at + way * ahead(AHEAD_M, held);
+            let character = (run.config().targets != TargetMode::Shared).then_some(character);
+            if run.targets()[character.unwrap_or(0)].distance(to) > SAME_M {
+                run.input(Input::Target { character, to });
+            }
+        }
+    }
+
+    /// The way that is held down, in the world. Unit.
+    fn way(&self, held: Held) -> Option<Vec3> {
+        let [right, _, back] = self.settings.camera.axes();
+        let ahead = -back.with_y(0.0).normalize_or_zero();
+        (ahead * held.ahead + right * held.aside).try_normalize()
+    }
+
+    /// Blends the walk that is held down: straight ahead and back by speed, aside by turning.
+    fn blend_as(&mut self, held: Held) {
+        let Some((bundle, run)) = self.document.blend() else { return };
+        let Ok(space) = bundle.blend(run.blending().space) else { return };
+        let mut wanted: Blending = *run.blending();
+        for (p, a) in wanted.point.iter_mut().zip(space.axes()) {
+            let asked = match a.kind {
+                axis::SPEED if held.moves() => {
+                    BLEND_MPS[usize::from(held.runs)] * if held.ahead < 0.0 { -1.0 } else { 1.0 }
+                }
+                axis::SPEED | axis::SIDE => 0.0,
+                axis::GYRATION => -BLEND_TURN * held.aside,
+                _ => continue,
+            };
+            *p = asked.clamp(a.low, a.high);
+        }
+        self.blend(wanted);
+    }
+
+    /// Lets who is steered play the blow that is nearest to its pose.
+    fn strike(&mut self) -> Result<(), String> {
+        let none = "No blow is there to strike with: build the bundle with `hits`, from clips with blows.";
+        let Some(character) = self.selection.character.filter(|_| self.steering.is_some()) else { return Ok(()) };
+        let Some((bundle, run)) = self.document.crowd_mut().filter(|c| !c.0.motion_set().hits().is_empty()) else {
+            return Err(none.into());
+        };
+        let (pose, rows) = (run.characters().pose(character), bundle.row_poses());
+        let apart = |segment: u32| {
+            let row = bundle.tables().graph().segments[segment as usize].start as usize;
+            let there = &rows[row * NUM_JOINTS..(row + 1) * NUM_JOINTS];
+            pose.iter().zip(there).map(|(a, b)| a.translation().distance_squared(b.translation())).sum::<f32>()
+        };
+        let all = 0..bundle.tables().graph().segments.len() as u32;
+        let blows = all.filter(|&s| !bundle.motion_set().hits_of(s).is_empty());
+        let segment = blows.min_by(|&a, &b| apart(a).total_cmp(&apart(b))).ok_or(none)?;
+        run.input(Input::Play { character, segment });
+        Ok(())
+    }
+
+    /// Measures, after the steps of a frame, and brings the camera behind.
+    pub(super) fn see_steered(&mut self, steps: u32, wall_s: f32) {
+        let Some(mut s) = self.steering.take() else { return };
+        if let Some(mut twin) = s.twin.take_if(|_| steps > 0)
+            && let Document::Bundle(b) = &self.document
+            && let Some(seen) = self.steered_pose()
+        {
+            let to = |held: Held, at: Vec3| self.way(held).map(|way| at + way * ahead(AHEAD_M, held));
+            if twin.compare(&b.bundle, steps, seen, to, &mut s.lags) {
+                s.twin = Some(twin);
+            }
+        }
+        if s.held.ahead >= 0.0
+            && s.held.moves()
+            && let Some((_, heading)) = self.steered()
+        {
+            let share = 1.0 - (-wall_s / BEHIND_HALF_LIFE_S).exp2();
+            let yaw = &mut self.settings.camera.yaw;
+            *yaw = wrap_angle(*yaw + wrap_angle(heading + PI - *yaw) * share);
+        }
+        self.steering = Some(s);
+    }
+
+    /// Root and joints of who is steered, of a crowd or a blend.
+    fn steered_pose(&self) -> Option<(Planar, &[Mat3x4])> {
+        if let Some((_, blend)) = self.document.blend().filter(|_| self.shows_blend()) {
+            let moment = blend.moment();
+            return Some((*moment.roots.first()?, moment.poses.get(..NUM_JOINTS)?));
+        }
+        let (characters, c) = (self.document.crowd()?.1.characters(), self.selection.character?);
+        Some((characters.root(c), characters.pose(c)))
+    }
+}
+
+fn ahead([walks, runs]: [f32; 2], held: Held) -> f32 {
+    if held.runs { runs } else { walks }
+}

@@ -1,0 +1,128 @@
+//! How soon a key is seen: beside who is steered goes a twin for whom the key was not pressed.
+
+use crate::bundle::OpenBundle;
+use crate::command::Held;
+use crate::run::{BlendRun, Fork, Run, TargetMode};
+use glam::Vec3;
+use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
+
+/// A change is seen where some joint is farther than this from where it would be (m).
+const SEEN_M: f32 = 0.02;
+/// A key whose effect is not seen within so many steps has none.
+const MOST_STEPS: u32 = 180;
+/// Runs of more characters are not copied for it.
+const MOST_CHARACTERS: usize = 2000;
+/// Measurements that are kept.
+const KEPT: usize = 200;
+
+/// Frames from keys to what is seen, the latest last.
+#[derive(Clone, Debug, Default)]
+pub struct Lags {
+    frames: Vec<u32>,
+    /// Keys without an effect.
+    unseen: u32,
+}
+
+impl Lags {
+    /// The last one (frames of 1/60 s).
+    pub fn last(&self) -> Option<u32> {
+        self.frames.last().copied()
+    }
+
+    /// Median, and 95th percentile (frames of 1/60 s).
+    pub fn median_and_p95(&self) -> Option<(u32, u32)> {
+        let mut sorted = self.frames.clone();
+        sorted.sort_unstable();
+        let at = |share: usize| sorted.get((sorted.len() * share / 100).min(sorted.len().saturating_sub(1))).copied();
+        Some((at(50)?, at(95)?))
+    }
+
+    /// Number of keys that were measured, and of those that nothing was seen of.
+    pub fn count(&self) -> (usize, u32) {
+        (self.frames.len(), self.unseen)
+    }
+
+    fn keep(&mut self, steps: Option<u32>) {
+        match steps {
+            // The first step that knows of a key is shown a frame after it was pressed.
+            Some(steps) => self.frames.push(steps),
+            None => self.unseen += 1,
+        }
+        if self.frames.len() > KEPT {
+            self.frames.remove(0);
+        }
+    }
+}
+
+/// A copy for whom a key was not pressed.
+#[derive(Clone, Debug)]
+pub(super) struct Twin {
+    who: Who,
+    steps: u32,
+}
+
+#[derive(Clone, Debug)]
+enum Who {
+    Crowd { fork: Box<Fork>, character: usize, is_shared: bool, held: Held },
+    Blend(Box<BlendRun>),
+}
+
+impl Twin {
+    /// - `held`: what the twin goes on holding down.
+    pub fn of_crowd(run: &Run, character: usize, held: Held) -> Option<Self> {
+        if run.config().characters > MOST_CHARACTERS {
+            return None;
+        }
+        let is_shared = run.config().targets == TargetMode::Shared;
+        Some(Self { who: Who::Crowd { fork: Box::new(run.fork()), character, is_shared, held }, steps: 0 })
+    }
+
+    pub fn of_blend(run: &BlendRun) -> Option<Self> {
+        Some(Self { who: Who::Blend(Box::new(run.clone())), steps: 0 })
+    }
+
+    /// Goes on by as many steps and compares; false where that is over.
+    ///
+    /// - `seen`: who is steered, and its joints; `way`: where somebody goes to who holds keys down at a place.
+    pub fn compare(
+        &mut self,
+        bundle: &OpenBundle,
+        steps: u32,
+        seen: (Planar, &[Mat3x4]),
+        way: impl Fn(Held, Vec3) -> Option<Vec3>,
+        lags: &mut Lags,
+    ) -> bool {
+        for _ in 0..steps {
+            let done = match &mut self.who {
+                Who::Crowd { fork, character, is_shared, held } => {
+                    if let Some(to) = way(*held, fork.characters().root(*character).translation()) {
+                        fork.send((!*is_shared).then_some(*character), to);
+                    }
+                    fork.step(bundle)
+                }
+                Who::Blend(run) => run.step(bundle),
+            };
+            if done.is_err() {
+                return false;
+            }
+            self.steps += 1;
+        }
+        let (root, pose) = match &self.who {
+            Who::Crowd { fork, character, .. } => {
+                (fork.characters().root(*character), fork.characters().pose(*character))
+            }
+            Who::Blend(run) => (run.moment().roots[0], &run.moment().poses[..NUM_JOINTS]),
+        };
+        let place = |root: Planar, m: &Mat3x4| root.rotation() * m.translation() + root.translation();
+        let apart = seen.1.iter().zip(pose).map(|(a, b)| place(seen.0, a).distance(place(root, b)));
+        if apart.fold(0.0, f32::max) > SEEN_M {
+            lags.keep(Some(self.steps));
+            return false;
+        }
+        if self.steps >= MOST_STEPS {
+            lags.keep(None);
+            return false;
+        }
+        true
+    }
+}

@@ -1,0 +1,44 @@
+//! Who is steered, and how soon keys are seen, in a line over the 3-D view.
+
+use crate::command::{Command, Held, SteerCommand};
+use crate::model::Model;
+use eframe::egui::{Context, FontId, Key, Modifiers, Rect, Ui, vec2};
+
+/// Takes the keys of who steers out of the input.
+pub fn keys(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
+    let Some(steering) = model.steering() else { return };
+    let held = ctx.input(|i| {
+        let axis = |more: Key, less: Key| f32::from(i8::from(i.key_down(more)) - i8::from(i.key_down(less)));
+        Held { ahead: axis(Key::W, Key::S), aside: axis(Key::D, Key::A), runs: i.modifiers.shift }
+    });
+    // Where no way is held down, it is all the same whether Shift is.
+    let held = if held.moves() { held } else { Held::default() };
+    if held != steering.held {
+        commands.push(Command::Steer(SteerCommand::Hold(held)));
+    }
+    for key in [Key::W, Key::A, Key::S, Key::D] {
+        ctx.input_mut(|i| [Modifiers::NONE, Modifiers::SHIFT].map(|m| i.consume_key(m, key)));
+    }
+    if ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::X)) {
+        commands.push(Command::Steer(SteerCommand::Strike));
+    }
+}
+
+/// Shows how somebody is steered, at the lower left.
+pub fn show(ui: &Ui, rect: Rect, model: &Model) {
+    let Some(steering) = model.steering() else { return };
+    let mut text = "Steering: W A S D, Shift runs, X strikes, G ends".to_owned();
+    if let (Some(last), Some((median, p95))) = (steering.lags.last(), steering.lags.median_and_p95()) {
+        let (count, unseen) = steering.lags.count();
+        text += &format!("\nfrom key to change: {last} frames, median {median}, 95 % {p95}, of {count} keys");
+        if unseen > 0 {
+            text += &format!("; {unseen} without effect");
+        }
+    }
+    let colour = ui.visuals().strong_text_color();
+    let galley = ui.painter().layout(text, FontId::proportional(13.0), colour, (rect.width() * 0.8).max(100.0));
+    let at = rect.left_bottom() + vec2(16.0, -galley.size().y - 14.0);
+    let back = Rect::from_min_size(at, galley.size()).expand(6.0);
+    ui.painter().rect_filled(back, 4.0, ui.visuals().extreme_bg_color.gamma_multiply(0.75));
+    ui.painter().galley(at, galley, colour);
+}

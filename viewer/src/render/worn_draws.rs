@@ -1,0 +1,208 @@
+//! Draws characters of the user's own.
+
+use super::RenderError;
+use super::buffer::GrowingBuffer;
+use super::characters::{GpuMesh, draw_levels};
+use super::mesh::LEVELS;
+use super::pipelines::{self, Input, Output, Recipe};
+use super::worn_mesh::{TEXTURE_PX, WornMesh};
+use std::ops::Range;
+use std::sync::Arc;
+use throng_runtime::Mat3x4;
+
+/// Somebody in clothes of the user's own.
+#[derive(Clone, Copy, Debug)]
+pub struct Worn<'a> {
+    /// The triangles.
+    pub mesh: &'a Arc<WornMesh>,
+    /// Matrices of all instances, in model space (instances * frames of the mesh).
+    pub matrices: &'a [Mat3x4],
+}
+
+/// Everything about such characters that lives on the GPU.
+pub(super) struct WornDraws {
+    layout: wgpu::BindGroupLayout,
+    texture_layout: wgpu::BindGroupLayout,
+    group: Option<wgpu::BindGroup>,
+    textures: Option<wgpu::BindGroup>,
+    matrices: GrowingBuffer,
+    meshes: [GpuMesh; LEVELS],
+    built: Option<Arc<WornMesh>>,
+    solid: wgpu::RenderPipeline,
+    ghost: wgpu::RenderPipeline,
+    shadows: [wgpu::RenderPipeline; 2],
+}
+
+impl WornDraws {
+    pub fn new(device: &wgpu::Device, scene_layout: &wgpu::BindGroupLayout) -> Self {
+        let storage = wgpu::BufferBindingType::Storage { read_only: true };
+        let layout = pipelines::buffer_layout(device, "worn characters", &[storage; 2]);
+        let texture_layout =
+            pipelines::texture_layout(device, "textures of characters", wgpu::TextureViewDimension::D2Array);
+        let pieces = [
+            include_str!("shaders/scene.wgsl"),
+            include_str!("shaders/instance.wgsl"),
+            include_str!("shaders/worn.wgsl"),
+        ];
+        let with = |label, last| pipelines::shader(device, label, &[pieces[0], pieces[1], pieces[2], last]);
+        let body = with("worn body", include_str!("shaders/worn_body.wgsl"));
+        let shadow = with("worn shadow", include_str!("shaders/shadow.wgsl"));
+        let build = |label, shader, stages, output| {
+            let both: &[&wgpu::BindGroupLayout] = &[scene_layout, &layout, &texture_layout];
+            let groups = if output == Output::Mask { &both[..2] } else { both };
+            // Clothes and hair are often made of single sheets.
+            Recipe { label, shader, stages, groups, input: Input::Worn, output, strip: false, hidden: None }
+                .build(device)
+        };
+        Self {
+            solid: build("worn bodies", &body, ["vertex", "fragment"], Output::SOLID),
+            ghost: build("worn ghosts", &body, ["vertex", "fragment"], Output::GHOST),
+            shadows: [
+                build("worn shadows", &shadow, ["sun_vertex", "sun_fragment"], Output::Mask),
+                build("worn contacts", &shadow, ["contact_vertex", "contact_fragment"], Output::Mask),
+            ],
+            layout,
+            texture_layout,
+            group: None,
+            textures: None,
+            matrices: GrowingBuffer::new(device, "matrices of worn characters", wgpu::BufferUsages::STORAGE),
+            meshes: std::array::from_fn(|_| GpuMesh::new(device)),
+            built: None,
+        }
+    }
+
+    /// Hands over matrices, and a mesh that was not there; returns the bytes moved.
+    ///
+    /// - `instances`: who is drawn; `are_new`: that buffer is another one than it was.
+    pub fn upload(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        worn: &Worn<'_>,
+        instances: &wgpu::Buffer,
+        are_new: bool,
+    ) -> Result<u64, RenderError> {
+        let mut bytes = size_of_val(worn.matrices);
+        if !self.built.as_ref().is_some_and(|b| Arc::ptr_eq(b, worn.mesh)) {
+            for (gpu, level) in self.meshes.iter_mut().zip(&worn.mesh.levels) {
+                gpu.write(device, queue, &level.vertices, &level.indices)?;
+                bytes += size_of_val(&*level.vertices) + size_of_val(&*level.indices);
+            }
+            self.textures = Some(self.upload_textures(device, queue, worn.mesh));
+            self.built = Some(Arc::clone(worn.mesh));
+        }
+        let moved = self.matrices.write(device, queue, worn.matrices)?;
+        if moved || are_new || self.group.is_none() {
+            let bind = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+            let [matrices, instances] = [self.matrices.get(), instances].map(wgpu::Buffer::as_entire_binding);
+            self.group = Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("worn characters"),
+                layout: &self.layout,
+                entries: &[bind(0, matrices), bind(1, instances)],
+            }));
+        }
+        Ok(bytes as u64)
+    }
+
+    fn upload_textures(&self, device: &wgpu::Device, queue: &wgpu::Queue, mesh: &WornMesh) -> wgpu::BindGroup {
+        let levels = TEXTURE_PX.ilog2() + 1;
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("textures of characters"),
+            size: wgpu::Extent3d {
+                width: TEXTURE_PX,
+                height: TEXTURE_PX,
+                depth_or_array_layers: mesh.layers.len() as u32,
+            },
+            mip_level_count: levels,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: pipelines::COLOUR,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        for (layer, pixels) in (0..).zip(&mesh.layers) {
+            let mut smaller = pixels.clone();
+            for mip_level in 0..levels {
+                let side = TEXTURE_PX >> mip_level;
+                if mip_level > 0 {
+                    smaller = image::imageops::thumbnail(&smaller, side, side);
+                }
+                queue.write_texture(
+                    wgpu::TexelCopyTextureInfo {
+                        texture: &texture,
+                        mip_level,
+                        origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
+                        aspect: wgpu::TextureAspect::All,
+                    },
+                    &smaller,
+                    wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * side), rows_per_image: None },
+                    wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
+                );
+            }
+        }
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        });
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("textures of characters"),
+            address_mode_u: wgpu::AddressMode::Repeat,
+            address_mode_v: wgpu::AddressMode::Repeat,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        });
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("textures of characters"),
+            layout: &self.texture_layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&sampler) },
+            ],
+        })
+    }
+
+    /// Draws opaque bodies; returns how many triangles.
+    pub fn draw_solid(&self, pass: &mut wgpu::RenderPass<'_>, numbers: &wgpu::Buffer, lists: &[Range<u32>]) -> u64 {
+        self.draw(pass, &self.solid, numbers, lists)
+    }
+
+    /// Draws ghosts; returns how many triangles.
+    pub fn draw_ghosts(&self, pass: &mut wgpu::RenderPass<'_>, numbers: &wgpu::Buffer, lists: &[Range<u32>]) -> u64 {
+        self.draw(pass, &self.ghost, numbers, lists)
+    }
+
+    /// Draws shadows into the mask; returns how many triangles.
+    ///
+    /// - `contacts`: levels at which it is seen where a body touches the ground.
+    pub fn draw_shadows(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        numbers: &wgpu::Buffer,
+        lists: &[Range<u32>],
+        contacts: usize,
+    ) -> u64 {
+        let [sun, contact] = &self.shadows;
+        self.draw(pass, sun, numbers, lists) + self.draw(pass, contact, numbers, &lists[..contacts])
+    }
+
+    fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pipeline: &wgpu::RenderPipeline,
+        numbers: &wgpu::Buffer,
+        lists: &[Range<u32>],
+    ) -> u64 {
+        let (Some(group), Some(textures)) = (&self.group, &self.textures) else { return 0 };
+        if lists.iter().all(Range::is_empty) {
+            return 0;
+        }
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(1, group, &[]);
+        if !self.shadows.contains(pipeline) {
+            pass.set_bind_group(2, textures, &[]);
+        }
+        draw_levels(pass, &self.meshes, numbers, lists)
+    }
+}

@@ -1,0 +1,41 @@
+//! A copy of a crowd that goes on by itself, beside the run that is shown.
+
+use super::Run;
+use super::simulation::{Input, Simulation};
+use crate::bundle::OpenBundle;
+use glam::Vec3;
+use throng_runtime::Result;
+use throng_runtime::characters::Characters;
+
+/// The characters at one step, which go on without what is done to the run.
+#[derive(Clone, Debug)]
+pub struct Fork(Simulation);
+
+impl Run {
+    /// A copy of the characters at the step shown.
+    pub fn fork(&self) -> Fork {
+        Fork(self.simulation.clone())
+    }
+}
+
+impl Fork {
+    /// The characters as they would be.
+    pub fn characters(&self) -> &Characters {
+        &self.0.characters
+    }
+
+    /// Moves the target of a character, or all targets (m).
+    pub fn send(&mut self, character: Option<usize>, to: Vec3) {
+        if let Some(Input::Target { character, to }) = (Input::Target { character, to }).limited() {
+            self.0.move_target(character, to);
+        }
+    }
+
+    /// One step forward.
+    ///
+    /// # Errors
+    /// [`throng_runtime::Error`] where a step cannot be taken.
+    pub fn step(&mut self, bundle: &OpenBundle) -> Result<()> {
+        self.0.step(bundle).map(|_| ())
+    }
+}
