@@ -18,8 +18,8 @@ for part in "${parts[@]}"; do
             continue
         fi
         export MIRIFLAGS="-Zmiri-disable-isolation -Zmiri-permissive-provenance" PROPTEST_CASES=2
-        for tests in ${MIRI_TESTS:-throng-base:snapshot throng-base:checksum throng-base:simd throng-core:format throng-core:policy throng-core:blend}; do
-            crate=${tests%%:*} filter=${tests##*:}
+        for tests in ${MIRI_TESTS:-throng-base:snapshot throng-base:checksum throng-base:simd throng-core:format:: throng-core:policy:: throng-core:blend::}; do
+            crate=${tests%%:*} filter=${tests#*:}
             log=$(timeout "${MIRI_SECONDS:-600}" cargo +nightly miri test -q -p "$crate" --lib -- "$filter" 2>&1)
             code=$?
             case $code in
