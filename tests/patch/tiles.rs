@@ -184,7 +184,7 @@ fn gliding_straight_on_is_refused_with_the_direction_that_is_missing() {
     let groups = groups_of(&clips, |_, f| (f % 10) as u32);
     let config = with_tile(TileConfig { rest_spots: 1, ..TileConfig::of("panel") });
     let error = built(&clips, &groups, &panel(), &config).unwrap_err().to_string();
-    let (lack, motion) = ("no entry can leave back across the same edge", "Add walks that turn round within 2");
+    let (lack, motion) = ("no entry can leave back across the same edge", "Add walks that turn round within 3.0 m");
     assert!(error.contains("`panel`") && error.contains(lack) && error.contains(motion), "{error}");
 }
 

@@ -30,7 +30,15 @@ pub struct Moving<'a> {
     pub elapsed_s: f32,
 }
 
+/// Nodes that one rod of held ground is about, at most.
+const HELD_NODES: usize = 6;
+
 impl Moving<'_> {
+    /// Most rods of ground that a path of so many nodes holds.
+    pub fn most_held(nodes: usize) -> usize {
+        nodes.div_ceil(HELD_NODES)
+    }
+
     /// Number of the node after which the path is at a time since it began.
     fn after(&self, time_s: f32) -> usize {
         self.nodes.partition_point(|n| n.time_s <= time_s).saturating_sub(1)
@@ -82,16 +90,15 @@ impl Moving<'_> {
 
     /// Adds the ground that it takes from now on: a few rods, each around some of its nodes.
     pub fn hold(&self, out: &mut Vec<Rod>) {
-        const NODES: usize = 6;
         let mut around: Option<(Rod, usize)> = None;
-        let mut places = [Vec2::ZERO; NODES];
+        let mut places = [Vec2::ZERO; HELD_NODES];
         for rod in self.rods() {
             let (whole, n) = around.get_or_insert((Rod { to: rod.from, ..rod }, 0));
             places[*n] = rod.to;
             *n += 1;
             whole.radius_m = whole.radius_m.max(rod.radius_m);
             whole.to = rod.to;
-            if *n == NODES {
+            if *n == HELD_NODES {
                 out.push(widened(*whole, &places[..*n]));
                 around = None;
             }

@@ -158,6 +158,11 @@ impl Characters {
         if let Some(avoiding) = self.avoiding.as_mut().filter(|a| a.is_stale) {
             avoiding.rebuild(&self.blocks, n, motion_set);
         }
+        if let Some(avoiding) = &self.avoiding {
+            // What is held before a step and after it, however long the ways become.
+            let most = 2 * n * Moving::most_held(avoiding.book.room());
+            out.ground.reserve(most.saturating_sub(out.ground.len()));
+        }
         for at in 0..n {
             let root = self.root(at);
             let mut body =
