@@ -28,6 +28,7 @@ const MOST_TRIES: usize = 12;
 
 /// How a character moves.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there are as many as characters, once")]
 pub enum Source<'a> {
     /// As a clip says.
     Clip(ActorClip),

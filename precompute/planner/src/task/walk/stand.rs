@@ -190,7 +190,7 @@ impl<'a> Wanted<'a> {
     fn around(&self, time_s: f64) -> Vec<(String, Shape, Rigid)> {
         let is_carried = |i: usize| matches!(self.stage.stretch(i, time_s), Whereabouts::On { .. });
         let things = self.stage.task.things.iter().enumerate();
-        let there = things.filter(|(i, t)| !(t.is_object && Some(*i) == self.step.object) && !is_carried(*i));
+        let there = things.filter(|(i, t)| !(is_carried(*i) || t.is_object && Some(*i) == self.step.object));
         let placed = there.flat_map(|(i, thing)| {
             let at = self.stage.place(i, time_s);
             thing.shapes.iter().map(move |s| (thing.name.clone(), s.clone(), at))
