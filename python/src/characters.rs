@@ -46,12 +46,12 @@ impl PyCharacters {
         let config = CharactersConfig { seed, avoid, instances, ..CharactersConfig::default() };
         let mut cast = PolicyCharacters::with_capacity(bundle, roots.len(), config).map_err(error::of)?;
         // In any order, though they stand close.
+        cast.gather();
         let enter = |r: &Vec3| {
             let id = cast.spawn(Spawn::standing(Planar::new(r.x, r.y, r.z)))?;
             cast.order(id, policy.aim(Vec3::new(r.x, 0.0, r.y)))?;
             Ok(id)
         };
-        cast.gather();
         let ids = roots.iter().map(enter).collect::<Result<_, _>>().map_err(error::of)?;
         cast.settle();
         Ok(Self { cast, ids })
