@@ -285,7 +285,7 @@ fn a_hanging_target_dragged_in_the_view_keeps_its_height_unless_alt_is_held() {
 /// Presses or lets go of a key, with or without Shift.
 fn press(v: &mut Viewing, key: Key, pressed: bool, modifiers: Modifiers) {
     v.harness.event(egui::Event::Key { key, physical_key: None, pressed, repeat: false, modifiers });
-    v.harness.step();
+    v.harness.run_steps(2);
 }
 
 #[test]

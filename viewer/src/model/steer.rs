@@ -3,7 +3,7 @@
 mod lag;
 
 use super::Model;
-use crate::command::{Held, SteerCommand, WorldCommand};
+use crate::command::{Held, SteerCommand};
 use crate::document::Document;
 use crate::run::{Blending, Input, TargetMode};
 use glam::Vec3;
@@ -19,7 +19,7 @@ use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
 const AHEAD_M: [f32; 2] = [1.6, 4.5];
 /// On patches, and how far from there one may stop (m).
 const PATCH_AHEAD_M: [f32; 2] = [2.5, 5.0];
-const PATCH_WITHIN_M: f32 = 2.0;
+const PATCH_WITHIN_M: f32 = 5.0;
 /// On patches a new place is asked for after so many frames.
 const PATCH_EVERY: u32 = 30;
 /// Targets that move by less stay (m).
@@ -140,14 +140,15 @@ impl Model {
     fn send(&mut self, held: Held) {
         let Some((at, _)) = self.steered().filter(|_| !self.shows_blend()) else { return };
         let (way, Some(character)) = (self.way(held).unwrap_or_default(), self.selection.character) else { return };
-        if let Document::World(_) = &self.document {
+        if let Document::World(world) = &mut self.document {
             let Some(s) = &mut self.steering else { return };
             s.waited += 1;
             if s.waited >= PATCH_EVERY {
                 s.waited = 0;
                 let place = at + way * ahead(PATCH_AHEAD_M, held);
                 let wish = Some(Wish::GoNear { place, within_m: PATCH_WITHIN_M });
-                self.apply_to_world(WorldCommand::Tell { character, wish });
+                // Where no place is near, at an edge of the world, it goes on as it did.
+                _ = world.tell(character, wish);
             }
         } else if let Some((_, run)) = self.document.crowd_mut() {
             let to = at + way * ahead(AHEAD_M, held);
