@@ -38,7 +38,12 @@ const NUMBERS: [(&[&str], Options); 9] = [
     (&["bench", "world", "BUNDLE"], &[]),
     (
         &["query", "action", "BUNDLE", "--state", "0", "--target", "1,1"],
-        &[("state", &limits::STATE), ("target", &limits::COORDINATE)],
+        &[
+            ("state", &limits::STATE),
+            ("target", &limits::COORDINATE),
+            ("height", &limits::COORDINATE),
+            ("time-left", &limits::SECONDS),
+        ],
     ),
     (
         &["query", "path", "BUNDLE", "--from", "1,1", "--to", "1,1"],

@@ -165,7 +165,7 @@ mod tests {
             if step == 3 {
                 now[Joint::Head.index()].y += 0.01;
             }
-            watch.look(Seen { joints: now, contacts: Contacts::LEFT, soles }, step == 3);
+            watch.look(Seen { joints: now, contacts: Contacts::LEFT_HEEL, soles }, step == 3);
         }
         let seen = watch.result();
         assert!((seen.slip_p95_mps - 0.3).abs() < 1e-3, "{seen:?}");
