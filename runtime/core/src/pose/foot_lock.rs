@@ -163,7 +163,8 @@ mod tests {
             let planted = ([0.0; LANES], [planted; LANES]);
             let new = update_correction(&leg, &config, dt_s, planted, &lock, ankle, toe, Array::splat(0.0));
             store(&mut lock.correction, new);
-            (store(&mut lock.ankle, ankle), store(&mut lock.toe, toe));
+            store(&mut lock.ankle, ankle);
+            store(&mut lock.toe, toe);
             (lock.heel_down, lock.toe_down) = planted;
             height + new.y.to_array()[3]
         };

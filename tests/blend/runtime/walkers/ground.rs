@@ -37,6 +37,9 @@ fn grounds() -> [(&'static str, HeightField); 6] {
     ]
 }
 
+/// One walker at one moment: its hips, the planted parts of its feet, and how far its knees are bent (rad).
+type Moment = (Vec3, [[Option<Vec3>; 2]; 2], [f32; 2]);
+
 /// Distances of planted parts from the ground (m), and their speeds (m/s), ascending.
 struct Seen {
     gaps: Vec<f32>,
@@ -58,7 +61,7 @@ fn walk(ground: &HeightField, course: Course, seconds: f32) -> Seen {
     let mut outing = Outing::new(&made_up, WalkersConfig::default(), WALKERS);
     outing.walkers.set_ground(ground.clone());
     let (mut gaps, mut speeds) = (Vec::new(), Vec::new());
-    let mut before: Vec<Option<(Vec3, [[Option<Vec3>; 2]; 2], [f32; 2])>> = vec![None; WALKERS];
+    let mut before: Vec<Option<Moment>> = vec![None; WALKERS];
     let (mut hips_mps, mut knee_rate, mut planted, mut steps) = (0.0f32, 0.0f32, 0, 0);
     while outing.time_s < seconds {
         outing.step(course);
