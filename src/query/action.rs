@@ -30,7 +30,7 @@ pub struct Args {
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = limits::number::<f32>(&limits::COORDINATE))]
     height: Option<f32>,
     /// Time left until the blow lands, in seconds, where the policy asks for one, as evading does.
-    #[arg(long, value_name = "S", value_parser = limits::number::<f32>(&limits::SECONDS))]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f32>(&limits::SECONDS))]
     time_left: Option<f32>,
     /// Print one JSON object.
     #[arg(long)]
