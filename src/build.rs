@@ -11,6 +11,7 @@ use throng_precompute::error::BuildError;
 use throng_precompute::examples::BlendReport;
 use throng_precompute::files;
 use throng_precompute::parts::Parts;
+use throng_precompute::patch::Freedom;
 use throng_precompute::pipeline;
 use throng_precompute::policy::{AdaptiveReport, Approximation};
 use throng_precompute::report::{self, BuildReport};
@@ -196,8 +197,19 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
         rows.push((
             "patch",
             format!(
-                "{}: {} frames in {} runs, {} cells, {} links ({} pruned for a direction, {} outside the component)",
-                p.name, p.frames, p.segments, p.cells, p.links, p.pruned_directions, p.pruned_component
+                "{}: {} frames in {} runs, {} cells, {} links ({} pruned for a direction, {} outside the component){}",
+                p.name,
+                p.frames,
+                p.segments,
+                p.cells,
+                p.links,
+                p.pruned_directions,
+                p.pruned_component,
+                match p.freedom {
+                    Freedom::EachTile => "",
+                    Freedom::FurtherTiles =>
+                        "; no entry leads to all sides and to rest within it, but all through further tiles",
+                }
             ),
         ));
     }

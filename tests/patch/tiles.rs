@@ -11,7 +11,9 @@ use throng_precompute::clip::{Exclusion, ExclusionReason};
 use throng_precompute::cluster::{self, ClusterConfig, PoseGroups};
 use throng_precompute::environment::{Environment, PlacedUnit, TileEdges, Unit, UnitSet};
 use throng_precompute::features::{self, FeaturesConfig};
-use throng_precompute::patch::{self, Patch, PatchConfig, Patches, Setting, TileCell, TileConfig, TileGraph, prune};
+use throng_precompute::patch::{
+    self, Freedom, Patch, PatchConfig, Patches, Setting, TileCell, TileConfig, TileGraph, prune,
+};
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::{self, ResampleConfig};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
@@ -116,7 +118,10 @@ fn links_begin_and_end_exactly_in_their_cells_and_are_edited_within_the_limits()
 
 #[test]
 fn tiles_of_three_by_three_on_a_torus_are_strongly_connected() {
-    let tile = &TILE.patches[0];
+    check_torus(&TILE.patches[0]);
+}
+
+fn check_torus(tile: &Patch) {
     let n = tile.cells.len();
     let node = |x: i32, z: i32, cell: u32| {
         let c = &tile.cells[cell as usize];
@@ -158,13 +163,11 @@ fn the_same_motion_makes_the_same_tile_whatever_the_threads() {
     assert!(again == *TILE);
 }
 
-#[test]
-fn walking_that_never_stops_is_refused() {
+/// The walk, but for the frames that somebody does not want.
+fn walk_without(unwanted: impl Fn(&throng_precompute::clip::Clip, usize) -> bool) -> (ClipSet, PoseGroups) {
     let mut clips = WALK.0.clone();
     for clip in &mut clips.clips {
-        let speed = |f: usize| (clip.planar(f).x - clip.planar(f - 1).x).hypot(clip.planar(f).z - clip.planar(f - 1).z);
-        let slow = |f: &usize| speed((*f).max(1)) * 30.0 < 0.2;
-        let ranges = (0..clip.num_frames()).filter(slow).map(|f| f..f + 1);
+        let ranges = (0..clip.num_frames()).filter(|&f| unwanted(clip, f)).map(|f| f..f + 1);
         clip.excluded = ranges.map(|range| Exclusion { range, reason: ExclusionReason::Sidecar }).collect();
     }
     let starts = clips.frame_starts();
@@ -174,6 +177,57 @@ fn walking_that_never_stops_is_refused() {
             groups.groups[starts[c] as usize + f] = NO_GROUP;
         }
     }
+    (clips, groups)
+}
+
+/// Planar speed of the root (m/s).
+fn speed(clip: &throng_precompute::clip::Clip, f: usize) -> f32 {
+    let (a, b) = (clip.planar(f.max(1) - 1), clip.planar(f.max(1)));
+    (b.x - a.x).hypot(b.z - a.z) * 30.0
+}
+
+#[test]
+fn walking_that_turns_to_one_side_only_leads_everywhere_through_further_tiles() {
+    // Nobody turns left but on the spot.
+    let turns = |clip: &throng_precompute::clip::Clip, f: usize| {
+        speed(clip, f) > 0.5
+            && f + 15 < clip.num_frames()
+            && wrap_angle(clip.planar(f + 15).heading - clip.planar(f).heading) > 0.35
+    };
+    let (clips, groups) = walk_without(turns);
+    let patches = built(&clips, &groups, &panel(), &with_tile(TileConfig::of("panel"))).unwrap();
+    assert_eq!(patches.report[0].freedom, Freedom::FurtherTiles);
+    let tile = &patches.patches[0];
+    check_torus(tile);
+    for edge in 0..4 {
+        assert!(tile.cells.iter().any(|c| c.is(CellRecord::IS_ENTRY) && c.edge == edge), "{edge}");
+    }
+    assert!(tile.cells.iter().any(|c| c.is(CellRecord::IS_REST)));
+    assert_eq!(TILE.report[0].freedom, Freedom::EachTile);
+}
+
+#[test]
+fn nobody_sits_where_there_is_no_seat() {
+    let (mut clips, groups) = WALK.clone();
+    let starts = clips.frame_starts();
+    let mut seats = BTreeSet::new();
+    for (c, clip) in clips.clips.iter_mut().enumerate().filter(|(c, _)| c % 2 == 0) {
+        for f in (0..clip.num_frames()).filter(|&f| speed(clip, f) < 0.05).collect::<Vec<_>>() {
+            clip.root_positions[f].y *= 0.5;
+            seats.insert(starts[c] + f as u32);
+        }
+    }
+    let patches = built(&clips, &groups, &panel(), &with_tile(TileConfig::of("panel"))).unwrap();
+    assert!(seats.len() > 1000 && !patches.patches[0].links.is_empty());
+    // Those who move while they are low, and so do not sit, may be part of a way.
+    let seated = |l: &LinkRecord| seats.range(l.frame..l.frame + u32::from(l.num_frames)).count();
+    let longest = patches.patches[0].links.iter().map(seated).max();
+    assert!(longest < Some(10), "{longest:?}");
+}
+
+#[test]
+fn walking_that_never_stops_is_refused() {
+    let (clips, groups) = walk_without(|clip, f| speed(clip, f) < 0.2);
     let error = built(&clips, &groups, &panel(), &with_tile(TileConfig::of("panel"))).unwrap_err().to_string();
     assert!(error.contains("`panel`") && error.contains("no walking that stops"), "{error}");
 }
@@ -294,12 +348,13 @@ fn random_graph(seed: u64, density: f64) -> TileGraph {
 }
 
 /// Links that are left, by trying everything again after every single change.
-fn naive_prune(g: &TileGraph) -> Vec<bool> {
+fn naive_prune(g: &TileGraph, freedom: Freedom) -> Vec<bool> {
     let node = |c: u32| if let TileCell::Exit(_, twin) = g.cells[c as usize] { twin } else { c };
     let mut left = vec![true; g.links.len()];
     loop {
         let before = left.clone();
-        while let Some(stuck) = (0..g.cells.len() as u32).find(|&i| is_stuck(g, &left, i)) {
+        let strict = freedom == Freedom::EachTile;
+        while let Some(stuck) = (0..g.cells.len() as u32).find(|&i| strict && is_stuck(g, &left, i)) {
             for (l, &(from, to)) in g.links.iter().enumerate() {
                 left[l] &= from != stuck && node(to) != stuck;
             }
@@ -315,9 +370,10 @@ fn naive_prune(g: &TileGraph) -> Vec<bool> {
             let mut best: Vec<usize> = Vec::new();
             for i in 0..g.cells.len() {
                 let c = component(i);
-                let enters = |&n: &usize| matches!(g.cells[n], TileCell::Entry(e) if edges_together.contains(&e));
+                let has = |cell: TileCell| c.iter().any(|&n| g.cells[n] == cell);
+                let whole = edges_together.iter().all(|&e| has(TileCell::Entry(e)));
                 let lives = edges.iter().any(|(a, b)| c.contains(a) && c.contains(b));
-                if lives && c.iter().any(enters) && c.len() > best.len() {
+                if lives && whole && (!g.must_rest || has(TileCell::Rest)) && c.len() > best.len() {
                     best = c;
                 }
             }
@@ -348,10 +404,11 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
-    fn pruning_ends_where_trying_everything_ends(seed in any::<u64>(), density in 0.15f64..0.9) {
+    fn pruning_ends_where_trying_everything_ends(seed in any::<u64>(), density in 0.1f64..0.9, strict in any::<bool>()) {
         let graph = random_graph(seed, density);
-        let pruned = prune(&graph);
-        prop_assert_eq!(&pruned.links, &naive_prune(&graph));
+        let freedom = if strict { Freedom::EachTile } else { Freedom::FurtherTiles };
+        let pruned = prune(&graph, freedom);
+        prop_assert_eq!(&pruned.links, &naive_prune(&graph, freedom));
         let gone = pruned.links.iter().filter(|l| !**l).count();
         prop_assert_eq!(pruned.directions + pruned.component, gone);
         for (l, &(a, b)) in graph.links.iter().enumerate().filter(|(l, _)| pruned.links[*l]) {

@@ -75,7 +75,7 @@ pub struct TileConfig {
     /// Angle between headings of entries (deg).
     #[serde(default = "heading_step")]
     pub heading_step_deg: f64,
-    /// Pose groups at edges: the commonest ones (>= 1).
+    /// Pose groups at edges: the commonest ones (>= 1); up to four times as many where these make no tile.
     #[serde(default = "edge_groups")]
     pub edge_groups: usize,
     /// Headings at rest within the tile, evenly around (>= 0).
@@ -84,7 +84,7 @@ pub struct TileConfig {
     /// Places of rest along each side of a square about the tile's centre (>= 1).
     #[serde(default = "rest_spots")]
     pub rest_spots: usize,
-    /// Pose groups at rest: the commonest ones (>= 1).
+    /// Pose groups at rest: the commonest ones (>= 1); more with those at edges.
     #[serde(default = "rest_groups")]
     pub rest_groups: usize,
     /// How far the end of a motion may be moved, a metre travelled (m/m).

@@ -10,7 +10,7 @@ mod track;
 pub use block::spans;
 pub use config::{PatchConfig, SourceEnvironment, TileConfig};
 pub use scenes::{SourceScenes, embed, scenes};
-pub use tile::{Pruned, TileCell, TileGraph, prune};
+pub use tile::{Freedom, Pruned, TileCell, TileGraph, prune};
 
 use crate::cluster::PoseGroups;
 use crate::environment::{Environment, Unit, UnitSet};
@@ -67,6 +67,9 @@ pub struct PatchReport {
     pub cells: usize,
     /// Links that are left.
     pub links: usize,
+    /// How freely a tile's characters turn.
+    #[serde(default)]
+    pub freedom: Freedom,
     /// Links taken out because an entry could not be left in every direction (Lee, Choi and Lee 2006, section 6, first condition).
     pub pruned_directions: usize,
     /// Links taken out because they were outside the largest strongly connected component of the torus (second one).

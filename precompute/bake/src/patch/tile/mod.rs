@@ -11,7 +11,7 @@ mod source;
 mod turn;
 mod vocabulary;
 
-pub use prune::{Pruned, TileCell, TileGraph, prune};
+pub use prune::{Freedom, Pruned, TileCell, TileGraph, prune};
 
 use super::bounds::Bounds;
 use super::track::Track;
@@ -30,6 +30,9 @@ use vocabulary::Vocabulary;
 /// Shortest link of a tile with two edges. A piece of a slide takes less time than links last elsewhere, and is too short
 /// for more than one link (frames).
 const RISING_FRAMES: usize = 5;
+
+/// How many times the poses that the config asks for are tried, one after the other.
+const MORE_POSES: [usize; 3] = [1, 2, 4];
 
 /// What all tiles of a build share.
 pub(super) struct Given<'a> {
@@ -55,20 +58,36 @@ pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchR
     let source = source_of(given, unit, config)?;
     let region = Region::new(edges, config.margin_m as f32);
     let num_edges = 2 * edges.steps.len();
-    let words = if is_ground(unit) {
-        Vocabulary::of_ground(&source, num_edges, config)
-    } else {
-        Vocabulary::of_rising(&source, &region, edges, config)
-    };
-    let layout = lay_out(unit, edges, &region, &words, config);
     let min_frames = if is_ground(unit) { given.min_frames } else { RISING_FRAMES.min(given.min_frames) };
-    let links = all_links(&Search::new(&source, &layout, &region, config, min_frames));
-    let graph = graph_of(unit, &layout, &links);
-    let pruned = prune(&graph);
-    if !pruned.links.contains(&true) {
-        return Err(refusal::nothing_left(unit, &source, &region, &graph));
+    let with_poses = |times: usize| {
+        let words = if is_ground(unit) {
+            Vocabulary::of_ground(&source, num_edges, config, times)
+        } else {
+            Vocabulary::of_rising(&source, &region, edges, config)
+        };
+        let layout = lay_out(unit, edges, &region, &words, config);
+        let links = all_links(&Search::new(&source, &layout, &region, config, min_frames));
+        let graph = graph_of(unit, &layout, &links);
+        (layout, links, graph)
+    };
+    // Few poses make a small tile; motion that is not all of one kind needs more of them.
+    let mut tried = Vec::new();
+    for times in if is_ground(unit) { &MORE_POSES[..] } else { &MORE_POSES[..1] } {
+        tried.push(with_poses(*times));
+        let (layout, links, graph) = &tried[tried.len() - 1];
+        let pruned = prune(graph, Freedom::EachTile);
+        if pruned.links.contains(&true) {
+            return Ok(finish(given, unit, edges, layout, links, &pruned));
+        }
     }
-    Ok(finish(given, unit, edges, &layout, &links, &pruned))
+    for (layout, links, graph) in &tried {
+        let pruned = prune(graph, Freedom::FurtherTiles);
+        if pruned.links.contains(&true) {
+            let (patch, report) = finish(given, unit, edges, layout, links, &pruned);
+            return Ok((patch, PatchReport { freedom: Freedom::FurtherTiles, ..report }));
+        }
+    }
+    Err(refusal::nothing_left(unit, &source, &region, &tried[tried.len() - 1].2))
 }
 
 /// The clips of a tile, and the copies of a rising one that they were captured on.
@@ -187,6 +206,7 @@ fn finish(
         cells: cells.len(),
         links: links.len(),
         pruned_directions: pruned.directions,
+        freedom: Freedom::default(),
         pruned_component: pruned.component,
     };
     let edge = |e: usize| {

@@ -2,6 +2,7 @@
 
 use petgraph::algo::tarjan_scc;
 use petgraph::graph::{DiGraph, NodeIndex};
+use serde::{Deserialize, Serialize};
 use throng_core::patch::NONE;
 
 /// Where links of a tile begin and end, as far as pruning cares.
@@ -13,6 +14,17 @@ pub enum TileCell {
     Exit(u32, u32),
     /// A character rests within.
     Rest,
+}
+
+/// What each entry of a tile has to offer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Freedom {
+    /// Each entry leads across every edge, and to rest, within the tile.
+    #[default]
+    EachTile,
+    /// Each entry leads on, and through further tiles across every edge and to rest.
+    FurtherTiles,
 }
 
 /// A tile's graph.
@@ -47,15 +59,16 @@ pub struct Pruned {
 /// Takes out cells and links until both conditions hold.
 ///
 /// 1. Every entry can leave across each of its ways out, and reach rest where that is wanted; one that cannot goes,
-///    with the exit that leads to it.
+///    with the exit that leads to it. [`Freedom::FurtherTiles`] asks for this not.
 /// 2. On the torus that the tile makes with itself, what is left of each set of edges is the largest strongly connected
-///    component with an entry across them.
+///    component with entries across all of them and, where that is wanted, with rest. So all that the first condition
+///    asks for within a tile can be reached through further ones.
 ///
 /// Both are enforced alternately until nothing changes; nothing may be left then.
 ///
 /// # Source
-/// Lee, Choi and Lee 2006, section 6. Differs: rest within reach is a condition too.
-pub fn prune(graph: &TileGraph) -> Pruned {
+/// Lee, Choi and Lee 2006, section 6. Differs: rest within reach is a condition too, and the first condition can be left out.
+pub fn prune(graph: &TileGraph, freedom: Freedom) -> Pruned {
     let mut left = Pruned {
         cells: vec![true; graph.cells.len()],
         links: vec![true; graph.links.len()],
@@ -64,7 +77,9 @@ pub fn prune(graph: &TileGraph) -> Pruned {
     };
     loop {
         let before = left.links.iter().filter(|&&l| l).count();
-        drop_stuck_entries(graph, &mut left);
+        if freedom == Freedom::EachTile {
+            drop_stuck_entries(graph, &mut left);
+        }
         let after_first = left.links.iter().filter(|&&l| l).count();
         let changed = keep_components(graph, &mut left);
         let after = left.links.iter().filter(|&&l| l).count();
@@ -170,12 +185,16 @@ fn keep_components(graph: &TileGraph, left: &mut Pruned) -> bool {
     before != *left
 }
 
-/// For each set of edges the component with the most cells that has an entry across them and a link.
+/// For each set of edges the component with the most cells that has an entry across each of them, and rest where that is wanted.
 fn largest(graph: &TileGraph, components: &[Vec<NodeIndex>], links_within: &[usize]) -> Vec<usize> {
     let mut kept = Vec::new();
     for edges in &graph.together {
-        let enters = |n: &NodeIndex| matches!(graph.cells[n.index()], TileCell::Entry(e) if edges.contains(&e));
-        let fits = |c: &usize| links_within[*c] > 0 && components[*c].iter().any(enters);
+        let has = |c: usize, cell: TileCell| components[c].iter().any(|n| graph.cells[n.index()] == cell);
+        let fits = |c: &usize| {
+            links_within[*c] > 0
+                && edges.iter().all(|&e| has(*c, TileCell::Entry(e)))
+                && (!graph.must_rest || has(*c, TileCell::Rest))
+        };
         // Of equally large ones, the one with the first cell.
         let rank = |&c: &usize| (components[c].len(), std::cmp::Reverse(components[c].iter().min().copied()));
         kept.extend((0..components.len()).filter(fits).max_by_key(rank));

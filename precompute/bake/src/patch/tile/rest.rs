@@ -55,7 +55,7 @@ fn follow(search: &Search, groups: &[u32], clip: usize, start: usize, found: &mu
     if !track.stands(start) {
         return;
     }
-    for end in start + 1..track.run_end[start].min(start + MAX_FRAMES + 1) {
+    for end in start + 1..search.source.run_end(clip, start).min(start + MAX_FRAMES + 1) {
         let moved = track.places[start].to_local(track.places[end]);
         if moved.x.hypot(moved.z) > SWAY_M {
             return;
@@ -79,7 +79,7 @@ fn behaviours(search: &Search, groups: &[u32], clip: usize, found: &mut BTreeMap
             let moved = track.places[first].to_local(track.places[*f]);
             moved.x.hypot(moved.z) <= RETURN.0 && wrap_angle(moved.heading).abs() <= RETURN.1
         };
-        let last = range.clone().rev().find(|f| rests(f) && near(f) && *f < track.run_end[first]);
+        let last = range.clone().rev().find(|f| rests(f) && near(f) && *f < search.source.run_end(clip, first));
         let Some(last) = last.filter(|&l| l >= first + search.min_frames.max(range.len() / 2)) else { continue };
         if last - first <= usize::from(u16::MAX) {
             offer(search, clip, &(first..last), RETURN, found);

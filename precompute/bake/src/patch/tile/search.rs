@@ -110,7 +110,7 @@ impl<'a> Search<'a> {
     fn follow(&self, from: u32, start: &Start, best: &mut Best) {
         let track = &self.source.tracks[start.clip];
         let last = (start.frame + (MAX_SECONDS * self.source.rate_hz) as usize)
-            .min(track.run_end[start.frame].saturating_sub(1));
+            .min(self.source.run_end(start.clip, start.frame).saturating_sub(1));
         for end in start.frame + 1..=last {
             let place = start.base.compose(track.places[end]);
             let travelled = track.travelled[end] - track.travelled[start.frame];

@@ -5,6 +5,9 @@ use std::collections::BTreeMap;
 use throng_core::patch::Placement;
 use throng_motion::clip::{ClipSet, FrameRange};
 
+/// Hips below this share of their usual height are those of somebody who sits or lies.
+const SEATED: f32 = 0.85;
+
 /// The motion that a tile is made from.
 pub(in crate::patch) struct Source<'a> {
     /// Tracks of all clips.
@@ -16,6 +19,8 @@ pub(in crate::patch) struct Source<'a> {
     pub copies: Vec<(usize, Placement)>,
     /// Frames a second (Hz).
     pub rate_hz: f32,
+    /// For each clip and frame the end of the run of usable frames that it is in; 0 outside.
+    run_end: Vec<Vec<usize>>,
     by_group: BTreeMap<u32, Vec<(usize, usize)>>,
     tag_ranges: Vec<Vec<FrameRange>>,
 }
@@ -23,9 +28,13 @@ pub(in crate::patch) struct Source<'a> {
 impl<'a> Source<'a> {
     /// The motion of some clips, on copies of a tile.
     pub fn new(set: &ClipSet, tracks: &'a [Track], clips: Vec<usize>, copies: Vec<(usize, Placement)>) -> Self {
+        let mut run_end: Vec<Vec<usize>> = tracks.iter().map(|t| t.run_end.clone()).collect();
+        if copies.is_empty() {
+            leave_out_seats(set, tracks, &clips, &mut run_end);
+        }
         let mut by_group = BTreeMap::<u32, Vec<(usize, usize)>>::new();
         for &c in &clips {
-            for (f, &group) in tracks[c].groups.iter().enumerate().filter(|(f, _)| tracks[c].run_end[*f] > 0) {
+            for (f, &group) in tracks[c].groups.iter().enumerate().filter(|(f, _)| run_end[c][*f] > 0) {
                 by_group.entry(group).or_default().push((c, f));
             }
         }
@@ -35,7 +44,12 @@ impl<'a> Source<'a> {
         };
         let rate_hz = clips.first().map_or(30.0, |&c| set.clips[c].rate_hz as f32);
         let tag_ranges = set.clips.iter().map(ranges).collect();
-        Self { tracks, clips, copies, rate_hz, by_group, tag_ranges }
+        Self { tracks, clips, copies, rate_hz, run_end, by_group, tag_ranges }
+    }
+
+    /// End of the run of usable frames that a frame is in; 0 outside.
+    pub fn run_end(&self, clip: usize, frame: usize) -> usize {
+        self.run_end[clip][frame]
     }
 
     /// All usable frames of a pose group: clip and frame, in order.
@@ -57,5 +71,31 @@ impl<'a> Source<'a> {
     pub fn minutes(&self) -> f32 {
         let frames: usize = self.clips.iter().map(|&c| self.tracks[c].places.len()).sum();
         frames as f32 / self.rate_hz / 60.0
+    }
+}
+
+/// Takes frames out of runs in which somebody stays on a seat that is not there: low, and still.
+fn leave_out_seats(set: &ClipSet, tracks: &[Track], clips: &[usize], run_end: &mut [Vec<usize>]) {
+    let height = |c: usize, f: usize| set.clips[c].root_positions[f].y - tracks[c].support[f];
+    let mut all: Vec<f32> =
+        clips.iter().flat_map(|&c| (0..run_end[c].len()).map(move |f| (c, f))).map(|(c, f)| height(c, f)).collect();
+    if all.is_empty() {
+        return;
+    }
+    let middle = all.len() / 2;
+    let usual = *all.select_nth_unstable_by(middle, f32::total_cmp).1;
+    for &c in clips {
+        let mut end = 0;
+        for f in (0..run_end[c].len()).rev() {
+            let run = run_end[c][f];
+            end = match (run, f + 1 == run) {
+                (0, _) => 0,
+                _ if tracks[c].stands(f) && height(c, f) < SEATED * usual => 0,
+                (_, true) => run,
+                _ if end == 0 => f + 1,
+                _ => end,
+            };
+            run_end[c][f] = end;
+        }
     }
 }

@@ -35,7 +35,9 @@ impl Vocabulary {
     /// Poses of level ground: what is commonest in walking, at every edge, and what is commonest in standing.
     ///
     /// Groups count by the strides and stops that pass through them, not by frames: a link needs a pass.
-    pub fn of_ground(source: &Source, num_edges: usize, config: &TileConfig) -> Self {
+    ///
+    /// - `times`: as many times the groups that the config asks for.
+    pub fn of_ground(source: &Source, num_edges: usize, config: &TileConfig, times: usize) -> Self {
         let (mut walking, mut standing) = (BTreeMap::<u32, usize>::new(), BTreeMap::<u32, usize>::new());
         for &c in &source.clips {
             let track = &source.tracks[c];
@@ -49,15 +51,18 @@ impl Vocabulary {
                 before = group;
             }
             for stop in &track.standing {
-                let passed: BTreeSet<u32> = stop.clone().map(|f| track.groups[f]).collect();
+                let usable = stop.clone().filter(|&f| source.run_end(c, f) > 0);
+                let passed: BTreeSet<u32> = usable.map(|f| track.groups[f]).collect();
                 for group in passed {
                     *standing.entry(group).or_default() += 1;
                 }
             }
         }
-        let words: Vec<Word> =
-            commonest(walking, config.edge_groups).into_iter().map(|group| Word { group, level: 0.0 }).collect();
-        Self { edge: vec![words; num_edges], rest: commonest(standing, config.rest_groups) }
+        let words: Vec<Word> = commonest(walking, times * config.edge_groups)
+            .into_iter()
+            .map(|group| Word { group, level: 0.0 })
+            .collect();
+        Self { edge: vec![words; num_edges], rest: commonest(standing, times * config.rest_groups) }
     }
 
     /// Poses in which captured copies of a rising tile were crossed: for each edge what is common where it is entered
