@@ -3,6 +3,7 @@
 use crate::{Error, Result};
 use std::cell::Cell;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::Instant;
 
 /// What one of several processes, a rank, has of the others: messages, whatever carries them.
 ///
@@ -30,8 +31,8 @@ pub trait Comm {
         self.exchange(vec![message.to_vec(); self.num_ranks()])
     }
 
-    /// Bytes of messages that this rank has sent to others so far.
-    fn bytes_moved(&self) -> u64;
+    /// What this rank has sent to others so far, and how long it waited for them.
+    fn traffic(&self) -> Traffic;
 
     /// The numbers of all ranks, in their order.
     ///
@@ -84,6 +85,15 @@ pub trait Comm {
     }
 }
 
+/// What a rank has sent, and how long it waited.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Traffic {
+    /// Bytes of messages to others; what a rank sends to itself is not moved.
+    pub bytes_moved: u64,
+    /// Time in calls of [`Comm`], of which moving messages is a part (s).
+    pub waited_s: f64,
+}
+
 /// See [`Comm::share`].
 pub fn share(count: usize, rank: usize, num_ranks: usize) -> std::ops::Range<usize> {
     let begin = |rank: usize| (count as u128 * rank as u128 / num_ranks as u128) as usize;
@@ -104,14 +114,14 @@ pub struct LocalComm {
     rank: usize,
     to: Vec<Sender<Vec<u8>>>,
     from: Vec<Receiver<Vec<u8>>>,
-    bytes_moved: Cell<u64>,
+    traffic: Cell<Traffic>,
 }
 
 impl LocalComm {
     /// The ends of so many ranks (> 0), in their order.
     pub fn all(num_ranks: usize) -> Vec<Self> {
         let mut ends: Vec<Self> = (0..num_ranks)
-            .map(|rank| Self { rank, to: Vec::new(), from: Vec::new(), bytes_moved: Cell::new(0) })
+            .map(|rank| Self { rank, to: Vec::new(), from: Vec::new(), traffic: Cell::default() })
             .collect();
         for sender in 0..num_ranks {
             for receiver in 0..num_ranks {
@@ -150,18 +160,44 @@ impl Comm for LocalComm {
     }
 
     fn exchange(&self, messages: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
+        let (begin, mut traffic) = (Instant::now(), self.traffic.get());
         let gone = |rank| Error::Rank { rank, why: "has ended".into() };
         for (rank, message) in messages.into_iter().enumerate() {
             if rank != self.rank {
-                self.bytes_moved.set(self.bytes_moved.get() + message.len() as u64);
+                traffic.bytes_moved += message.len() as u64;
             }
             self.to[rank].send(message).map_err(|_| gone(rank))?;
         }
-        self.from.iter().enumerate().map(|(rank, from)| from.recv().map_err(|_| gone(rank))).collect()
+        let got = self.from.iter().enumerate().map(|(rank, from)| from.recv().map_err(|_| gone(rank))).collect();
+        traffic.waited_s += begin.elapsed().as_secs_f64();
+        self.traffic.set(traffic);
+        got
     }
 
-    fn bytes_moved(&self) -> u64 {
-        self.bytes_moved.get()
+    fn traffic(&self) -> Traffic {
+        self.traffic.get()
+    }
+}
+
+/// The only rank there is: nothing is sent.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Alone;
+
+impl Comm for Alone {
+    fn rank(&self) -> usize {
+        0
+    }
+
+    fn num_ranks(&self) -> usize {
+        1
+    }
+
+    fn exchange(&self, messages: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
+        Ok(messages)
+    }
+
+    fn traffic(&self) -> Traffic {
+        Traffic::default()
     }
 }
 

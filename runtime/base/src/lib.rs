@@ -17,7 +17,7 @@ mod snapshot;
 pub mod text;
 
 pub use checksum::crc32;
-pub use comm::{Comm, LocalComm, out_of_step, share};
+pub use comm::{Alone, Comm, LocalComm, Traffic, out_of_step, share};
 pub use error::{Error, Result};
 pub use glam;
 pub use hash::{Hash128, StateHash};

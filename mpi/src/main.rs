@@ -1,0 +1,58 @@
+//! The command line of Throng in several processes: one file per subcommand, as in `throng`.
+
+mod comm;
+mod crowd;
+mod progress;
+
+use clap::{Parser, Subcommand};
+use comm::MpiComm;
+use std::process::ExitCode;
+use std::time::Duration;
+use throng_runtime::base::Comm;
+
+/// Moves crowds in several processes: `mpirun -n RANKS throng-mpi ...`.
+///
+/// Every process is started with the same words and sees the same files.
+#[derive(Parser)]
+#[command(
+    name = "throng-mpi",
+    version,
+    after_help = "Exit codes: 0 done, 1 failed, 2 wrong usage; mpirun has its own for a process that was killed. The first \
+                  process prints; with --json, one JSON object on standard output, and JSON lines of its progress on standard error."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Crowd(crowd::Args),
+}
+
+/// What a subcommand returns.
+type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let Some(comm) = MpiComm::new() else {
+        eprintln!("error: MPI does not start; run it with `mpirun -n RANKS throng-mpi ...`");
+        return ExitCode::FAILURE;
+    };
+    let done = match cli.command {
+        Command::Crowd(a) => crowd::run(&a, &comm),
+    };
+    let Err(e) = done else { return ExitCode::SUCCESS };
+    // What goes wrong everywhere is told once: by the first, which ends the others.
+    if comm.rank() > 0 {
+        std::thread::sleep(Duration::from_millis(500));
+    }
+    eprintln!("error: rank {}: {e}", comm.rank());
+    comm.abort()
+}
+
+/// Prints one JSON object on standard output.
+fn print_json(value: &impl serde::Serialize) -> Outcome {
+    println!("{}", serde_json::to_string_pretty(value)?);
+    Ok(())
+}
