@@ -52,7 +52,7 @@ fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), Build
         );
         if exact_frames > 0 {
             let begun = Instant::now();
-            let ours = group(&first, &features, &config, &Silent)?.num_groups();
+            let ours = group(&first, &features, &config, &Silent, &throng_runtime::base::Alone)?.num_groups();
             let (seconds, begun) = (begun.elapsed().as_secs_f64(), Instant::now());
             let exact = reference::complete_linkage(&first, &features, &config)?.len();
             let ratio = seconds / begun.elapsed().as_secs_f64();

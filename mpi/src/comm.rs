@@ -7,6 +7,7 @@ use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::cell::Cell;
 use std::time::Instant;
+use throng_precompute::run::running_s;
 use throng_runtime::base::{Comm, Error, Result, Traffic};
 
 /// All processes that `mpirun` has started. Where one of them ends, MPI ends all.
@@ -31,9 +32,10 @@ impl MpiComm {
 
     /// Counts what a call moves, and how long it takes.
     fn counted<T>(&self, bytes: usize, call: impl FnOnce() -> Result<T>) -> Result<T> {
-        let begin = Instant::now();
+        let (begin, running) = (Instant::now(), running_s());
         let done = call();
         let mut traffic = self.traffic.get();
+        traffic.spun_s += running_s().zip(running).map_or(0.0, |(after, before)| after - before);
         traffic.bytes_moved += bytes as u64;
         traffic.waited_s += begin.elapsed().as_secs_f64();
         self.traffic.set(traffic);
@@ -56,6 +58,15 @@ impl MpiComm {
         }
         Ok((counts, starts))
     }
+}
+
+/// Room for messages of some lengths, somewhere in memory even where there is nothing to hold: MPI takes the address of
+/// an empty `Vec` for a word of its own.
+fn room(counts: &[i32]) -> Vec<u8> {
+    let all = counts.iter().map(|&c| c as usize).sum();
+    let mut bytes = Vec::with_capacity(all + 1);
+    bytes.resize(all, 0);
+    bytes
 }
 
 /// Parts of bytes that follow each other.
@@ -86,8 +97,9 @@ impl Comm for MpiComm {
             let mut got = vec![0i32; self.num_ranks()];
             self.world.all_to_all_into(&counts, &mut got);
             let (got, got_starts) = self.counts(got.iter().map(|&c| c as usize))?;
-            let mut bytes = vec![0u8; got.iter().map(|&c| c as usize).sum()];
-            let sent = messages.concat();
+            let mut bytes = room(&got);
+            let mut sent = Vec::with_capacity(all + 1);
+            messages.iter().for_each(|m| sent.extend_from_slice(m));
             self.world.all_to_all_varcount_into(
                 &Partition::new(&sent, counts, starts),
                 &mut PartitionMut::new(&mut bytes, &got[..], got_starts),
@@ -102,7 +114,9 @@ impl Comm for MpiComm {
             let (own, _) = self.counts(std::iter::once(message.len()))?;
             self.world.all_gather_into(&own[..], &mut got[..]);
             let (got, starts) = self.counts(got.iter().map(|&c| c as usize))?;
-            let mut bytes = vec![0u8; got.iter().map(|&c| c as usize).sum()];
+            let mut bytes = room(&got);
+            // See `room`.
+            let message = if message.is_empty() { &[0][..0] } else { message };
             self.world.all_gather_varcount_into(message, &mut PartitionMut::new(&mut bytes, &got[..], starts));
             Ok(parts(&bytes, &got))
         })

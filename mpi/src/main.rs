@@ -1,5 +1,6 @@
 //! The command line of Throng in several processes: one file per subcommand, as in `throng`.
 
+mod build;
 mod comm;
 mod crowd;
 mod progress;
@@ -27,6 +28,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Build(build::Args),
     Crowd(crowd::Args),
 }
 
@@ -40,6 +42,7 @@ fn main() -> ExitCode {
         return ExitCode::FAILURE;
     };
     let done = match cli.command {
+        Command::Build(a) => build::run(&a, &comm),
         Command::Crowd(a) => crowd::run(&a, &comm),
     };
     let Err(e) = done else { return ExitCode::SUCCESS };

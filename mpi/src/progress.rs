@@ -7,9 +7,10 @@ use throng_precompute::progress::{Progress, Status};
 /// Time between lines.
 const EVERY: Duration = Duration::from_secs(5);
 
-/// Tells every few seconds where the first process is.
+/// Tells every few seconds where the first process is, and as JSON lines also to what stages it comes.
 pub struct Lines {
     status: Arc<Mutex<Status>>,
+    json: bool,
 }
 
 impl Lines {
@@ -34,7 +35,7 @@ impl Lines {
                 }
             }
         });
-        Self { status }
+        Self { status, json }
     }
 }
 
@@ -57,9 +58,15 @@ impl Progress for Lines {
 
     fn comes_to(&self, stage: &'static str) {
         lock(&self.status).comes_to(stage);
+        if self.json {
+            eprintln!("{}", serde_json::json!({ "stage": stage }));
+        }
     }
 
     fn kept(&self, stage: &'static str) {
         lock(&self.status).keep(stage);
+        if self.json {
+            eprintln!("{}", serde_json::json!({ "kept": stage }));
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! One crowd that several processes move, measured.
 
+use super::clock::running_s;
 use super::report::{fault, wrong};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -43,7 +44,8 @@ pub struct SharedFigures {
 pub struct RankFigures {
     /// Agents in its region at the end.
     pub agents: usize,
-    /// Time that it did not wait for others (s).
+    /// Time that it moved agents, and did not wait for others: of its processor where the system tells, else of the clock
+    /// (s).
     pub busy_s: f64,
     /// Bytes that it sent to others.
     pub bytes_moved: u64,
@@ -71,22 +73,28 @@ pub fn run_shared(
     let agents = crowd.num_agents();
     let mut part = crowd.share(comm).map_err(|e| fault(e.into()))?;
     comm.barrier().map_err(fault)?;
-    let (before, mut advance_s, mut overlaps) = (comm.traffic(), 0.0, 0);
+    let (mut advance_s, mut busy_s, mut overlaps, mut before) = (0.0, 0.0, 0, comm.traffic());
+    let moved = before.bytes_moved;
     let looks = (seconds * LOOK_HZ).ceil() as u64;
     progress.begin("crowd", looks, "tenths of a second");
     for look in 1..=looks {
-        let begin = Instant::now();
+        let (begin, running) = (Instant::now(), running_s());
         part.advance((look as f64 / LOOK_HZ).min(seconds), comm).map_err(|e| fault(e.into()))?;
-        advance_s += begin.elapsed().as_secs_f64();
+        let (wall_s, traffic) = (begin.elapsed().as_secs_f64(), comm.traffic());
+        advance_s += wall_s;
+        busy_s += match running_s().zip(running) {
+            Some((after, begin)) => after - begin - (traffic.spun_s - before.spun_s),
+            None => wall_s - (traffic.waited_s - before.waited_s),
+        };
+        before = traffic;
         overlaps += part.num_overlapping();
         progress.advance(1);
     }
     progress.end();
-    let traffic = comm.traffic();
     let mine = [
         part.num_agents() as f64,
-        advance_s - (traffic.waited_s - before.waited_s),
-        (traffic.bytes_moved - before.bytes_moved) as f64,
+        busy_s,
+        (before.bytes_moved - moved) as f64,
         memory::peak_bytes().unwrap_or(0) as f64,
     ];
     let mut all: [Vec<f64>; 4] = Default::default();
