@@ -1,6 +1,5 @@
 //! `throng-mpi build`: one bundle by several processes.
 
-use crate::comm::MpiComm;
 use crate::progress::Lines;
 use crate::{Outcome, print_json};
 use serde::Serialize;
@@ -67,7 +66,7 @@ struct RankReport {
     peak_bytes: u64,
 }
 
-pub fn run(args: &Args, comm: &MpiComm) -> Outcome {
+pub fn run(args: &Args, comm: &dyn Comm) -> Outcome {
     let begin = Instant::now();
     let config = BuildConfig::load(&args.config)?;
     let cache = match args.no_cache {

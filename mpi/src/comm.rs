@@ -7,7 +7,6 @@ use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::cell::Cell;
 use std::time::Instant;
-use throng_precompute::run::running_s;
 use throng_runtime::base::{Comm, Error, Result, Traffic};
 
 /// All processes that `mpirun` has started. Where one of them ends, MPI ends all.
@@ -32,10 +31,9 @@ impl MpiComm {
 
     /// Counts what a call moves, and how long it takes.
     fn counted<T>(&self, bytes: usize, call: impl FnOnce() -> Result<T>) -> Result<T> {
-        let (begin, running) = (Instant::now(), running_s());
+        let begin = Instant::now();
         let done = call();
         let mut traffic = self.traffic.get();
-        traffic.spun_s += running_s().zip(running).map_or(0.0, |(after, before)| after - before);
         traffic.bytes_moved += bytes as u64;
         traffic.waited_s += begin.elapsed().as_secs_f64();
         self.traffic.set(traffic);

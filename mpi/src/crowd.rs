@@ -1,6 +1,5 @@
 //! `throng-mpi crowd`: one crowd in several processes.
 
-use crate::comm::MpiComm;
 use crate::progress::Lines;
 use crate::{Outcome, print_json};
 use std::path::Path;
@@ -12,7 +11,7 @@ use throng_runtime::simulation::Scene;
 /// Move the agents of a scene in several processes, each of which has a region and hands agents over at its borders.
 ///
 /// The state at the end is that of one process, bit by bit. JSON keys: agents, ranks, simulated_s, us_per_agent_second,
-/// handed_over, overlaps, bytes_moved, state_hash, of_ranks[] (agents, busy_s, bytes_moved, peak_bytes).
+/// handed_over, overlaps, bytes_moved, state_hash, of_ranks[] (agents, busy_s, ran_s, bytes_moved, peak_bytes).
 #[derive(clap::Args)]
 pub struct Args {
     /// Built-in scene (flock, corridor, lanes, circle, ring, bottleneck), or a scene file of agents with goals alone.
@@ -32,7 +31,7 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: &Args, comm: &MpiComm) -> Outcome {
+pub fn run(args: &Args, comm: &dyn Comm) -> Outcome {
     let mut scene = load(&args.scene)?;
     if let Some(agents) = args.agents {
         scene = scene.resized(agents);

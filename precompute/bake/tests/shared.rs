@@ -54,7 +54,12 @@ grid = { rings = 5, angles = 8, radius = 2.0, inner_spacing = 0.5 }
 [[behaviours]]
 name = "throw-punches"
 kind = "throw_punches"
-grid = { rings = 4, angles = 6, heights = 2 }
+scale = 0.4
+grid = { rings = 6, angles = 8, heights = 4 }
+[[behaviours]]
+name = "evade"
+kind = "evade"
+grid = { rings = 4, angles = 8, times = 4 }
 "#;
 
 #[test]

@@ -92,8 +92,6 @@ pub struct Traffic {
     pub bytes_moved: u64,
     /// Time in calls of [`Comm`], of which moving messages is a part (s).
     pub waited_s: f64,
-    /// The part of it in which this rank was running, as MPI looks for messages all the time, where the system tells (s).
-    pub spun_s: f64,
 }
 
 /// See [`Comm::share`].

@@ -44,9 +44,10 @@ pub struct SharedFigures {
 pub struct RankFigures {
     /// Agents in its region at the end.
     pub agents: usize,
-    /// Time that it moved agents, and did not wait for others: of its processor where the system tells, else of the clock
-    /// (s).
+    /// Time that it did not wait for others (s).
     pub busy_s: f64,
+    /// Time that a processor ran it; with MPI, waiting is running. 0 where the system does not tell (s).
+    pub ran_s: f64,
     /// Bytes that it sent to others.
     pub bytes_moved: u64,
     /// Most memory that it held, the gathering of all agents at the end left out (bytes); 0 where the system does not
@@ -73,7 +74,8 @@ pub fn run_shared(
     let agents = crowd.num_agents();
     let mut part = crowd.share(comm).map_err(|e| fault(e.into()))?;
     comm.barrier().map_err(fault)?;
-    let (mut advance_s, mut busy_s, mut overlaps, mut before) = (0.0, 0.0, 0, comm.traffic());
+    let (mut advance_s, mut busy_s, mut ran_s, mut overlaps) = (0.0, 0.0, 0.0, 0);
+    let mut before = comm.traffic();
     let moved = before.bytes_moved;
     let looks = (seconds * LOOK_HZ).ceil() as u64;
     progress.begin("crowd", looks, "tenths of a second");
@@ -82,10 +84,8 @@ pub fn run_shared(
         part.advance((look as f64 / LOOK_HZ).min(seconds), comm).map_err(|e| fault(e.into()))?;
         let (wall_s, traffic) = (begin.elapsed().as_secs_f64(), comm.traffic());
         advance_s += wall_s;
-        busy_s += match running_s().zip(running) {
-            Some((after, begin)) => after - begin - (traffic.spun_s - before.spun_s),
-            None => wall_s - (traffic.waited_s - before.waited_s),
-        };
+        busy_s += wall_s - (traffic.waited_s - before.waited_s);
+        ran_s += running_s().zip(running).map_or(0.0, |(after, begin)| after - begin);
         before = traffic;
         overlaps += part.num_overlapping();
         progress.advance(1);
@@ -94,18 +94,20 @@ pub fn run_shared(
     let mine = [
         part.num_agents() as f64,
         busy_s,
+        ran_s,
         (before.bytes_moved - moved) as f64,
         memory::peak_bytes().unwrap_or(0) as f64,
     ];
-    let mut all: [Vec<f64>; 4] = Default::default();
+    let mut all: [Vec<f64>; 5] = Default::default();
     for (all, number) in all.iter_mut().zip(mine) {
         *all = comm.all_numbers(number).map_err(fault)?;
     }
     let of_ranks = (0..comm.num_ranks()).map(|r| RankFigures {
         agents: all[0][r] as usize,
         busy_s: all[1][r],
-        bytes_moved: all[2][r] as u64,
-        peak_bytes: all[3][r] as u64,
+        ran_s: all[2][r],
+        bytes_moved: all[3][r] as u64,
+        peak_bytes: all[4][r] as u64,
     });
     let slowest_s = comm.max(advance_s).map_err(fault)?;
     let handed_over = comm.sum(part.num_handed_over()).map_err(fault)?;
@@ -118,7 +120,7 @@ pub fn run_shared(
         us_per_agent_second: 1e6 * slowest_s / (agents as f64 * seconds),
         handed_over,
         overlaps,
-        bytes_moved: all[2].iter().map(|&b| b as u64).sum(),
+        bytes_moved: all[3].iter().map(|&b| b as u64).sum(),
         state_hash: format!("{:016x}", whole.hash()),
         of_ranks: of_ranks.collect(),
     }))
