@@ -215,7 +215,7 @@ mod tests {
                 comm.max(f64::from(me)).unwrap(),
                 comm.min(f64::from(me)).unwrap(),
                 comm.sum(2).unwrap(),
-                comm.bytes_moved(),
+                comm.traffic().bytes_moved,
             )
         });
         for (rank, (got, max, min, sum, bytes)) in (0u8..).zip(got) {
