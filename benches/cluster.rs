@@ -39,7 +39,7 @@ fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), Build
     for threshold in [0.2, 0.3, 0.45] {
         let config = ClusterConfig { threshold };
         let (begun, worked) = (Instant::now(), processor_seconds());
-        let groups = group(clips, &whole, &config, &Silent)?;
+        let groups = group(clips, &whole, &config, &Silent, &throng_runtime::base::Alone)?;
         println!(
             "{name}, below {threshold} rad: {} frames in {} groups, widest {:.4} rad, {:.2} s, {:.2} s of processors, \
              peak {:.0} MB",
