@@ -207,7 +207,7 @@ impl<'a> Search<'a> {
     /// Much motion has enough choices among near frames: it is looked for nearby first.
     fn find_threshold(&mut self) -> Result<f32, BuildError> {
         let most = self.config.max_error as f32;
-        let first = self.finder.threshold_for(MORE * self.config.branching);
+        let first = self.finder.threshold_for(MORE * self.config.branching, self.comm)?;
         let (mut low, mut high) = (0.0, first.clamp(LEAST_SHARE * most, most));
         self.reach(high)?;
         while self.share_of_branching(high) < 1.0 {

@@ -148,11 +148,11 @@ impl<'a> Finder<'a> {
         let kept = |search: &mut Search, i: usize| self.kept(i, threshold, NEAREST, search);
         let mut links: Vec<Vec<Link>> =
             dealt(comm, self.events.len(), |own| Ok(own.into_par_iter().map_init(Search::default, kept).collect()))?;
-        let back = |(i, links): (usize, &Vec<Link>)| -> Vec<(usize, Link)> {
-            let back = links.iter().map(|l| (l.event, Link { event: i, error: l.error }));
+        let back = |i: usize| -> Vec<(usize, Link)> {
+            let back = links[i].iter().map(|l| (l.event, Link { event: i, error: l.error }));
             back.filter(|(from, link)| self.is_possible(*from, link)).collect()
         };
-        let ways_back: Vec<Vec<(usize, Link)>> = links.par_iter().enumerate().map(back).collect();
+        let ways_back = dealt(comm, links.len(), |own| Ok(own.into_par_iter().map(back).collect()))?;
         ways_back.into_iter().flatten().for_each(|(from, link)| links[from].push(link));
         links.par_iter_mut().for_each(|links| {
             choose::sort(links);
@@ -164,13 +164,18 @@ impl<'a> Finder<'a> {
     /// A threshold at which about so many links of an event are chosen; the limit where there are never as many.
     ///
     /// Of a sample alone: how near is near enough differs much between sets.
-    pub fn threshold_for(&self, branching: f64) -> f32 {
+    ///
+    /// # Errors
+    /// As [`dealt`].
+    pub fn threshold_for(&self, branching: f64, comm: &dyn Comm) -> Result<f32, BuildError> {
         let sample: Vec<usize> = (0..self.events.len()).step_by(self.events.len().div_ceil(SAMPLE).max(1)).collect();
-        let chosen = |search: &mut Search, &i: &usize| self.kept(i, self.limits.error, 0, search);
-        let mut links: Vec<Link> = sample.par_iter().map_init(Search::default, chosen).flatten_iter().collect();
+        let chosen = |search: &mut Search, n: usize| self.kept(sample[n], self.limits.error, 0, search);
+        let found: Vec<Vec<Link>> =
+            dealt(comm, sample.len(), |own| Ok(own.into_par_iter().map_init(Search::default, chosen).collect()))?;
+        let mut links = found.concat();
         choose::sort(&mut links);
         let enough = (branching * sample.len() as f64) as usize;
-        links.get(enough).map_or(self.limits.error, |l| l.error)
+        Ok(links.get(enough).map_or(self.limits.error, |l| l.error))
     }
 
     /// The events that an event may lead to, by kind of outcome.
