@@ -39,7 +39,7 @@ fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), Build
     for threshold in [0.2, 0.3, 0.45] {
         let config = ClusterConfig { threshold };
         let (begun, worked) = (Instant::now(), processor_seconds());
-        let groups = group(clips, &whole, &config, &Silent)?;
+        let groups = group(clips, &whole, &config, &Silent, &throng_runtime::base::Alone)?;
         println!(
             "{name}, below {threshold} rad: {} frames in {} groups, widest {:.4} rad, {:.2} s, {:.2} s of processors, \
              peak {:.0} MB",
@@ -52,7 +52,7 @@ fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), Build
         );
         if exact_frames > 0 {
             let begun = Instant::now();
-            let ours = group(&first, &features, &config, &Silent)?.num_groups();
+            let ours = group(&first, &features, &config, &Silent, &throng_runtime::base::Alone)?.num_groups();
             let (seconds, begun) = (begun.elapsed().as_secs_f64(), Instant::now());
             let exact = reference::complete_linkage(&first, &features, &config)?.len();
             let ratio = seconds / begun.elapsed().as_secs_f64();

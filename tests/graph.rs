@@ -16,6 +16,7 @@ use throng_precompute::stops;
 use throng_precompute::write::{self, Baked};
 use throng_precompute::{BuildError, Clip, ClipSet, Warnings};
 use throng_runtime::Bundle;
+use throng_runtime::base::Alone;
 use throng_runtime::format::{AlignedBytes, Meta};
 use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 
@@ -116,7 +117,7 @@ fn wandering(num_clips: usize) -> ClipSet {
 
 fn connect(clips: &ClipSet, config: &GraphConfig) -> Result<(MotionGraph, GraphReport, Features), BuildError> {
     let features = features::extract(clips, &FeaturesConfig::default())?;
-    let (graph, report) = graph::connect(clips, &FeaturesConfig::default(), config, &Silent)?;
+    let (graph, report) = graph::connect(clips, &FeaturesConfig::default(), config, &Silent, &Alone)?;
     Ok((graph, report, features))
 }
 

@@ -8,6 +8,7 @@ use throng_precompute::features::{Features, FeaturesConfig, extract};
 use throng_precompute::progress::Silent;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::{BuildError, ClipSet};
+use throng_runtime::base::Alone;
 use throng_runtime::{NUM_JOINTS, Planar};
 
 fn walk(seed: u64, minutes: f64) -> ClipSet {
@@ -20,7 +21,7 @@ fn features_of(clips: &ClipSet) -> Features {
 }
 
 fn grouped(clips: &ClipSet, threshold: f64) -> Result<PoseGroups, BuildError> {
-    group(clips, &features_of(clips), &ClusterConfig { threshold }, &Silent)
+    group(clips, &features_of(clips), &ClusterConfig { threshold }, &Silent, &Alone)
 }
 
 fn on_threads<T: Send>(num_threads: usize, work: impl FnOnce() -> T + Send) -> T {
@@ -70,7 +71,7 @@ proptest! {
             c.0 |= ((hands >> (f / 10 % 61)) as u8 & 7) << 4;
         }
         let features = features_of(&clips);
-        let groups = group(&clips, &features, &ClusterConfig { threshold }, &Silent).expect("groups");
+        let groups = group(&clips, &features, &ClusterConfig { threshold }, &Silent, &Alone).expect("groups");
         let states = contact_states(&clips);
         let mut widest = 0.0f32;
         for (g, frames) in members(&groups).iter().enumerate() {
@@ -103,7 +104,7 @@ fn there_are_hardly_more_groups_than_complete_linkage_has() {
     for threshold in [0.2, 0.3, 0.45] {
         let config = ClusterConfig { threshold };
         let exact = reference::complete_linkage(&clips, &features, &config).expect("groups").len() as f64;
-        let ours = group(&clips, &features, &config, &Silent).expect("groups").num_groups() as f64;
+        let ours = group(&clips, &features, &config, &Silent, &Alone).expect("groups").num_groups() as f64;
         assert!(ours < 1.2 * exact, "{ours} groups below {threshold} rad, {exact} of complete linkage");
         assert!(ours < clips.num_frames() as f64 / 2.0, "frames come together at all");
     }
@@ -165,7 +166,7 @@ fn refuses_what_does_not_fit_together_and_says_why() {
     let error = grouped(&bare, 0.3).expect_err("no contacts").to_string();
     assert!(error.contains(&clips.clips[0].name) && error.contains("Annotate"), "{error}");
     let others = features_of(&walk(2, 0.3));
-    let error = group(&clips, &others, &ClusterConfig::default(), &Silent).expect_err("others").to_string();
+    let error = group(&clips, &others, &ClusterConfig::default(), &Silent, &Alone).expect_err("others").to_string();
     assert!(error.contains("expected features of"), "{error}");
 }
 

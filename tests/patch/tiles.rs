@@ -42,7 +42,8 @@ static WALK: LazyLock<(ClipSet, PoseGroups)> = LazyLock::new(|| {
     let made = synth::make(SynthSet::Walk, &SynthConfig { minutes: 12.0, ..SynthConfig::default() }).unwrap();
     let clips = resample::resample(&made, &ResampleConfig::default()).unwrap();
     let features = features::extract(&clips, &FeaturesConfig::default()).unwrap();
-    let groups = cluster::group(&clips, &features, &ClusterConfig::default(), &Silent).unwrap();
+    let groups =
+        cluster::group(&clips, &features, &ClusterConfig::default(), &Silent, &throng_runtime::base::Alone).unwrap();
     (clips, groups)
 });
 

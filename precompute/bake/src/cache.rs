@@ -146,6 +146,11 @@ impl Cache {
         Ok((entries.len(), entries.iter().map(|e| e.bytes).sum()))
     }
 
+    /// True where anything is kept at all.
+    pub(crate) fn is_on(&self) -> bool {
+        self.folder.is_some()
+    }
+
     /// True where something is kept under a key; whether it is whole is not looked at.
     pub(crate) fn has(&self, stage: &str, key: Key) -> bool {
         self.path(stage, key).is_some_and(|path| path.is_file())

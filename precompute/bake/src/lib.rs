@@ -16,6 +16,7 @@ pub mod policy;
 pub mod provenance;
 mod replaced;
 pub mod report;
+mod share;
 mod stages;
 pub mod stitch;
 pub mod stops;

@@ -34,6 +34,7 @@ pub(crate) fn collect(
     from: &Provenance,
     s: &Stages<'_>,
 ) -> Result<Motion, BuildError> {
+    shard::bake_together(cfg, parts, from, s)?;
     let Read { raw, maker, skipped, performers, files_kept, warnings } = begin(cfg, parts, from, s)?;
     let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw, p))?;
     if let Some(units) = units {

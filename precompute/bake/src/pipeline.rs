@@ -10,11 +10,12 @@ use crate::patch::{self, PatchConfig, Patches, TileConfig};
 use crate::policy::Policy;
 use crate::report::{self, BuildReport, Built};
 use crate::stages::{Motion, Output, Stages};
-use crate::write::{self, Baked};
+use crate::write::{self, Baked, Written};
 use crate::{activities, cluster, examples, features, graph, motion, policy, provenance, stops};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::path::{Path, PathBuf};
+use throng_base::{Alone, Comm};
 use throng_core::format::ActivityMeta;
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Warnings};
@@ -32,7 +33,7 @@ use throng_motion::{annotate, files, resample, retarget};
 /// # Errors
 /// What the first failing stage says; nothing is written then.
 pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progress) -> Result<BuildReport, BuildError> {
-    make(cfg, Parts::All, out, cache, progress)
+    build_shared(cfg, Parts::All, out, cache, progress, &Alone)
 }
 
 /// As [`build`], but a part that the motion does not allow is left out and told ([`BuildReport::not_made`]): policies,
@@ -46,7 +47,7 @@ pub fn build_possible(
     cache: &Cache,
     progress: &dyn Progress,
 ) -> Result<BuildReport, BuildError> {
-    make(cfg, Parts::Possible, out, cache, progress)
+    build_shared(cfg, Parts::Possible, out, cache, progress, &Alone)
 }
 
 /// Does the share of one of several processes in a build: reads its files into the cache and, once the cache has those of all
@@ -74,16 +75,25 @@ pub fn kept_bundle(cfg: &BuildConfig, cache: &Cache) -> Result<Option<PathBuf>, 
     Ok(cache.bundle(key))
 }
 
-fn make(
+/// As [`build`], by several processes, each of which calls this with the same words and sees the same files. They share the
+/// work on single files, where there is a cache, the search for frames that are alike, pose groups and policies; the rest
+/// each of them does for itself. The first one writes the bundle, which is that of [`build`], byte by byte.
+///
+/// - returns the report of this process; only that of the first one knows of the bundle.
+///
+/// # Errors
+/// As [`build`]; [`throng_base::Error::Rank`] where another process has ended.
+pub fn build_shared(
     cfg: &BuildConfig,
     parts: Parts,
     out: &Path,
     cache: &Cache,
     progress: &dyn Progress,
+    comm: &dyn Comm,
 ) -> Result<BuildReport, BuildError> {
     cfg.check()?;
     files::check_target(out)?;
-    let (s, mut attempts) = (Stages::new(cache, progress), Attempts::new(parts));
+    let (s, mut attempts) = (Stages::new(cache, progress, comm), Attempts::new(parts));
     let units = cfg.patches.units.as_deref().map(UnitSet::load).transpose()?;
 
     let from = s.run("hash", |_| provenance::collect(cfg))?;
@@ -97,7 +107,7 @@ fn make(
     let baked_patches = match &units {
         Some(units) => {
             let groups = s.stage("cluster", &[features.key], &cfg.cluster, |p| {
-                cluster::group(clips, features.get()?, &cfg.cluster, p)
+                cluster::group(clips, features.get()?, &cfg.cluster, p, comm)
             })?;
             let patches = patched(cfg, clips, (&groups, groups.key), units, &mut attempts, &s)?;
             patches.map(|patches| (groups, patches))
@@ -105,7 +115,7 @@ fn make(
         None => None,
     };
     let connected = s.stage("graph", &[features.key], &cfg.graph, |p| match cfg.graph.enabled {
-        true => graph::connect(clips, &cfg.features, &cfg.graph, p),
+        true => graph::connect(clips, &cfg.features, &cfg.graph, p, comm),
         false => graph::none(clips, &cfg.graph),
     });
     let (connected, graph_key) = match attempts.made("policies", connected)? {
@@ -133,7 +143,10 @@ fn make(
         activities: &activities,
         meta: &meta,
     };
-    let written = s.run("write", |_| write::bundle(&baked, out))?;
+    let written = s.run("write", |_| match comm.rank() {
+        0 => write::bundle(&baked, out),
+        _ => Ok(Written::default()),
+    })?;
     let built = Built { motion: &motion, baked, blends: &blends, graph: graph_report, stops: stops_report, written };
     let (timing, warnings) = s.finish();
     Ok(BuildReport { not_made: attempts.not_made, ..report::of_build(cfg, &built, timing, warnings) })
@@ -229,7 +242,7 @@ fn policies(
     }
     for some in attempts.pieces(&cfg.behaviours) {
         let solved = s.stage("policy", &[key], &(&cfg.policy, some, cfg.seed), |p| {
-            policy::solve(clips, graph, some, &cfg.policy, &mut Pcg64::seed_from_u64(cfg.seed), p)
+            policy::solve(clips, graph, some, &cfg.policy, &mut Pcg64::seed_from_u64(cfg.seed), p, s.comm())
         });
         if let Some(solved) = attempts.made(format!("policy {}", some[0].name), solved)? {
             all.extend(solved.value.policies);

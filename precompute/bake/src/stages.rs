@@ -1,10 +1,12 @@
 //! Runs stages: times them, tells their progress, keeps and finds their outputs.
 
 use crate::cache::{Cache, Key};
+use crate::share::is_so_for_all;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::cell::{OnceCell, RefCell};
 use std::ops::Deref;
 use std::time::Instant;
+use throng_base::Comm;
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Warnings};
 use throng_motion::progress::Progress;
@@ -67,6 +69,7 @@ impl<T> Deref for Output<T> {
 pub struct Stages<'a> {
     cache: &'a Cache,
     progress: &'a dyn Progress,
+    comm: &'a dyn Comm,
     begin: Instant,
     timing: RefCell<Timing>,
     warnings: RefCell<Warnings>,
@@ -74,8 +77,10 @@ pub struct Stages<'a> {
 
 impl<'a> Stages<'a> {
     /// Begins a build.
-    pub fn new(cache: &'a Cache, progress: &'a dyn Progress) -> Self {
-        Self { cache, progress, begin: Instant::now(), timing: RefCell::default(), warnings: RefCell::default() }
+    ///
+    /// - `comm`: processes that build together. They have one cache, into which the first one writes the outputs of stages.
+    pub fn new(cache: &'a Cache, progress: &'a dyn Progress, comm: &'a dyn Comm) -> Self {
+        Self { cache, progress, comm, begin: Instant::now(), timing: RefCell::default(), warnings: RefCell::default() }
     }
 
     /// Runs a stage; its time is what the stages that run within it leave of it.
@@ -125,13 +130,14 @@ impl<'a> Stages<'a> {
         work: impl FnOnce() -> Result<T, BuildError>,
     ) -> Result<Output<T>, BuildError> {
         let key = Key::of(name, inputs, config)?;
-        if let Some(value) = self.cache.load(name, key) {
+        let kept = self.cache.load(name, key);
+        if let (true, Some(value)) = (is_so_for_all(self.comm, kept.is_some())?, kept) {
             self.timing.borrow_mut().cached.push(name);
             self.progress.kept(name);
             return Ok(Output { key, value });
         }
         let value = work()?;
-        if self.cache.store(name, key, &value, &mut self.warnings.borrow_mut()) {
+        if self.comm.rank() == 0 && self.cache.store(name, key, &value, &mut self.warnings.borrow_mut()) {
             self.progress.kept(name);
         }
         Ok(Output { key, value })
@@ -151,8 +157,13 @@ impl<'a> Stages<'a> {
         Ok(OnDemand { stages: self, key: Key::of(name, inputs, config)?, name, work, made: OnceCell::new() })
     }
 
+    /// Processes that build together.
+    pub fn comm(&self) -> &'a dyn Comm {
+        self.comm
+    }
+
     /// The cache, for what is kept file by file.
-    pub fn cache(&self) -> &Cache {
+    pub fn cache(&self) -> &'a Cache {
         self.cache
     }
 

@@ -48,7 +48,7 @@ pub struct Baked<'a> {
 }
 
 /// What was written.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Written {
     /// Length of the bundle (bytes).
     pub bytes: u64,

@@ -125,6 +125,14 @@ pub enum Error {
         /// What is wrong, and what to do.
         why: String,
     },
+    /// One of several processes that work together, and why the others cannot go on.
+    #[error("rank {rank} {why}")]
+    Rank {
+        /// Which one.
+        rank: usize,
+        /// What it did, and what to do.
+        why: String,
+    },
 }
 
 /// "3: " before a message about agent or character 3.

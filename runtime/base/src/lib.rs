@@ -1,6 +1,7 @@
 //! What every crate of the runtime shares: ids, errors, limits, files, snapshots, hashes, threads, vectors of eight floats.
 
 mod checksum;
+mod comm;
 pub mod error;
 pub mod file;
 pub mod ground;
@@ -16,6 +17,7 @@ mod snapshot;
 pub mod text;
 
 pub use checksum::crc32;
+pub use comm::{Alone, Comm, LocalComm, Traffic, out_of_step, share};
 pub use error::{Error, Result};
 pub use glam;
 pub use hash::{Hash128, StateHash};

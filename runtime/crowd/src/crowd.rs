@@ -41,11 +41,11 @@ use throng_base::ground::{Held, Outsider, Rod};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Crowd {
-    engine: Either,
+    pub(crate) engine: Either,
 }
 
 #[derive(Clone, Debug)]
-enum Either {
+pub(crate) enum Either {
     Ground(Engine<Vec2>),
     Air(Engine<Vec3>),
 }

@@ -21,6 +21,7 @@ mod routes;
 mod safety;
 mod scenery;
 mod senses;
+mod shared;
 mod space;
 mod steering;
 #[cfg(test)]
@@ -35,6 +36,7 @@ pub use routes::order::{Go, Status};
 pub use routes::route::{AtEnd, Route};
 pub use routes::streets::{NoWay, Streets};
 pub use senses::{Sense, Senses, Zone};
+pub use shared::SharedCrowd;
 pub use space::Space;
 pub use space::obstacle::{Interest, Obstacle};
 pub use steering::bonds::{InterestAt, PersonalInterest};

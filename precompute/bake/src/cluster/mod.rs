@@ -11,12 +11,14 @@ mod tree;
 pub use config::ClusterConfig;
 
 use crate::features::Features;
+use crate::share::dealt;
 use neighbours::Space;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use throng_base::Comm;
 use throng_motion::clip::{ClipSet, FrameId};
 use throng_motion::error::BuildError;
-use throng_motion::progress::{Progress, Stopped};
+use throng_motion::progress::Progress;
 use tree::Item;
 
 /// Which frame belongs to which group.
@@ -59,6 +61,7 @@ const MEDOID_SAMPLE: usize = 256;
 ///
 /// - `clips`: annotated.
 /// - `features`: of the same clips.
+/// - `comm`: processes that sort frames together; each has the frames of some contact states.
 ///
 /// The medoid of a group of more than 256 frames is the one nearest to an even sample of 256 of them.
 ///
@@ -75,24 +78,28 @@ pub fn group(
     features: &Features,
     config: &ClusterConfig,
     progress: &dyn Progress,
+    comm: &dyn Comm,
 ) -> Result<PoseGroups, BuildError> {
     let limit = check(clips, features, config)?;
     // Large ones first, so that no thread begins one when the others are done.
     let mut classes: Vec<Vec<u32>> = classes::of_contacts(clips).into_values().collect();
     classes.sort_by_key(|frames| std::cmp::Reverse(frames.len()));
-    progress.begin("cluster", classes.iter().map(|frames| frames.len() as u64).sum(), "frames");
+    let own = classes.iter().skip(comm.rank()).step_by(comm.num_ranks());
+    progress.begin("cluster", own.map(|frames| frames.len() as u64).sum(), "frames");
     let space = Space::new(features);
-    let merged = classes.par_iter().with_max_len(1).map(|frames| {
+    let merge = |class: usize| {
         progress.check()?;
+        let frames = &classes[class];
         let items = agglomerate::agglomerate(&space, frames, limit, agglomerate::max_pairs(frames.len()));
         progress.advance(frames.len() as u64);
         Ok(items)
-    });
-    let items: Vec<Vec<Item>> = merged.collect::<Result<_, Stopped>>()?;
+    };
+    let items: Vec<Vec<Item>> =
+        dealt(comm, classes.len(), |own| own.into_par_iter().with_max_len(1).map(merge).collect())?;
     progress.end();
     let items = items.concat();
     let max_diameter = items.iter().fold(0.0, |largest, item| item.diameter(&space, largest));
-    Ok(PoseGroups { max_diameter, threshold: limit, ..numbered(items, features) })
+    Ok(PoseGroups { max_diameter, threshold: limit, ..numbered(items, features, comm)? })
 }
 
 /// The threshold as the distances are counted, if everything fits together.
@@ -110,7 +117,7 @@ fn check(clips: &ClipSet, features: &Features, config: &ClusterConfig) -> Result
     Ok(limit)
 }
 
-fn numbered(items: Vec<Item>, features: &Features) -> PoseGroups {
+fn numbered(items: Vec<Item>, features: &Features, comm: &dyn Comm) -> Result<PoseGroups, BuildError> {
     let mut items: Vec<Vec<u32>> = items.into_iter().map(|i| i.frames).collect();
     items.par_iter_mut().for_each(|frames| frames.sort_unstable());
     items.sort_unstable_by_key(|frames| frames[0]);
@@ -118,11 +125,9 @@ fn numbered(items: Vec<Item>, features: &Features) -> PoseGroups {
     for (g, frames) in items.iter().enumerate() {
         frames.iter().for_each(|&f| groups[f as usize] = g as u32);
     }
-    PoseGroups {
-        groups,
-        medoids: items.par_iter().map(|frames| medoid(frames, features)).collect(),
-        ..PoseGroups::default()
-    }
+    let medoids =
+        dealt(comm, items.len(), |own| Ok(own.into_par_iter().map(|g| medoid(&items[g], features)).collect()))?;
+    Ok(PoseGroups { groups, medoids, ..PoseGroups::default() })
 }
 
 /// The first of the frames with the least sum of distances.

@@ -63,3 +63,20 @@ fn frames_that_are_all_the_same_are_one_group() {
     let features = features::extract(&clips, &FeaturesConfig::default()).unwrap();
     assert_eq!(bounded(&clips, &features, 20, 0.1), [(0..n as u32).map(FrameId).collect::<Vec<_>>()]);
 }
+
+#[test]
+fn several_ranks_find_the_groups_of_one() {
+    use throng_base::{Alone, LocalComm};
+    use throng_motion::progress::Silent;
+    let (clips, features) = walk(0.5);
+    let group =
+        |comm: &dyn Comm| super::group(&clips, &features, &ClusterConfig { threshold: 0.4 }, &Silent, comm).unwrap();
+    let alone = group(&Alone);
+    assert!(alone.num_groups() > 10);
+    for num_ranks in [2, 3, 8] {
+        assert!(
+            LocalComm::run(num_ranks, |comm| group(comm)).iter().all(|groups| *groups == alone),
+            "{num_ranks} ranks"
+        );
+    }
+}

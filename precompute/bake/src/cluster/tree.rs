@@ -3,9 +3,10 @@
 
 use super::neighbours::Space;
 use crate::features::projection::{DIMS, squared_gap};
+use serde::{Deserialize, Serialize};
 
 /// Frames that are together already.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Item {
     /// At least one; those of every ball stand together.
     pub frames: Vec<u32>,
@@ -14,7 +15,7 @@ pub(super) struct Item {
     balls: Vec<Ball>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Ball {
     num_frames: u32,
     /// One of the frames.

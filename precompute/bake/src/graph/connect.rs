@@ -7,10 +7,11 @@ use super::matches::{self, Finder, Limits};
 use super::report::{self, GraphReport};
 use super::{MotionGraph, bridge, choose, collapse};
 use crate::features::{self, FeaturesConfig};
+use throng_base::Comm;
 use throng_core::Planar;
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
-use throng_motion::progress::{Progress, Stopped};
+use throng_motion::progress::Progress;
 
 /// Points that are looked at for each event (see [`Limits`]). Looking at all gives graphs of 5 to 19 minutes whose
 /// transitions are nearer by 0.3 % at most; half as many give ones that are farther by up to 1.4 %.
@@ -32,6 +33,7 @@ const GROWTH: f32 = 1.3;
 ///
 /// - `clips`: with contacts; all at the same rate.
 /// - `features`: how frames are told apart.
+/// - `comm`: processes that look for similar frames together; each looks at some of them.
 ///
 /// Transitions join event frames of equal kind: a foot about to leave the ground, with the other foot equally
 /// planted or not, or standing. The largest strongly connected component of all transitions up to
@@ -52,6 +54,7 @@ pub fn connect(
     features: &FeaturesConfig,
     config: &GraphConfig,
     progress: &dyn Progress,
+    comm: &dyn Comm,
 ) -> Result<(MotionGraph, GraphReport), BuildError> {
     config.check()?;
     let rate_hz = check_clips(clips)?;
@@ -59,7 +62,8 @@ pub fn connect(
     let frames: Vec<_> = events.iter().map(|e| e.frame).collect();
     let features = &features::extract_at(clips, &frames, features)?;
     let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
-    let (graph, threshold) = Search::new(clips, &events, features, &outcomes, config, rate_hz, progress)?.run();
+    let (graph, threshold) =
+        Search::new(clips, &events, features, &outcomes, config, rate_hz, (progress, comm))?.run()?;
     let standing = events::standing_frames(clips, config);
     let report = report::report(&graph, clips, &standing, events.len(), threshold);
     if (report.frames_kept as f64) < config.min_component_s * rate_hz || graph.states.is_empty() {
@@ -134,6 +138,7 @@ struct Search<'a> {
     events: &'a [Event],
     outcomes: &'a [Planar],
     finder: Finder<'a>,
+    comm: &'a dyn Comm,
     /// All event frames; its links are those that the finder keeps, within the component.
     whole: EventGraph,
     /// The largest component of `whole`.
@@ -150,8 +155,8 @@ impl<'a> Search<'a> {
         outcomes: &'a [Planar],
         config: &'a GraphConfig,
         rate_hz: f64,
-        progress: &dyn Progress,
-    ) -> Result<Self, Stopped> {
+        (progress, comm): (&dyn Progress, &'a dyn Comm),
+    ) -> Result<Self, BuildError> {
         let next = matches::successors(events);
         let (mut frames, mut worth) = (vec![0; events.len()], vec![0; events.len()]);
         let starts = clips.frame_starts();
@@ -165,31 +170,32 @@ impl<'a> Search<'a> {
         let limit = config.max_error.max(config.threshold.unwrap_or(0.0)) as f32;
         let min_jump = (config.min_jump_s * rate_hz).round() as u32;
         let limits = Limits { error: limit, min_jump, looks_of_kind: LOOKS_OF_KIND, looks: LOOKS };
-        let finder = Finder::new(events, features, outcomes, limits, config, progress)?;
+        let finder = Finder::new(events, features, outcomes, limits, config, progress, comm)?;
         let whole = EventGraph { next, frames, worth, links: Vec::new() };
         let most_frames = (config.max_action_s * rate_hz).round() as u32;
-        Ok(Self { clips, config, events, outcomes, finder, whole, alive: Vec::new(), most_frames })
+        Ok(Self { clips, config, events, outcomes, finder, comm, whole, alive: Vec::new(), most_frames })
     }
 
     /// The graph at the threshold that is given, or at the least one that reaches the wanted branching, or at
     /// the largest error.
-    fn run(mut self) -> (MotionGraph, f32) {
+    fn run(mut self) -> Result<(MotionGraph, f32), BuildError> {
         let threshold = match self.config.threshold {
             Some(threshold) => {
-                self.reach(threshold as f32);
+                self.reach(threshold as f32)?;
                 threshold as f32
             }
-            None => self.find_threshold(),
+            None => self.find_threshold()?,
         };
         let (graph, alive) = self.events_at(threshold);
-        (collapse::collapse(&graph, &alive, self.events, self.clips), threshold)
+        Ok((collapse::collapse(&graph, &alive, self.events, self.clips), threshold))
     }
 
     /// Finds the links for thresholds up to one, and their largest component.
-    fn reach(&mut self, threshold: f32) {
-        self.whole.links = self.finder.links(threshold);
+    fn reach(&mut self, threshold: f32) -> Result<(), BuildError> {
+        self.whole.links = self.finder.links(threshold, self.comm)?;
         self.alive = largest_component(&self.whole, self.most_frames);
         self.whole.restrict(&self.alive);
+        Ok(())
     }
 
     /// Actions of a state on average at a threshold, over those that are wanted.
@@ -199,17 +205,17 @@ impl<'a> Search<'a> {
     }
 
     /// Much motion has enough choices among near frames: it is looked for nearby first.
-    fn find_threshold(&mut self) -> f32 {
+    fn find_threshold(&mut self) -> Result<f32, BuildError> {
         let most = self.config.max_error as f32;
-        let first = self.finder.threshold_for(MORE * self.config.branching);
+        let first = self.finder.threshold_for(MORE * self.config.branching, self.comm)?;
         let (mut low, mut high) = (0.0, first.clamp(LEAST_SHARE * most, most));
-        self.reach(high);
+        self.reach(high)?;
         while self.share_of_branching(high) < 1.0 {
             if high >= most {
-                return most;
+                return Ok(most);
             }
             (low, high) = (high, (high * GROWTH).min(most));
-            self.reach(high);
+            self.reach(high)?;
         }
         for _ in 0..SEARCH_STEPS {
             let middle = 0.5 * (low + high);
@@ -223,7 +229,7 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        high
+        Ok(high)
     }
 
     /// The event graph with the links that are chosen at a threshold, and its component.

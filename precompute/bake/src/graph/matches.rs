@@ -6,16 +6,20 @@ use super::events::{Event, EventKind};
 use super::tree::{Tree, Walk};
 use crate::features::Features;
 use crate::features::projection::{Point, project, squared_reach};
+use crate::share::dealt;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
+use throng_base::Comm;
 use throng_core::Planar;
 use throng_core::planar::wrap_angle;
 use throng_motion::clip::{ClipSet, FrameId};
-use throng_motion::progress::{Progress, Stopped};
+use throng_motion::error::BuildError;
+use throng_motion::progress::Progress;
 
 /// A transition that is possible: the motion that follows event `event` may be laid after another event.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Link {
     /// The event whose motion follows.
     pub event: usize,
@@ -84,9 +88,10 @@ pub(super) struct Finder<'a> {
 impl<'a> Finder<'a> {
     /// - `features`: of the events (events.len()).
     /// - `outcomes`: where the motion after each event leads.
+    /// - `comm`: who else looks, each at some of the events.
     ///
     /// # Errors
-    /// [`Stopped`] where the progress says so.
+    /// [`BuildError::Stopped`] where the progress says so; as [`dealt`].
     pub fn new(
         events: &'a [Event],
         features: &'a Features,
@@ -94,7 +99,8 @@ impl<'a> Finder<'a> {
         limits: Limits,
         config: &'a GraphConfig,
         progress: &dyn Progress,
-    ) -> Result<Self, Stopped> {
+        comm: &dyn Comm,
+    ) -> Result<Self, BuildError> {
         let points = project(features);
         let next = successors(events);
         let mut parts = BTreeMap::<_, Vec<(u32, Point)>>::new();
@@ -111,7 +117,7 @@ impl<'a> Finder<'a> {
         }
         let of_kinds = Vec::new();
         let mut finder = Self { events, features, outcomes, limits, config, points, trees, beside, next, of_kinds };
-        progress.begin("graph", events.len() as u64, "event frames");
+        progress.begin("graph", comm.share(events.len()).len() as u64, "event frames");
         let of_kinds = |search: &mut Search, i: usize| {
             progress.check()?;
             let trees = finder.trees_of(i).iter();
@@ -121,7 +127,7 @@ impl<'a> Finder<'a> {
             Ok(best)
         };
         finder.of_kinds =
-            (0..events.len()).into_par_iter().map_init(Search::default, of_kinds).collect::<Result<_, _>>()?;
+            dealt(comm, events.len(), |own| own.into_par_iter().map_init(Search::default, of_kinds).collect())?;
         progress.end();
         Ok(finder)
     }
@@ -135,33 +141,41 @@ impl<'a> Finder<'a> {
     /// local minima of the distance. Of the possible links of an event that are looked at, those are kept that [`choose::choose`] may choose
     /// up to the threshold, the nearest 64, and the way back of every link that is kept of another event: so that no
     /// event is lost because those like it have many others.
-    pub fn links(&self, threshold: f32) -> Vec<Vec<Link>> {
+    ///
+    /// # Errors
+    /// As [`dealt`].
+    pub fn links(&self, threshold: f32, comm: &dyn Comm) -> Result<Vec<Vec<Link>>, BuildError> {
         let kept = |search: &mut Search, i: usize| self.kept(i, threshold, NEAREST, search);
         let mut links: Vec<Vec<Link>> =
-            (0..self.events.len()).into_par_iter().map_init(Search::default, kept).collect();
-        let back = |(i, links): (usize, &Vec<Link>)| -> Vec<(usize, Link)> {
-            let back = links.iter().map(|l| (l.event, Link { event: i, error: l.error }));
+            dealt(comm, self.events.len(), |own| Ok(own.into_par_iter().map_init(Search::default, kept).collect()))?;
+        let back = |i: usize| -> Vec<(usize, Link)> {
+            let back = links[i].iter().map(|l| (l.event, Link { event: i, error: l.error }));
             back.filter(|(from, link)| self.is_possible(*from, link)).collect()
         };
-        let ways_back: Vec<Vec<(usize, Link)>> = links.par_iter().enumerate().map(back).collect();
+        let ways_back = dealt(comm, links.len(), |own| Ok(own.into_par_iter().map(back).collect()))?;
         ways_back.into_iter().flatten().for_each(|(from, link)| links[from].push(link));
         links.par_iter_mut().for_each(|links| {
             choose::sort(links);
             links.dedup_by_key(|l| l.event);
         });
-        links
+        Ok(links)
     }
 
     /// A threshold at which about so many links of an event are chosen; the limit where there are never as many.
     ///
     /// Of a sample alone: how near is near enough differs much between sets.
-    pub fn threshold_for(&self, branching: f64) -> f32 {
+    ///
+    /// # Errors
+    /// As [`dealt`].
+    pub fn threshold_for(&self, branching: f64, comm: &dyn Comm) -> Result<f32, BuildError> {
         let sample: Vec<usize> = (0..self.events.len()).step_by(self.events.len().div_ceil(SAMPLE).max(1)).collect();
-        let chosen = |search: &mut Search, &i: &usize| self.kept(i, self.limits.error, 0, search);
-        let mut links: Vec<Link> = sample.par_iter().map_init(Search::default, chosen).flatten_iter().collect();
+        let chosen = |search: &mut Search, n: usize| self.kept(sample[n], self.limits.error, 0, search);
+        let found: Vec<Vec<Link>> =
+            dealt(comm, sample.len(), |own| Ok(own.into_par_iter().map_init(Search::default, chosen).collect()))?;
+        let mut links = found.concat();
         choose::sort(&mut links);
         let enough = (branching * sample.len() as f64) as usize;
-        links.get(enough).map_or(self.limits.error, |l| l.error)
+        Ok(links.get(enough).map_or(self.limits.error, |l| l.error))
     }
 
     /// The events that an event may lead to, by kind of outcome.

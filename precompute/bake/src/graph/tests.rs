@@ -12,6 +12,7 @@ use glam::{Quat, Vec3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use throng_base::Alone;
 use throng_core::{NUM_JOINTS, Planar, Skeleton};
 use throng_motion::clip::{Clip, ClipSet, FrameId};
 use throng_motion::progress::Silent;
@@ -158,7 +159,10 @@ fn a_few_looks_find_links_nearly_as_good() {
     let (features, events, outcomes) = random_events(7, 1500, 0.4);
     let all = all_links(&events, &features, 0.5, 9);
     let (config, limits) = (GraphConfig::default(), Limits { looks_of_kind: 32, looks: 128, ..limits(0.5) });
-    let found = Finder::new(&events, &features, &outcomes, limits, &config, &Silent).unwrap().links(0.1);
+    let found = Finder::new(&events, &features, &outcomes, limits, &config, &Silent, &Alone)
+        .unwrap()
+        .links(0.1, &Alone)
+        .unwrap();
     let mut sums = [0.0; 2];
     for (found, all) in found.iter().zip(&all) {
         assert!(found.iter().all(|l| all.contains(l)));
@@ -216,7 +220,7 @@ proptest! {
         let config = GraphConfig { max_actions, ..GraphConfig::default() };
         let all = all_links(&events, &features, limit, 9);
         let highest = share * limit;
-        let found = Finder::new(&events, &features, &outcomes, limits(limit), &config, &Silent).unwrap().links(highest);
+        let found = Finder::new(&events, &features, &outcomes, limits(limit), &config, &Silent, &Alone).unwrap().links(highest, &Alone).unwrap();
         let mut kept = choose(&all, &outcomes, highest, &config);
         kept.iter_mut().zip(&all).for_each(|(kept, all)| kept.extend(all.iter().take(NEAREST)));
         let back: Vec<(usize, Link)> = kept

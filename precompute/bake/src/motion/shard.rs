@@ -5,12 +5,13 @@ use super::{Read, begin};
 use crate::cache::{Cache, Key};
 use crate::config::BuildConfig;
 use crate::parts::Parts;
-use crate::provenance::{self, FileKeys};
+use crate::provenance::{self, FileKeys, Provenance};
 use crate::stages::Stages;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use throng_base::{Alone, Comm};
 use throng_motion::error::{BuildError, ImportError};
 use throng_motion::import::{self, Clips, MotionFile};
 use throng_motion::progress::Progress;
@@ -23,6 +24,11 @@ pub struct Shard {
 }
 
 impl Shard {
+    /// That of a rank.
+    fn of(comm: &dyn Comm) -> Self {
+        Self { index: comm.rank() as u32, count: comm.num_ranks() as u32 }
+    }
+
     /// True where the file, or clip, of a key is this shard's.
     fn has(self, key: Key) -> bool {
         key.number() % u128::from(self.count) == u128::from(self.index)
@@ -86,11 +92,45 @@ pub(crate) fn bake(
             "shards share the work on files; write this motion to files first, with `throng synth`, and name them as inputs",
         ));
     }
-    let s = Stages::new(cache, progress);
+    let s = Stages::new(cache, progress, &Alone);
     let from = s.run("hash", |_| provenance::collect(cfg))?;
+    bake_files(cfg, parts, shard, &from, &s)
+}
+
+/// Lets each rank of a build do a share of its work on single files, where there is a cache to leave it in.
+///
+/// # Errors
+/// As [`bake`].
+pub(super) fn bake_together(
+    cfg: &BuildConfig,
+    parts: Parts,
+    from: &Provenance,
+    s: &Stages<'_>,
+) -> Result<(), BuildError> {
+    let comm = s.comm();
+    if comm.num_ranks() == 1 || cfg.synth.is_some() || !s.cache().is_on() {
+        return Ok(());
+    }
+    // Files first, then clips, for which the files of all have to be there.
+    for _ in 0..2 {
+        bake_files(cfg, parts, Shard::of(comm), from, s)?;
+        comm.barrier()?;
+    }
+    Ok(())
+}
+
+/// As [`bake`], of files whose hashes are known.
+fn bake_files(
+    cfg: &BuildConfig,
+    parts: Parts,
+    shard: Shard,
+    from: &Provenance,
+    s: &Stages<'_>,
+) -> Result<ShardReport, BuildError> {
+    let cache = s.cache();
     let mut report = s.run("import", |p| read(cfg, &from.file_keys(&cfg.import), shard, cache, p))?;
     if report.missing == 0 && report.own_files > report.skipped.len() {
-        let Read { raw, maker, warnings, .. } = begin(cfg, parts, &from, &s)?;
+        let Read { raw, maker, warnings, .. } = begin(cfg, parts, from, s)?;
         let own: Vec<usize> = (0..raw.len()).filter(|&i| maker.keys[i].is_some_and(|key| shard.has(key))).collect();
         report.made = s.run("clips", |p| {
             p.begin("clips", own.len() as u64, "files");

@@ -3,7 +3,10 @@
 use super::config::PolicyConfig;
 use super::model::ActionModel;
 use super::solve::{Solution, stage_error, tolerance};
+use crate::share::joined;
 use rayon::prelude::*;
+use std::ops::Range;
+use throng_base::{Alone, Comm};
 use throng_core::policy::{Goal, LookAheadJob, PolicyTable, RankedActions};
 use throng_motion::error::BuildError;
 
@@ -18,25 +21,38 @@ use throng_motion::error::BuildError;
 /// [`BuildError::Key`] for a setting out of its range; [`BuildError::Stage`] with the residual where `cfg.max_sweeps` are
 /// not enough.
 pub fn bake(model: &ActionModel, solution: &mut Solution, cfg: &PolicyConfig) -> Result<Vec<u8>, BuildError> {
+    shared_bake(model, solution, cfg, &Alone)
+}
+
+/// As [`bake`], by several processes, each of which asks for a block of the states.
+///
+/// # Errors
+/// As [`bake`]; [`throng_base::Error::Rank`].
+pub(super) fn shared_bake(
+    model: &ActionModel,
+    solution: &mut Solution,
+    cfg: &PolicyConfig,
+    comm: &dyn Comm,
+) -> Result<Vec<u8>, BuildError> {
     cfg.check()?;
     let wanted = tolerance(cfg.epsilon, f64::from(solution.record.discount), model.least_frames()) as f32;
     let first_actions = vec![0; solution.values.len()];
     loop {
-        let ranked = rank_all(&solution.table(model, &first_actions)?);
-        let changes = ranked.iter().zip(&solution.values).map(|(r, v)| (r.scores[0] - v).abs());
+        let (scores, actions) = rank_all(&solution.table(model, &first_actions)?, cfg.choices, comm)?;
+        let changes = scores.iter().zip(&solution.values).map(|(score, v)| (score - v).abs());
         let residual = changes.fold(0.0, f32::max);
         (solution.residual, solution.record.residual) = (residual, residual);
         solution.num_sweeps += 1;
         if residual <= wanted {
             solution.record.num_sweeps = solution.num_sweeps;
             solution.record.num_choices = cfg.choices;
-            return Ok(ranked.iter().flat_map(|r| r.actions[..cfg.choices as usize].to_vec()).collect());
+            return Ok(actions);
         }
         if solution.num_sweeps >= cfg.max_sweeps {
             let message = format!("a sweep still changes values by {residual:e}, wanted {wanted:e}");
             return Err(stage_error(message, "Raise `max_sweeps` or `epsilon`, or lower `discount`."));
         }
-        solution.values.iter_mut().zip(&ranked).for_each(|(v, r)| *v = r.scores[0]);
+        solution.values = scores;
     }
 }
 
@@ -50,16 +66,34 @@ pub(super) fn best_actions(
     num_choices: u32,
 ) -> Result<Vec<u8>, BuildError> {
     solution.record.num_choices = 1;
-    let ranked = rank_all(&solution.table(model, &vec![0; solution.values.len()])?);
+    let table = solution.table(model, &vec![0; solution.values.len()])?;
+    let (_, actions) = ranked(&table, 0..model.num_states(), num_choices);
     solution.record.num_choices = num_choices;
-    Ok(ranked.iter().flat_map(|r| r.actions[..num_choices as usize].to_vec()).collect())
+    Ok(actions)
 }
 
-/// Ranks the actions of every (state, cell).
-fn rank_all(table: &PolicyTable) -> Vec<RankedActions> {
-    let states: Vec<u32> = (0..table.actions().num_states() as u32).collect();
-    let ranked: Vec<Vec<RankedActions>> = states.par_iter().map(|&state| rank_state(table, state)).collect();
-    ranked.concat()
+/// Scores of the best actions of every (state, cell), and the best actions (num_choices each); every state has as many
+/// cells.
+fn rank_all(table: &PolicyTable, num_choices: u32, comm: &dyn Comm) -> Result<(Vec<f32>, Vec<u8>), BuildError> {
+    let (num_states, num_cells) = (table.actions().num_states(), table.grid().num_cells());
+    let (mut scores, mut actions) = ranked(table, comm.share(num_states), num_choices);
+    let mut all_scores = vec![0.0; num_states * num_cells];
+    let mut all_actions = vec![0; num_states * num_cells * num_choices as usize];
+    joined(comm, num_cells, &mut scores, &mut all_scores)?;
+    joined(comm, num_cells * num_choices as usize, &mut actions, &mut all_actions)?;
+    Ok((all_scores, all_actions))
+}
+
+/// As [`rank_all`], of some states.
+fn ranked(table: &PolicyTable, states: Range<usize>, num_choices: u32) -> (Vec<f32>, Vec<u8>) {
+    let of_state = |state: usize| {
+        let ranked = rank_state(table, state as u32);
+        let scores: Vec<f32> = ranked.iter().map(|r| r.scores[0]).collect();
+        let actions: Vec<u8> = ranked.iter().flat_map(|r| r.actions[..num_choices as usize].to_vec()).collect();
+        (scores, actions)
+    };
+    let (scores, actions): (Vec<_>, Vec<_>) = states.into_par_iter().map(of_state).unzip();
+    (scores.concat(), actions.concat())
 }
 
 fn rank_state(table: &PolicyTable, state: u32) -> Vec<RankedActions> {

@@ -29,4 +29,4 @@ pub use model::{ActionModel, SegmentMotion};
 pub use policies::{Policy, PolicyReport, PolicyTables, solve, solve_behaviours};
 pub use promise::{Promise, PromisePart, promise};
 pub use quality::{Quality, QualityConfig, TemperatureQuality, quality};
-pub use solve::{Solution, tolerance, value_iteration};
+pub use solve::{Solution, shared_value_iteration, tolerance, value_iteration};

@@ -1,17 +1,18 @@
 //! The policy stage: all behaviours solved, baked and compared.
 
 use super::adapt::{AdaptiveReport, adapt};
-use super::bake::{bake, best_actions};
+use super::bake::{best_actions, shared_bake};
 use super::behaviour::{Approach, Behaviour, Evade, SegmentHit, ThrowPunches, segment_hits};
 use super::compare::{Comparison, compare};
 use super::config::{BehaviourConfig, BehaviourKind, PolicyConfig};
 use super::model::ActionModel;
 use super::promise::{Promise, promise};
-use super::solve::{Solution, value_iteration};
+use super::solve::{Solution, shared_value_iteration};
 use crate::graph::MotionGraph;
 use glam::Vec2;
 use rand_pcg::Pcg64;
 use std::time::Instant;
+use throng_base::{Alone, Comm};
 use throng_core::policy::{
     ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
 };
@@ -109,6 +110,7 @@ impl PolicyTables {
 
 /// Solves the configured behaviours over the motion graph.
 ///
+/// - `comm`: processes that solve together; each backs up a block of the states.
 /// - `rng`: for the comparison in the reports only; tables do not depend on it.
 ///
 /// # Errors
@@ -121,13 +123,14 @@ pub fn solve(
     cfg: &PolicyConfig,
     rng: &mut Pcg64,
     progress: &dyn Progress,
+    comm: &dyn Comm,
 ) -> Result<PolicyTables, BuildError> {
     let model = ActionModel::new(clips, graph)?;
     let hits = segment_hits(clips, graph);
     let one = |(i, b)| make(b, clips, graph, &hits).map_err(|e| e.within(&format!("behaviours[{i}]")));
     let made: Vec<Box<dyn Behaviour>> = behaviours.iter().enumerate().map(one).collect::<Result<_, BuildError>>()?;
     let made: Vec<&dyn Behaviour> = made.iter().map(|b| &**b).collect();
-    solve_behaviours(model, &made, cfg, rng, progress)
+    solve_shared(model, &made, cfg, rng, progress, comm)
 }
 
 /// The behaviour that a config describes: the one list of kinds.
@@ -167,6 +170,17 @@ pub fn solve_behaviours(
     rng: &mut Pcg64,
     progress: &dyn Progress,
 ) -> Result<PolicyTables, BuildError> {
+    solve_shared(model, behaviours, cfg, rng, progress, &Alone)
+}
+
+fn solve_shared(
+    model: ActionModel,
+    behaviours: &[&dyn Behaviour],
+    cfg: &PolicyConfig,
+    rng: &mut Pcg64,
+    progress: &dyn Progress,
+    comm: &dyn Comm,
+) -> Result<PolicyTables, BuildError> {
     let mut policies: Vec<Policy> = Vec::new();
     for (i, &behaviour) in behaviours.iter().enumerate() {
         let key = format!("behaviours[{i}]");
@@ -174,7 +188,7 @@ pub fn solve_behaviours(
             let why = format!("\"{}\" is there twice; give each its own name", behaviour.spec().name);
             return Err(BuildError::key("name", why).within(&key));
         }
-        policies.push(solve_one(&model, behaviour, cfg, rng, progress).map_err(|e| e.within(&key))?);
+        policies.push(solve_one(&model, behaviour, cfg, rng, (progress, comm)).map_err(|e| e.within(&key))?);
     }
     let ActionModel { action_offsets, action_segments, .. } = model;
     Ok(PolicyTables { action_offsets, action_segments, policies })
@@ -185,11 +199,11 @@ fn solve_one(
     behaviour: &dyn Behaviour,
     cfg: &PolicyConfig,
     rng: &mut Pcg64,
-    progress: &dyn Progress,
+    (progress, comm): (&dyn Progress, &dyn Comm),
 ) -> Result<Policy, BuildError> {
     let begin = Instant::now();
-    let mut solution = value_iteration(model, behaviour, cfg, progress)?;
-    let mut best = bake(model, &mut solution, cfg)?;
+    let mut solution = shared_value_iteration(model, behaviour, cfg, progress, comm)?;
+    let mut best = shared_bake(model, &mut solution, cfg, comm)?;
     behaviour.check_values(&solution.values)?;
     let mut adaptive = None;
     if let Some(config) = behaviour.spec().adaptive {

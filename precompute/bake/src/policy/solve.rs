@@ -5,12 +5,14 @@ use super::config::PolicyConfig;
 use super::model::ActionModel;
 use super::pairs::{MAX_PLANE, Pairs, Shape};
 use super::sweep::Sweeper;
+use crate::share::joined;
 use std::time::Instant;
+use throng_base::{Alone, Comm};
 use throng_core::policy::{
     ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
 };
 use throng_motion::error::BuildError;
-use throng_motion::progress::{Progress, Stopped};
+use throng_motion::progress::Progress;
 
 /// Values of a solved policy, and what it took.
 #[derive(Clone, Debug)]
@@ -70,6 +72,21 @@ pub fn value_iteration(
     cfg: &PolicyConfig,
     progress: &dyn Progress,
 ) -> Result<Solution, BuildError> {
+    shared_value_iteration(model, behaviour, cfg, progress, &Alone)
+}
+
+/// As [`value_iteration`], by several processes: each backs up a block of the states, and all have all values after every
+/// sweep. The values are those of one process.
+///
+/// # Errors
+/// As [`value_iteration`]; [`throng_base::Error::Rank`].
+pub fn shared_value_iteration(
+    model: &ActionModel,
+    behaviour: &dyn Behaviour,
+    cfg: &PolicyConfig,
+    progress: &dyn Progress,
+    comm: &dyn Comm,
+) -> Result<Solution, BuildError> {
     let begin = Instant::now();
     check_size(model, behaviour, cfg)?;
     let segments = segment_records(behaviour, &model.segments);
@@ -81,12 +98,12 @@ pub fn value_iteration(
     let shape = Shape::new(&behaviour.spec().grid);
     let best = vec![0; solution.values.len()];
     let pairs = Pairs::new(&solution.table(model, &best)?, &solution.segments);
-    let mut sweeper = Sweeper::new(pairs, model);
+    let mut sweeper = Sweeper::new(pairs, model, comm.share(model.num_states()));
     solution.bytes_per_sweep = sweeper.bytes_per_sweep();
     solution.setup_s = begin.elapsed().as_secs_f64();
     let begin = Instant::now();
     let tolerance = tolerance(cfg.epsilon, behaviour.spec().discount, model.least_frames()) as f32;
-    let values = iterate(&mut sweeper, tolerance, cfg.max_sweeps, &mut solution, progress)?;
+    let values = iterate(&mut sweeper, (tolerance, cfg.max_sweeps), &mut solution, progress, comm)?;
     solution.sweep_s = begin.elapsed().as_secs_f64();
     if solution.residual > tolerance {
         let (residual, sweeps) = (solution.residual, solution.num_sweeps);
@@ -134,29 +151,30 @@ const LANES_TO_SPARE: usize = 2;
 /// Alternates full sweeps and sweeps over the greedy policy. Returns the values that the last full sweep measured.
 fn iterate(
     sweeper: &mut Sweeper,
-    tolerance: f32,
-    max_sweeps: u32,
+    (tolerance, max_sweeps): (f32, u32),
     solution: &mut Solution,
     progress: &dyn Progress,
-) -> Result<Vec<f32>, Stopped> {
+    comm: &dyn Comm,
+) -> Result<Vec<f32>, BuildError> {
     let mut values = vec![0.0; sweeper.num_values()];
-    let mut next = values.clone();
+    let (mut next, row) = (vec![0.0; sweeper.num_own_values()], sweeper.value_row());
+    let largest = |change: f32| comm.max(f64::from(change)).map(|most| most as f32);
     progress.begin("policy", 0, "sweeps");
     loop {
-        let residual = sweeper.full(&values, &mut next);
+        let residual = largest(sweeper.full(&values, &mut next))?;
         solution.num_sweeps += 1;
         solution.residual = residual;
         progress.advance(1);
         if residual <= tolerance || solution.num_sweeps >= max_sweeps || residual.is_nan() {
             break;
         }
-        std::mem::swap(&mut values, &mut next);
+        joined(comm, row, &mut next, &mut values)?;
         // Far from the end the greedy policy will change anyway; near it, what is left must be below the tolerance.
         let enough = (residual * GREEDY_PRECISION).max(tolerance * GREEDY_TOLERANCE);
         for _ in 0..MAX_GREEDY_SWEEPS {
             progress.check()?;
-            let change = sweeper.greedy(&values, &mut next);
-            std::mem::swap(&mut values, &mut next);
+            let change = largest(sweeper.greedy(&values, &mut next))?;
+            joined(comm, row, &mut next, &mut values)?;
             solution.num_greedy_sweeps += 1;
             if change <= enough {
                 break;

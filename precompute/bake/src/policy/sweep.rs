@@ -3,22 +3,25 @@
 use super::model::ActionModel;
 use super::pairs::{Pair, Pairs};
 use rayon::prelude::*;
+use std::ops::Range;
 use throng_core::simd::vectorize;
 
 /// A segment that one action alone plays is backed up where that action is; others once for all.
 const PRIVATE: u32 = u32::MAX;
 
-/// The backups of a model, and the greedy policy of the last full sweep.
+/// The backups of a block of a model's states, and the greedy policy of the last full sweep.
 pub(super) struct Sweeper<'a> {
     pairs: Pairs,
     model: &'a ActionModel,
+    /// The block.
+    own: Range<usize>,
     /// Row of each segment in `shared`, or [`PRIVATE`].
     shared_rows: Vec<u32>,
     /// Segments of the rows of `shared`.
     shared_segments: Vec<u32>,
     /// Backups of the segments that several actions share (rows * heights * row).
     shared: Vec<f32>,
-    /// Greedy pair of every (state, cell), rows in whole lanes.
+    /// Greedy pair of every (state of the block, cell), rows in whole lanes.
     greedy: Vec<Pair>,
 }
 
@@ -31,17 +34,18 @@ struct Scratch {
 }
 
 impl<'a> Sweeper<'a> {
-    pub fn new(pairs: Pairs, model: &'a ActionModel) -> Self {
+    pub fn new(pairs: Pairs, model: &'a ActionModel, own: Range<usize>) -> Self {
         let mut uses = vec![0u32; model.segments.len()];
-        model.action_segments.iter().for_each(|&s| uses[s as usize] += 1);
+        let actions = model.action_offsets[own.start] as usize..model.action_offsets[own.end] as usize;
+        model.action_segments[actions].iter().for_each(|&s| uses[s as usize] += 1);
         let shared_segments: Vec<u32> = (0..uses.len() as u32).filter(|&s| uses[s as usize] > 1).collect();
         let mut shared_rows = vec![PRIVATE; uses.len()];
         shared_segments.iter().zip(0..).for_each(|(&s, row)| shared_rows[s as usize] = row);
         let shape = pairs.shape;
         let per_segment = shape.heights * shape.row();
         let shared = vec![0.0; shared_segments.len() * per_segment];
-        let greedy = vec![Pair::default(); model.num_states() * per_segment];
-        Self { pairs, model, shared_rows, shared_segments, shared, greedy }
+        let greedy = vec![Pair::default(); own.len() * per_segment];
+        Self { pairs, model, own, shared_rows, shared_segments, shared, greedy }
     }
 
     /// Number of values, spare columns included.
@@ -49,16 +53,26 @@ impl<'a> Sweeper<'a> {
         self.model.num_states() * self.pairs.shape.value_row()
     }
 
+    /// Those of the block.
+    pub fn num_own_values(&self) -> usize {
+        self.own.len() * self.value_row()
+    }
+
+    /// Those of one state.
+    pub fn value_row(&self) -> usize {
+        self.pairs.shape.value_row()
+    }
+
     /// Bytes a full sweep reads and writes.
     pub fn bytes_per_sweep(&self) -> usize {
         self.pairs.bytes() + self.shared.len() * 4 + self.num_values() * 8 + size_of_val(&*self.greedy)
     }
 
-    /// One full sweep: `next` becomes the best backup of `values`; the greedy policy is noted.
+    /// One full sweep: `next`, of the block, becomes the best backup of `values`, of all; the greedy policy is noted.
     ///
     /// Returns the largest change. Every state reads `values` alone, so that the split over threads does not matter.
     pub fn full(&mut self, values: &[f32], next: &mut [f32]) -> f32 {
-        let Self { pairs, model, shared_rows, shared_segments, shared, greedy } = self;
+        let Self { pairs, model, own, shared_rows, shared_segments, shared, greedy } = self;
         let shape = pairs.shape;
         let (row, plane) = (shape.row(), shape.value_plane());
         shared.par_chunks_mut(shape.heights * row).zip(&*shared_segments).for_each(|(out, &segment)| {
@@ -75,7 +89,8 @@ impl<'a> Sweeper<'a> {
         let view = View { pairs, model, shared_rows, shared, values };
         let rows = next.par_chunks_mut(shape.value_row()).zip(greedy.par_chunks_mut(shape.heights * row));
         rows.enumerate()
-            .map_init(Scratch::default, |scratch, (state, (next, greedy))| {
+            .map_init(Scratch::default, |scratch, (n, (next, greedy))| {
+                let state = own.start + n;
                 vectorize(
                     #[inline(always)]
                     || view.state(state, next, greedy, scratch),
@@ -84,11 +99,12 @@ impl<'a> Sweeper<'a> {
             .reduce(|| 0.0, f32::max)
     }
 
-    /// One sweep over the greedy actions: `next` becomes their backup of `values`. Returns the largest change.
+    /// One sweep over the greedy actions of the block: `next` becomes their backup of `values`. Returns the largest change.
     pub fn greedy(&self, values: &[f32], next: &mut [f32]) -> f32 {
         let shape = self.pairs.shape;
         let (row, plane, stride, angles) = (shape.row(), shape.value_plane(), shape.stride(), shape.angles);
-        let states = next.par_chunks_mut(shape.value_row()).zip(values.par_chunks(shape.value_row()));
+        let own = &values[self.own.start * shape.value_row()..self.own.end * shape.value_row()];
+        let states = next.par_chunks_mut(shape.value_row()).zip(own.par_chunks(shape.value_row()));
         let states = states.zip(self.greedy.par_chunks(shape.heights * row));
         states
             .map(|((next, old), greedy)| {

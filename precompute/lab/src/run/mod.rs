@@ -11,6 +11,7 @@ mod recording;
 mod report;
 mod row;
 mod scenario;
+mod shared;
 mod styles;
 pub(crate) mod watch;
 
@@ -28,6 +29,7 @@ pub use recording::Recording;
 pub use report::{GroupReport, RunConfig, SceneReport, geometry, run, run_agents, run_recorded};
 pub(crate) use report::{Moment, play};
 pub use scenario::{ScenarioFigures, measure as measure_scenario};
+pub use shared::{RankFigures, SharedFigures, run_shared};
 pub use styles::{StyleWalk, curve, walk_styles};
 pub(crate) use watch::knee_angles;
 pub use watch::{AgentsMeter, AgentsNow};

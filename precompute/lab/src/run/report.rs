@@ -69,7 +69,7 @@ pub(super) fn fault(e: Error) -> BuildError {
     BuildError::Config { message: e.to_string() }
 }
 
-fn wrong(message: String) -> BuildError {
+pub(super) fn wrong(message: String) -> BuildError {
     BuildError::Stage { stage: "scene", message, help: "`throng run --help` lists what may be given".into() }
 }
 

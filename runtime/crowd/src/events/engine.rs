@@ -182,35 +182,52 @@ impl<V: Space> Engine<V> {
 
     /// Fills the density grid, if it is time to.
     pub fn refresh_grid_until(&mut self, time: f64) {
+        let Some(now) = self.begin_refresh(time) else { return };
+        for index in 0..self.states.len() as u32 {
+            if let Some((position, velocity, intent)) = self.motion(index, now) {
+                self.grid.add(position, velocity, intent);
+            }
+        }
+    }
+
+    /// Empties the density grid, if it is time to fill it; the time that it is to show.
+    pub fn begin_refresh(&mut self, time: f64) -> Option<f64> {
         if self.next_refresh() > time {
-            return;
+            return None;
         }
         // Nobody acts between refreshes that are due together: the last one shows what all of them would.
         self.refreshes = (time / self.scenery.steering.refresh_s) as u64;
         let now = self.next_refresh();
         self.refreshes += 1;
         self.grid.clear();
-        for (index, state) in (0u32..).zip(&self.states) {
-            if state.cell != NONE {
-                let plan = self.cells.plan(index);
-                let (position, velocity) = plan.at(now.max(plan.start));
-                self.grid.add(position, velocity, state.intent);
-            }
-        }
+        Some(now)
     }
 
-    /// The next event of an agent, and of the agent whose bound it touches.
-    pub fn process_event(&mut self, agent: u32) -> Result<(), CrowdError> {
+    /// Position, velocity and intent of an agent, as the density grid has them at a time; `None` for a free place.
+    #[inline]
+    pub fn motion(&self, index: u32, now: f64) -> Option<(V, V, V)> {
+        let state = &self.states[index as usize];
+        if state.cell == NONE {
+            return None;
+        }
+        let plan = self.cells.plan(index);
+        let (position, velocity) = plan.at(now.max(plan.start));
+        Some((position, velocity, state.intent))
+    }
+
+    /// The next event of an agent, and of the agent whose bound it touches; that one, if it acted too.
+    pub fn process_event(&mut self, agent: u32) -> Result<Option<u32>, CrowdError> {
         let cause = self.states[agent as usize].cause;
         let partner = self.partner(cause);
         self.watch(agent, partner)?;
         self.tell(agent, self.kind(cause));
         let renewed = partner.filter(|&p| self.is_renewed_with(p, agent, self.now));
         self.decide(agent, REGISTRATION);
-        if let Some(renewed) = renewed.filter(|&p| self.states[p as usize].cell != NONE) {
+        let renewed = renewed.filter(|&p| self.states[p as usize].cell != NONE);
+        if let Some(renewed) = renewed {
             self.decide(renewed, REGISTRATION);
         }
-        Ok(())
+        Ok(renewed)
     }
 
     /// True if the partner of a colliding event acts too: it has not acted since the agent did, so that its bound is the

@@ -143,6 +143,29 @@ impl Counts {
         of_events.iter().chain(&others).all(|&count| count < most)
     }
 
+    /// Those of two parts of a crowd together.
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self {
+            resetting: self.resetting + other.resetting,
+            colliding: self.colliding + other.colliding,
+            meeting: self.meeting + other.meeting,
+            entering: self.entering + other.entering,
+            leaving: self.leaving + other.leaving,
+            contacting: self.contacting + other.contacting,
+            separating: self.separating + other.separating,
+            arrived: self.arrived + other.arrived,
+            left: self.left + other.left,
+            struck: self.struck + other.struck,
+            stuck: self.stuck + other.stuck,
+            sensed: self.sensed + other.sensed,
+            timers: self.timers + other.timers,
+            decisions: self.decisions + other.decisions,
+            steps: self.steps + other.steps,
+            undone: self.undone + other.undone,
+            overlaps: self.overlaps + other.overlaps,
+        }
+    }
+
     /// Counts one event.
     pub(crate) fn add(&mut self, kind: EventKind) {
         *match kind {

@@ -11,6 +11,7 @@ mod query;
 pub(crate) mod queue;
 pub(crate) mod schemes;
 mod sensing;
+pub(crate) mod shared;
 mod snapshot;
 mod spawn;
 pub(crate) mod watchdog;

@@ -16,7 +16,7 @@ use std::sync::{Mutex, PoisonError};
 use throng_base::{Inline, Run};
 
 /// Length of a window in smallest intervals.
-const WINDOW: f64 = 0.5;
+pub(crate) const WINDOW: f64 = 0.5;
 /// Fewest events of a window or level that are worth a second thread.
 const FEWEST: usize = 32;
 /// Most parts that a level is split into.

@@ -186,6 +186,19 @@ impl<V: Space> Cells<V> {
         (((fold(2) << self.bits[1]) | fold(1)) << self.bits[0]) | fold(0)
     }
 
+    /// Coordinate of a cell along an axis, after the grid was folded.
+    #[inline]
+    pub fn folded(&self, cell: u32, axis: usize) -> usize {
+        let below: u32 = self.bits[..axis].iter().sum();
+        (cell >> below) as usize & ((1 << self.bits[axis]) - 1)
+    }
+
+    /// Coordinates of a cell, after the grid was folded.
+    #[inline]
+    pub fn coordinates_of(&self, cell: u32) -> [i32; 3] {
+        [0, 1, 2].map(|axis| self.folded(cell, axis) as i32)
+    }
+
     /// Calls `f` for the number of every cell around one, itself among them.
     #[inline]
     pub fn around(&self, at: [i32; 3], mut f: impl FnMut(u32)) {

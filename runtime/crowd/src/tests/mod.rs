@@ -9,6 +9,7 @@ mod jams;
 #[cfg(feature = "baselines")]
 mod schemes;
 mod senses;
+mod shared;
 
 use crate::events::engine::Engine;
 use crate::safety::rule::clearance;

@@ -1,0 +1,78 @@
+//! `throng-mpi crowd`: one crowd in several processes.
+
+use crate::progress::Lines;
+use crate::{Outcome, print_json};
+use std::path::Path;
+use throng_precompute::progress::{Progress, Silent};
+use throng_precompute::run::{OWN_SCENES, SharedFigures, own_scene, run_shared};
+use throng_runtime::base::{Comm, limits};
+use throng_runtime::simulation::Scene;
+
+/// Move the agents of a scene in several processes, each of which has a region and hands agents over at its borders.
+///
+/// The state at the end is that of one process, bit by bit. JSON keys: agents, ranks, simulated_s, us_per_agent_second,
+/// handed_over, overlaps, bytes_moved, state_hash, of_ranks[] (agents, busy_s, ran_s, bytes_moved, peak_bytes).
+#[derive(clap::Args)]
+pub struct Args {
+    /// Built-in scene (flock, corridor, lanes, circle, ring, bottleneck), or a scene file of agents with goals alone.
+    #[arg(value_name = "NAME_OR_FILE")]
+    scene: String,
+    /// Number of agents; that of the scene where absent.
+    #[arg(long, value_name = "N", value_parser = limits::number::<usize>(&limits::CAPACITY))]
+    agents: Option<usize>,
+    /// Simulated time; what the scene says where absent.
+    #[arg(long, value_name = "S", value_parser = limits::number::<f64>(&limits::SECONDS))]
+    seconds: Option<f64>,
+    /// Seed of places, sizes and speeds; that of the scene where absent.
+    #[arg(long, value_parser = limits::number::<u64>(&limits::SEED))]
+    seed: Option<u64>,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args, comm: &dyn Comm) -> Outcome {
+    let mut scene = load(&args.scene)?;
+    if let Some(agents) = args.agents {
+        scene = scene.resized(agents);
+    }
+    scene.seed = args.seed.unwrap_or(scene.seed);
+    scene.check()?;
+    let progress: Box<dyn Progress> = if comm.rank() == 0 { Box::new(Lines::new(args.json)) } else { Box::new(Silent) };
+    match run_shared(&scene.open()?, args.seconds, comm, &*progress)? {
+        Some(figures) if args.json => print_json(&figures),
+        Some(figures) => {
+            print(&scene.name, &figures);
+            Ok(())
+        }
+        None => Ok(()),
+    }
+}
+
+/// A built-in scene, or a file.
+fn load(name: &str) -> Result<Scene, Box<dyn std::error::Error>> {
+    if let Some(own) = own_scene(name)? {
+        return Ok(own);
+    }
+    let path = Path::new(name);
+    match path.exists() {
+        true => Ok(Scene::load(path)?),
+        false => Err(format!("{name}: expected one of {}, or a scene file", OWN_SCENES.join(", ")).into()),
+    }
+}
+
+fn print(scene: &str, f: &SharedFigures) {
+    println!("scene        {scene}: {} agents, {} s, {} ranks", f.agents, f.simulated_s, f.ranks);
+    println!("time         {:.2} us for an agent and a second", f.us_per_agent_second);
+    println!("handed over  {}", f.handed_over);
+    println!("overlaps     {}", f.overlaps);
+    println!("moved        {:.1} MB", f.bytes_moved as f64 / 1e6);
+    println!("state        {}", f.state_hash);
+    for (rank, of) in f.of_ranks.iter().enumerate() {
+        let (moved, peak) = (of.bytes_moved as f64 / 1e6, of.peak_bytes as f64 / 1e6);
+        println!(
+            "rank {rank:<7} {} agents, busy for {:.1} s, sent {moved:.1} MB, at most {peak:.0} MB of memory",
+            of.agents, of.busy_s
+        );
+    }
+}

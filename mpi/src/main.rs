@@ -1,0 +1,80 @@
+//! The command line of Throng in several processes: one file per subcommand, as in `throng`.
+
+mod build;
+mod comm;
+mod crowd;
+mod progress;
+
+use clap::{Parser, Subcommand};
+use comm::MpiComm;
+use std::process::ExitCode;
+use std::time::Duration;
+use throng_runtime::base::{Comm, LocalComm, limits};
+
+/// Moves crowds in several processes: `mpirun -n RANKS throng-mpi ...`.
+///
+/// Every process is started with the same words and sees the same files.
+#[derive(Parser)]
+#[command(
+    name = "throng-mpi",
+    version,
+    after_help = "Exit codes: 0 done, 1 failed, 2 wrong usage; mpirun has its own for a process that was killed. The first \
+                  process prints; with --json, one JSON object on standard output, and JSON lines of its progress on standard error."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Without MPI: so many threads of this process in place of processes.
+    #[arg(long, global = true, value_name = "N", value_parser = limits::number::<usize>(&limits::THREADS))]
+    local: Option<usize>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Build(build::Args),
+    Crowd(crowd::Args),
+}
+
+/// What a subcommand returns.
+type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    if let Some(ranks) = cli.local.filter(|&n| n > 0) {
+        let done = LocalComm::run(ranks, |comm| run(&cli.command, comm).map_err(|e| e.to_string()));
+        let failed = done.into_iter().filter_map(Result::err);
+        // Those who waited for a rank that has failed fail too.
+        return match failed.min_by_key(|e| e.ends_with("has ended")) {
+            Some(e) => {
+                eprintln!("error: {e}");
+                ExitCode::FAILURE
+            }
+            None => ExitCode::SUCCESS,
+        };
+    }
+    let Some(comm) = MpiComm::new() else {
+        eprintln!("error: MPI does not start; run it with `mpirun -n RANKS throng-mpi ...`");
+        return ExitCode::FAILURE;
+    };
+    let Err(e) = run(&cli.command, &comm) else { return ExitCode::SUCCESS };
+    // What goes wrong everywhere is told once: by the first, which ends the others.
+    if comm.rank() > 0 {
+        std::thread::sleep(Duration::from_millis(500));
+    }
+    eprintln!("error: rank {}: {e}", comm.rank());
+    comm.abort()
+}
+
+/// Does what is asked for, as one of the ranks.
+fn run(command: &Command, comm: &dyn Comm) -> Outcome {
+    match command {
+        Command::Build(a) => build::run(a, comm),
+        Command::Crowd(a) => crowd::run(a, comm),
+    }
+}
+
+/// Prints one JSON object on standard output.
+fn print_json(value: &impl serde::Serialize) -> Outcome {
+    println!("{}", serde_json::to_string_pretty(value)?);
+    Ok(())
+}

@@ -1,0 +1,177 @@
+//! One crowd that several processes move, measured.
+
+use super::clock::running_s;
+use super::report::{fault, wrong};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::time::Instant;
+use throng_base::Comm;
+use throng_base::limits::SECONDS;
+use throng_crowd::Crowd;
+use throng_motion::error::BuildError;
+use throng_motion::memory;
+use throng_motion::progress::Progress;
+use throng_runtime::simulation::{CompiledScene, GroupCast, Simulation};
+
+/// How often agents are looked at for overlaps (Hz).
+const LOOK_HZ: f64 = 10.0;
+
+/// What a crowd costs that several processes move.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct SharedFigures {
+    /// Agents at the start.
+    pub agents: usize,
+    /// Processes.
+    pub ranks: usize,
+    /// Simulated time (s).
+    pub simulated_s: f64,
+    /// Time of the slowest process for an agent and a simulated second, looks for overlaps left out (us).
+    pub us_per_agent_second: f64,
+    /// How often an agent was handed over from one process to another.
+    pub handed_over: u64,
+    /// Agents that were seen to overlap another one, in all looks, ten in a simulated second. Never anything but 0.
+    pub overlaps: u64,
+    /// Bytes that all processes sent to others.
+    pub bytes_moved: u64,
+    /// Hash of the state at the end, which is that of one process.
+    pub state_hash: String,
+    /// Of each process.
+    pub of_ranks: Vec<RankFigures>,
+}
+
+/// What one of several processes did.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct RankFigures {
+    /// Agents in its region at the end.
+    pub agents: usize,
+    /// Time that it did not wait for others (s).
+    pub busy_s: f64,
+    /// Time that a processor ran it; with MPI, waiting is running. 0 where the system does not tell (s).
+    pub ran_s: f64,
+    /// Bytes that it sent to others.
+    pub bytes_moved: u64,
+    /// Most memory that it held, the gathering of all agents at the end left out (bytes); 0 where the system does not
+    /// tell.
+    pub peak_bytes: u64,
+}
+
+/// Moves the agents of a scene together with other processes, each of which calls this with the same words.
+///
+/// - `progress`: is told simulated tenths of a second.
+/// - returns the figures on rank 0.
+///
+/// # Errors
+/// [`BuildError::Stage`] for a scene in which agents have more than goals, or other characters; as [`Crowd::advance`].
+pub fn run_shared(
+    scene: &CompiledScene,
+    seconds: Option<f64>,
+    comm: &dyn Comm,
+    progress: &dyn Progress,
+) -> Result<Option<SharedFigures>, BuildError> {
+    let seconds = seconds.unwrap_or(scene.scene().seconds);
+    SECONDS.check("seconds", None, seconds).map_err(fault)?;
+    let crowd = crowd_of(scene)?;
+    let agents = crowd.num_agents();
+    let mut part = crowd.share(comm).map_err(|e| fault(e.into()))?;
+    comm.barrier().map_err(fault)?;
+    let (mut advance_s, mut busy_s, mut ran_s, mut overlaps) = (0.0, 0.0, 0.0, 0);
+    let mut before = comm.traffic();
+    let moved = before.bytes_moved;
+    let looks = (seconds * LOOK_HZ).ceil() as u64;
+    progress.begin("crowd", looks, "tenths of a second");
+    for look in 1..=looks {
+        let (begin, running) = (Instant::now(), running_s());
+        part.advance((look as f64 / LOOK_HZ).min(seconds), comm).map_err(|e| fault(e.into()))?;
+        let (wall_s, traffic) = (begin.elapsed().as_secs_f64(), comm.traffic());
+        advance_s += wall_s;
+        busy_s += wall_s - (traffic.waited_s - before.waited_s);
+        ran_s += running_s().zip(running).map_or(0.0, |(after, begin)| after - begin);
+        before = traffic;
+        overlaps += part.num_overlapping();
+        progress.advance(1);
+    }
+    progress.end();
+    let mine = [
+        part.num_agents() as f64,
+        busy_s,
+        ran_s,
+        (before.bytes_moved - moved) as f64,
+        memory::peak_bytes().unwrap_or(0) as f64,
+    ];
+    let mut all: [Vec<f64>; 5] = Default::default();
+    for (all, number) in all.iter_mut().zip(mine) {
+        *all = comm.all_numbers(number).map_err(fault)?;
+    }
+    let of_ranks = (0..comm.num_ranks()).map(|r| RankFigures {
+        agents: all[0][r] as usize,
+        busy_s: all[1][r],
+        ran_s: all[2][r],
+        bytes_moved: all[3][r] as u64,
+        peak_bytes: all[4][r] as u64,
+    });
+    let slowest_s = comm.max(advance_s).map_err(fault)?;
+    let handed_over = comm.sum(part.num_handed_over()).map_err(fault)?;
+    let overlaps = comm.sum(overlaps).map_err(fault)?;
+    let whole = part.gather(comm).map_err(|e| fault(e.into()))?;
+    Ok(whole.map(|whole| SharedFigures {
+        agents,
+        ranks: comm.num_ranks(),
+        simulated_s: seconds,
+        us_per_agent_second: 1e6 * slowest_s / (agents as f64 * seconds),
+        handed_over,
+        overlaps,
+        bytes_moved: all[3].iter().map(|&b| b as u64).sum(),
+        state_hash: format!("{:016x}", whole.hash()),
+        of_ranks: of_ranks.collect(),
+    }))
+}
+
+/// The crowd of a scene of agents that have nothing but goals.
+fn crowd_of(scene: &CompiledScene) -> Result<Crowd, BuildError> {
+    if scene.scenario().is_some() {
+        return Err(wrong("its agents react to what happens, and only one process can move such; leave out happenings, rules and wandering".into()));
+    }
+    if !scene.scene().groups.iter().all(|g| g.is_of_agents()) {
+        return Err(wrong("expected a scene of agents, with `motion = \"none\"`".into()));
+    }
+    let mut sim = Simulation::new(scene).map_err(fault)?;
+    match sim.cast_mut(0) {
+        GroupCast::Ground(agents) => Ok(agents.crowd().clone()),
+        GroupCast::Air(agents) => Ok(agents.crowd().clone()),
+        _ => Err(wrong("expected a scene of agents, with `motion = \"none\"`".into())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::own_scene;
+    use throng_base::{Alone, LocalComm};
+    use throng_motion::progress::Silent;
+
+    #[test]
+    fn every_plain_scene_ends_as_in_one_process() {
+        for (name, agents) in [("lanes", 250), ("circle", 60), ("bottleneck", 80), ("flock", 200)] {
+            let scene = own_scene(name).unwrap().expect("it is there").resized(agents).open().unwrap();
+            let mut alone = crowd_of(&scene).unwrap();
+            alone.advance(60.0, &mut |_| {}).unwrap();
+            let hash = format!("{:016x}", alone.hash());
+            for ranks in 1..=4 {
+                let run = |comm: &LocalComm| run_shared(&scene, Some(60.0), comm, &Silent).unwrap();
+                let figures = LocalComm::run(ranks, run).swap_remove(0).expect("rank 0 has them");
+                assert_eq!(figures.state_hash, hash, "{name} at {ranks} ranks");
+                assert_eq!((figures.agents, figures.ranks, figures.overlaps), (agents, ranks, 0));
+                assert_eq!(figures.handed_over > 0, ranks > 1, "{name} at {ranks} ranks");
+                assert_eq!(figures.bytes_moved > 0, ranks > 1);
+                assert_eq!(figures.of_ranks.len(), ranks);
+            }
+        }
+    }
+
+    #[test]
+    fn scene_in_which_agents_tell_each_other_is_refused() {
+        let scene = own_scene("square").unwrap().expect("it is there").open().unwrap();
+        let error = run_shared(&scene, None, &Alone, &Silent).unwrap_err();
+        assert!(error.to_string().contains("only one process"), "{error}");
+    }
+}

@@ -1,0 +1,442 @@
+//! One crowd in several processes, each of which moves the agents of a region of its own.
+//!
+//! A region is a stripe of cells. As in `parallel.rs`, all events of a window are known at its start, and two of them matter to
+//! each other only where they share a cell around their agents. Each rank knows its own events and those of others that
+//! touch its region or a margin of [`MARGIN`] cells around it, and keeps the agents of the margin, ghosts, as their rank
+//! has them. It processes its events in the order of time, but for those that have to wait for one of another rank.
+//! Then all ranks exchange what has changed in each other's margins, and go on with those that waited. So the motion is
+//! that of one process, bit by bit, and the safety rule compares the same plans.
+
+use crate::error::CrowdError;
+use crate::events::decide::AgentState;
+use crate::events::engine::Engine;
+use crate::events::parallel::WINDOW;
+use crate::space::plan::Plan;
+use crate::{Counts, NONE, Space};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use throng_base::{Comm, Error, out_of_step};
+
+/// How many cells around its own a rank knows: its agents decide up to a cell away from where they are registered, whom
+/// they meet up to two cells away, and either looks a cell farther.
+const MARGIN: usize = 3;
+/// Overlaps below this are those of rounding (m).
+const TOUCH_M: f32 = 1e-4;
+
+/// A part of a crowd, as one rank has it.
+#[derive(Debug)]
+pub(crate) struct SharedEngine<V> {
+    engine: Engine<V>,
+    /// Axis along which stripes follow each other.
+    axis: usize,
+    /// Rank of each coordinate of cells along the axis.
+    owner: Vec<usize>,
+    /// Of each rank, which coordinates it knows, and which are next to those.
+    known: Vec<Vec<bool>>,
+    reached: Vec<Vec<bool>>,
+    rank: usize,
+    pub handed_over: u64,
+    /// Places that were free at the start.
+    num_free: usize,
+    /// Who left the crowd by an event of this rank.
+    left: Vec<Left<V>>,
+    /// Of each cell: the last pass in which an event that waits was found in it.
+    waits: Vec<u32>,
+    pass: u32,
+}
+
+/// An event of a window.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Item {
+    time: f64,
+    agent: u32,
+    /// Cells of the agent and of whom it may make act too, at that time; [`NONE`] without one.
+    cells: [u32; 2],
+    rank: usize,
+    is_done: bool,
+}
+
+/// What became of an agent.
+#[derive(Serialize, Deserialize)]
+#[serde(bound = "V: Space")]
+struct Changed<V> {
+    plan: Plan<V>,
+    /// Its cell is [`NONE`] where it left.
+    state: AgentState<V>,
+}
+
+/// An agent that left, in the order in which one process frees their places.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(bound = "V: Space")]
+struct Left<V> {
+    time: f64,
+    /// Whose event it was, and whether it was the other one that left.
+    by: (u32, bool),
+    agent: u32,
+    state: AgentState<V>,
+}
+
+/// What a rank tells another one after a pass.
+#[derive(Serialize, Deserialize)]
+#[serde(bound = "V: Space")]
+struct Told<V> {
+    /// How many of its events still wait.
+    waiting: usize,
+    /// Agents whose events are done.
+    done: Vec<u32>,
+    changed: Vec<Changed<V>>,
+}
+
+/// What a rank has at the end, for the rank that puts all together.
+#[derive(Serialize, Deserialize)]
+#[serde(bound = "V: Space")]
+struct Gathered<V> {
+    counts: Counts,
+    left: Vec<Left<V>>,
+    /// In the order of cells and of agents in them.
+    agents: Vec<Changed<V>>,
+}
+
+fn encode(value: &impl Serialize) -> Vec<u8> {
+    // Writing to memory what can be written cannot fail.
+    bincode::serde::encode_to_vec(value, bincode::config::standard().with_fixed_int_encoding()).unwrap_or_default()
+}
+
+fn decode<T: DeserializeOwned>(rank: usize, bytes: &[u8]) -> Result<T, Error> {
+    let config = bincode::config::standard().with_fixed_int_encoding();
+    bincode::serde::decode_from_slice(bytes, config).map(|(value, _)| value).map_err(|_| out_of_step(rank))
+}
+
+impl<V: Space> SharedEngine<V> {
+    /// The part of a rank of a crowd that all ranks have made alike. Stripes hold as many agents each as cells allow.
+    ///
+    /// # Errors
+    /// [`CrowdError::Other`] for a crowd in which agents sense or care for others, or with another engine.
+    pub fn new(mut engine: Engine<V>, comm: &dyn Comm) -> Result<Self, CrowdError> {
+        let is_plain = !engine.sensors.is_on() && engine.bonds.saved().is_empty();
+        #[cfg(feature = "baselines")]
+        let is_plain = is_plain && engine.baseline.is_none();
+        let expected =
+            "0: without senses, timers, interests and companions of single agents, and with the engine of events";
+        throng_base::error::check(
+            "number of ties between agents",
+            None,
+            f64::from(u8::from(!is_plain)),
+            is_plain,
+            expected,
+        )?;
+        let (rank, num_ranks) = (comm.rank(), comm.num_ranks());
+        let folds = engine.cells.folds();
+        let axis = (0..V::DIMENSIONS).max_by_key(|&axis| folds[axis]).unwrap_or(0);
+        let width = folds[axis] as usize;
+        let mut num_at = vec![0; width];
+        let mut all = 0;
+        for state in engine.states.iter().filter(|s| s.cell != NONE) {
+            num_at[engine.cells.folded(state.cell, axis)] += 1;
+            all += 1;
+        }
+        let mut before = 0;
+        let owner: Vec<usize> = num_at
+            .iter()
+            .map(|num| {
+                // Of a coordinate that two ranks could have, the one that has more of it.
+                let middle = before + num / 2;
+                before += num;
+                (middle * num_ranks / all.max(1)).min(num_ranks - 1)
+            })
+            .collect();
+        let within = |margin: usize| {
+            let near = |rank: usize, at: usize| {
+                (0..=2 * margin).any(|k| owner[(at + k + margin * (width - 1)) % width] == rank)
+            };
+            (0..num_ranks).map(|rank| (0..width).map(|at| near(rank, at)).collect()).collect()
+        };
+        let (known, reached) = (within(MARGIN), within(MARGIN + 1));
+        if rank > 0 {
+            engine.counts = Counts::default();
+        }
+        let waits = vec![0; engine.cells.num_cells()];
+        let (num_free, left) = (engine.free.len(), Vec::new());
+        let mut shared =
+            Self { engine, axis, owner, known, reached, rank, handed_over: 0, num_free, left, waits, pass: 0 };
+        for agent in 0..shared.engine.states.len() as u32 {
+            shared.keep(agent);
+        }
+        Ok(shared)
+    }
+
+    /// Forgets an agent that is far away, and the event of one that is another rank's.
+    fn keep(&mut self, agent: u32) {
+        let cell = self.engine.states[agent as usize].cell;
+        if cell == NONE || self.owner_of(cell) == self.rank {
+            return;
+        }
+        self.engine.queue.remove(agent);
+        if !self.is_known(self.rank, cell) {
+            self.engine.cells.remove(cell, agent);
+            self.engine.states[agent as usize].cell = NONE;
+        }
+    }
+
+    fn owner_of(&self, cell: u32) -> usize {
+        self.owner[self.engine.cells.folded(cell, self.axis)]
+    }
+
+    fn is_known(&self, rank: usize, cell: u32) -> bool {
+        self.known[rank][self.engine.cells.folded(cell, self.axis)]
+    }
+
+    /// True where an agent is there and this rank's.
+    fn is_own(&self, agent: u32) -> bool {
+        let cell = self.engine.states[agent as usize].cell;
+        cell != NONE && self.owner_of(cell) == self.rank
+    }
+
+    /// Agents of this rank.
+    pub fn num_own(&self) -> usize {
+        (0..self.engine.states.len() as u32).filter(|&m| self.is_own(m)).count()
+    }
+
+    /// Lets time pass until `until_s`.
+    ///
+    /// # Errors
+    /// As [`Engine::run`], and [`Error::Rank`].
+    pub fn advance(&mut self, until_s: f64, comm: &dyn Comm) -> Result<(), CrowdError> {
+        self.engine.check_time(until_s)?;
+        loop {
+            let first = self.engine.queue.first(until_s).map_or(f64::INFINITY, |first| first.0);
+            let first = comm.min(first)?;
+            if first > until_s {
+                break;
+            }
+            self.refresh_grid_until(first, comm)?;
+            self.window((first, until_s), comm)?;
+        }
+        self.engine.now = until_s;
+        Ok(())
+    }
+
+    /// As [`Engine::refresh_grid_until`], with the agents of all ranks: they are added in the order of their numbers.
+    fn refresh_grid_until(&mut self, time: f64, comm: &dyn Comm) -> Result<(), CrowdError> {
+        let Some(now) = self.engine.begin_refresh(time) else { return Ok(()) };
+        let own = (0..self.engine.states.len() as u32).filter(|&m| self.is_own(m));
+        let own: Vec<(u32, (V, V, V))> = own.filter_map(|m| Some((m, self.engine.motion(m, now)?))).collect();
+        let mut all = Vec::new();
+        for (rank, bytes) in comm.all_gather(&encode(&own))?.iter().enumerate() {
+            all.extend(decode::<Vec<(u32, (V, V, V))>>(rank, bytes)?);
+        }
+        all.sort_by_key(|(m, _)| *m);
+        all.into_iter().for_each(|(_, (position, velocity, intent))| self.engine.grid.add(position, velocity, intent));
+        Ok(())
+    }
+
+    /// All events from a time to the end of a window, which is not after another time.
+    fn window(&mut self, (time, until_s): (f64, f64), comm: &dyn Comm) -> Result<(), CrowdError> {
+        let end = (time + WINDOW * f64::from(self.engine.scenery.interval)).min(until_s);
+        let mut items = Vec::new();
+        while let Some((time, agent)) = self.engine.queue.first(end) {
+            if time >= self.engine.next_refresh() {
+                break;
+            }
+            self.engine.queue.remove(agent);
+            items.push(self.item(time, agent));
+        }
+        let of_rank = |rank: usize| items.iter().filter(|item| self.touches(item, rank)).copied().collect::<Vec<_>>();
+        let messages =
+            (0..comm.num_ranks()).map(|rank| if rank == self.rank { Vec::new() } else { encode(&of_rank(rank)) });
+        for (rank, bytes) in comm.exchange(messages.collect())?.iter().enumerate() {
+            if rank != self.rank {
+                items.extend(decode::<Vec<Item>>(rank, bytes)?);
+            }
+        }
+        items.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.agent.cmp(&b.agent)));
+        let mut place_of: Vec<(u32, usize)> = items.iter().enumerate().map(|(n, item)| (item.agent, n)).collect();
+        place_of.sort_unstable();
+        while !self.pass(&mut items, &place_of, comm)? {}
+        Ok(())
+    }
+
+    /// An event of this rank that comes in a window.
+    fn item(&self, time: f64, agent: u32) -> Item {
+        let engine = &self.engine;
+        let cell = |agent: u32| engine.cells.number(engine.cells.coordinates(engine.cells.plan(agent).at(time).0));
+        let partner = engine.partner(engine.states[agent as usize].cause);
+        // Who has acted since, or is to have acted by then, will not act again.
+        let partner = partner.filter(|&p| engine.is_renewed_with(p, agent, time));
+        Item { time, agent, cells: [cell(agent), partner.map_or(NONE, cell)], rank: self.rank, is_done: false }
+    }
+
+    /// Calls `f` with every cell that an event may look at or change.
+    fn around(&self, item: &Item, mut f: impl FnMut(u32)) {
+        let cells = &self.engine.cells;
+        for cell in item.cells.into_iter().filter(|&c| c != NONE) {
+            cells.around(cells.coordinates_of(cell), &mut f);
+        }
+    }
+
+    /// True where an event may look at or change what a rank knows.
+    fn touches(&self, item: &Item, rank: usize) -> bool {
+        let at = |&cell: &u32| cell != NONE && self.reached[rank][self.engine.cells.folded(cell, self.axis)];
+        item.cells.iter().any(at)
+    }
+
+    /// Processes the events of this rank that need not wait, and tells the others; true where nobody waits any more.
+    fn pass(&mut self, items: &mut [Item], place_of: &[(u32, usize)], comm: &dyn Comm) -> Result<bool, CrowdError> {
+        self.pass = match self.pass.checked_add(1) {
+            Some(pass) => pass,
+            None => {
+                self.waits.fill(0);
+                1
+            }
+        };
+        let nothing = || Told { waiting: 0, done: Vec::new(), changed: Vec::new() };
+        let mut told: Vec<Told<V>> = (0..comm.num_ranks()).map(|_| nothing()).collect();
+        let mut waiting = 0;
+        for item in items.iter_mut().filter(|item| !item.is_done) {
+            let mut waits = item.rank != self.rank;
+            self.around(item, |cell| waits |= self.waits[cell as usize] == self.pass);
+            if waits {
+                waiting += usize::from(item.rank == self.rank);
+                let mut waits = std::mem::take(&mut self.waits);
+                self.around(item, |cell| waits[cell as usize] = self.pass);
+                self.waits = waits;
+                continue;
+            }
+            item.is_done = true;
+            let changed = self.process(item)?;
+            for rank in (0..told.len()).filter(|&rank| rank != self.rank && self.touches(item, rank)) {
+                told[rank].done.push(item.agent);
+                let changed = changed.iter().filter(|&&m| m != NONE).map(|&m| self.changed(m));
+                told[rank].changed.extend(changed);
+            }
+        }
+        let messages = told.iter_mut().map(|told| {
+            told.waiting = waiting;
+            encode(told)
+        });
+        let mut nobody_waits = true;
+        for (rank, bytes) in comm.exchange(messages.collect())?.iter().enumerate() {
+            let told: Told<V> = decode(rank, bytes)?;
+            nobody_waits &= told.waiting == 0;
+            for agent in told.done {
+                let place = place_of.binary_search_by_key(&agent, |p| p.0).map_err(|_| out_of_step(rank))?;
+                items[place_of[place].1].is_done = true;
+            }
+            told.changed.iter().for_each(|changed| self.take_over(changed));
+        }
+        Ok(nobody_waits)
+    }
+
+    /// The event of an agent of this rank, if it is still to come; returns the agents that it changed, or [`NONE`].
+    fn process(&mut self, item: &Item) -> Result<[u32; 2], CrowdError> {
+        let engine = &mut self.engine;
+        let is_due = engine.states[item.agent as usize].cell != NONE && engine.cells.plan(item.agent).end == item.time;
+        if !is_due {
+            return Ok([NONE; 2]);
+        }
+        engine.now = item.time;
+        let partner = engine.partner(engine.states[item.agent as usize].cause);
+        let cells = [Some(item.agent), partner].map(|m| m.map(|m| engine.states[m as usize].cell));
+        let renewed = engine.process_event(item.agent)?;
+        engine.events.clear();
+        let changed = [Some(item.agent), renewed];
+        for (n, (agent, from)) in changed.into_iter().zip(cells).enumerate() {
+            let (Some(agent), Some(from)) = (agent, from) else { continue };
+            let state = self.engine.states[agent as usize];
+            if state.cell == NONE {
+                self.left.push(Left { time: item.time, by: (item.agent, n == 1), agent, state });
+                continue;
+            }
+            if self.owner_of(state.cell) != self.rank {
+                self.engine.queue.remove(agent);
+            }
+            self.handed_over += u64::from(self.owner_of(from) != self.owner_of(state.cell));
+        }
+        Ok(changed.map(|m| m.unwrap_or(NONE)))
+    }
+
+    fn changed(&self, agent: u32) -> Changed<V> {
+        Changed { plan: self.engine.cells.plan(agent), state: self.engine.states[agent as usize] }
+    }
+
+    /// Does with an agent what another rank did.
+    fn take_over(&mut self, changed: &Changed<V>) {
+        let Changed { plan, state } = changed;
+        let from = self.engine.states[plan.index as usize].cell;
+        let to = if state.cell != NONE && self.is_known(self.rank, state.cell) { state.cell } else { NONE };
+        let cells = &mut self.engine.cells;
+        match (from != NONE, to != NONE) {
+            (true, true) => cells.set(from, to, plan),
+            (true, false) => cells.remove(from, plan.index),
+            (false, true) => cells.insert(to, plan),
+            (false, false) => (),
+        }
+        self.engine.states[plan.index as usize] = AgentState { cell: to, ..*state };
+        match self.is_own(plan.index) {
+            true => self.engine.queue.set(plan.index, plan.end),
+            false => self.engine.queue.remove(plan.index),
+        }
+    }
+
+    /// How many agents of this rank overlap another one now. Looks at discs alone, whatever the safety rule says.
+    pub fn overlaps(&self) -> u64 {
+        let engine = &self.engine;
+        let overlaps = |agent: u32| {
+            let (me, mut meets) = (engine.cells.plan(agent), false);
+            engine.cells.around(engine.cells.coordinates_of(engine.states[agent as usize].cell), |cell| {
+                engine.cells.each(cell, |other| {
+                    let apart = (me.at(engine.now).0 - other.at(engine.now).0).length();
+                    meets |= other.index != agent && apart < me.radius + other.radius - TOUCH_M;
+                });
+            });
+            meets
+        };
+        (0..engine.states.len() as u32).filter(|&m| self.is_own(m) && overlaps(m)).count() as u64
+    }
+
+    /// The whole crowd, as one process would have it now, on rank 0.
+    ///
+    /// # Errors
+    /// [`Error::Rank`].
+    pub fn gather(mut self, comm: &dyn Comm) -> Result<Option<Engine<V>>, CrowdError> {
+        let mut agents = Vec::new();
+        for cell in (0..self.engine.cells.num_cells() as u32).filter(|&cell| self.owner_of(cell) == self.rank) {
+            self.engine.cells.each(cell, |plan| {
+                agents.push(Changed { plan: *plan, state: self.engine.states[plan.index as usize] });
+            });
+        }
+        let own = Gathered { counts: self.engine.counts, left: std::mem::take(&mut self.left), agents };
+        let mut messages = vec![Vec::new(); comm.num_ranks()];
+        messages[0] = encode(&own);
+        let got = comm.exchange(messages)?;
+        if self.rank > 0 {
+            return Ok(None);
+        }
+        let mut left = Vec::new();
+        let mut agents = Vec::new();
+        let mut counts = Counts::default();
+        for (rank, bytes) in got.iter().enumerate() {
+            let of_rank: Gathered<V> = decode(rank, bytes)?;
+            counts = counts.plus(&of_rank.counts);
+            left.extend(of_rank.left);
+            agents.extend(of_rank.agents);
+        }
+        // Agents of a cell come from one rank, in their order.
+        agents.sort_by_key(|a| a.state.cell);
+        left.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.by.cmp(&b.by)));
+        let mut engine = self.engine;
+        engine.counts = counts;
+        engine.cells.clear();
+        engine.queue.clear(engine.now);
+        for Changed { plan, state } in agents {
+            engine.states[plan.index as usize] = state;
+            engine.cells.insert(state.cell, &plan);
+            engine.queue.set(plan.index, plan.end);
+        }
+        engine.free.truncate(self.num_free);
+        for Left { agent, state, .. } in left {
+            engine.states[agent as usize] = state;
+            engine.free.push(agent);
+        }
+        Ok(Some(engine))
+    }
+}
