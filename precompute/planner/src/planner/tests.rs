@@ -76,6 +76,37 @@ fn a_hand_comes_round_a_table() {
     }
 }
 
+/// Stops a search when it has asked often enough: after every node, one after the other.
+#[test]
+fn a_search_cancelled_after_any_node_leaves_what_was() {
+    let problem = table();
+    let fresh = solved(&problem, 5);
+    let motion = |planner: &Planner| planner.motion().expect("a motion").frames.to_vec();
+    let (mut planner, mut asked_most) = (fresh.0.clone(), 0);
+    for stop in 1.. {
+        let grid = TimeGrid::new(0.0, 1.5, 30.0);
+        let config = PlanConfig::default();
+        let quest = Quest { problem: &problem, config: &config.search, grid, draws: 20_000 };
+        let mut asked = 0;
+        let found = planner.search.run(quest, &mut planner.checker, &mut seeded(5), || {
+            asked += 1;
+            (asked == stop).then_some(Found::Cancelled)
+        });
+        if found == Found::Way {
+            break;
+        }
+        assert_eq!((found, asked), (Found::Cancelled, stop));
+        asked_most = stop;
+        let again = planner.plan(&problem, &PlanConfig::default(), &Budget { seed: 5, ..Budget::default() });
+        assert_eq!((motion(&planner), again.nodes), (motion(&fresh.0), fresh.1.nodes));
+    }
+    assert!(asked_most > 2, "{asked_most}");
+    let cancel = AtomicBool::new(true);
+    let outcome =
+        planner.plan(&problem, &PlanConfig::default(), &Budget { cancel: Some(&cancel), ..Budget::default() });
+    assert!(matches!(outcome.why, Some(Unsolved::Cancelled { draws: 0 })) && planner.motion().is_none());
+}
+
 #[test]
 fn bisection_solves_it_too() {
     let problem = table();

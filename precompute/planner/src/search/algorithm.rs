@@ -84,9 +84,14 @@ impl Search {
 
     /// Nodes of the tree at the start and of that at the goal: states, and indices of their parents.
     pub fn trees(&self) -> [impl Iterator<Item = (&State, usize)>; 2] {
+        self.nodes().map(|nodes| nodes.iter().map(|n| (&n.state, n.parent as usize)))
+    }
+
+    /// Of the tree at the start and of that at the goal.
+    pub(crate) fn nodes(&self) -> [&[Node]; 2] {
         let [a, b] = &self.trees;
         let (init, goal) = if a.from_goal { (b, a) } else { (a, b) };
-        [init, goal].map(|t| t.nodes.iter().map(|n| (&n.state, n.parent as usize)))
+        [init, goal].map(|t| &t.nodes[..])
     }
 
     /// SYNCPLANNER of the paper.

@@ -108,6 +108,11 @@ impl Task {
         self.steps.len()
     }
 
+    /// What each thing to do is called.
+    pub fn step_names(&self) -> impl Iterator<Item = &str> {
+        self.steps.iter().map(|s| s.name.as_str())
+    }
+
     /// When each thing to do is reached; none for corrections, and before somebody has walked there (s).
     pub fn times_s(&self) -> Vec<Option<f64>> {
         let one = |s: &Step| (s.deed != Deed::Correct && s.is_timed()).then_some(s.times_s[1]);

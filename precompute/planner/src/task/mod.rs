@@ -11,6 +11,7 @@ mod held;
 mod mesh;
 mod obj;
 mod run;
+mod scenery;
 mod stage;
 mod step;
 #[cfg(test)]
@@ -22,6 +23,7 @@ pub use ahead::{Ahead, MeshAhead};
 pub use entries::WalkEntry;
 pub use file::{Character, ClipEntry, Start, Task, Thing};
 pub use obj::triangles as obj_triangles;
-pub use run::{Attachment, Done, Event, Left, NoClips, TaskOutcome};
+pub use run::{Attachment, Done, Event, Left, NoClips, TaskOutcome, Watch};
+pub use scenery::{Handle, Scenery};
 pub use stage::ActorClip;
 pub use walk::{NoWalk, Source, Walked};

@@ -1,8 +1,11 @@
 use super::*;
+use crate::search::Grown;
 use crate::testing::Somebody;
 use glam::Quat;
 use proptest::prelude::*;
+use std::cell::Cell;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use throng_core::NUM_JOINTS;
 use throng_motion::Clip;
 
@@ -84,6 +87,51 @@ fn a_task_is_done_in_its_order() {
 }
 
 #[test]
+fn what_is_cancelled_is_as_it_was() {
+    let s = Somebody::standing();
+    let task = parse(TASK).expect("a task");
+    let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
+    let whole = run(TASK, &s);
+    for stop in 0..3 {
+        let cancel = AtomicBool::new(stop == 0);
+        let told = Cell::new(0);
+        let tell = |n: usize| {
+            told.set(n);
+            cancel.fetch_or(n >= stop, Ordering::Relaxed);
+        };
+        let watch = Watch { cancel: Some(&cancel), tell: Some(&tell), keeps_trees: true, ..Watch::default() };
+        let outcome = task.run_watched(&clips, &watch).expect("clips");
+        for (i, done) in outcome.done.iter().enumerate() {
+            assert_eq!(done.why.as_deref().is_some_and(|why| why.contains("cancelled")), i >= stop, "{stop} {i}");
+            // There and back, or one correction.
+            assert_eq!(done.trees.len(), if i < stop { done.plans.len() } else { 0 });
+        }
+        assert!(told.get() >= 2 && outcome.recheck.violations.is_empty());
+        let same_as = if stop == 2 { &whole.clips[0][1] } else { &whole.clips[0][0] };
+        assert_eq!(outcome.clips[0][1] == *same_as, stop != 1);
+    }
+}
+
+#[test]
+fn the_trees_of_a_task_begin_and_end_where_the_hand_is() {
+    let s = Somebody::standing();
+    let task = parse(TASK).expect("a task");
+    let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
+    let outcome = task.run_watched(&clips, &Watch { keeps_trees: true, ..Watch::default() }).expect("clips");
+    let [there, back] = &outcome.done[0].trees[..] else { panic!("{:?}", outcome.done[0].trees.len()) };
+    assert_eq!((there.window_s, back.window_s), ([0.5, 1.4], [1.4, 2.3]));
+    let roots = |g: &Grown| g.trees.each_ref().map(|t| (t[0].at, t[0].time_s, t[0].parent));
+    assert_eq!(roots(there)[1].0, roots(back)[0].0);
+    assert!(
+        there.is_solved && roots(there).iter().all(|r| r.2 == 0) && roots(there)[0].0.distance(roots(back)[1].0) < 1e-6
+    );
+    for (tree, sign) in there.trees.iter().zip([1.0, -1.0]) {
+        assert!(tree[1..].iter().all(|n| sign * (n.time_s - tree[n.parent].time_s) >= 0.0));
+    }
+    assert!(run(TASK, &s).done.iter().all(|d| d.trees.is_empty()));
+}
+
+#[test]
 fn what_cannot_be_done_is_said_and_leaves_the_clip() {
     let s = Somebody::standing();
     let far = run(&TASK.replace("0.42] }", "0.9] }"), &s);
@@ -102,7 +150,7 @@ fn what_cannot_be_done_is_said_and_leaves_the_clip() {
 }
 
 /// A cup that is taken, laid down, taken by the other hand and handed back.
-const ERRANDS: &str = r#"
+pub const ERRANDS: &str = r#"
 clip = "stand.bvh"
 
 [[scene.obstacles]]
@@ -156,7 +204,7 @@ fn a_cup_goes_from_hand_to_hand_and_is_laid_down() {
     ];
     assert_eq!(who, expected);
     // Where the cup is, hand by hand, it is where it was brought.
-    let at = |t: f64| outcome.paths[1][1].at(t).position;
+    let at = |t: f64| outcome.scenery[1].paths[1].at(t).position;
     assert!(at(2.0).distance(glam::DVec3::new(0.0, 1.4, 0.45)) < 1e-4, "{}", at(2.0));
     assert!(at(4.9).distance(glam::DVec3::new(-0.3, 1.09, 0.45)) < 1e-9, "{}", at(4.9));
     // What was planned earlier is not undone by what comes later.
@@ -395,7 +443,7 @@ fn heads_turn_to_what_is_taken_and_back_and_nothing_else_does() {
     // How far the face is from the cup, at 1.4 s.
     let off = |clip: &Clip| {
         let (at, turn) = clip.joint_transforms(&s.skeleton, 42)[throng_core::Joint::Head.index()];
-        let cup = outcome.paths[1][1].at(1.4).position.as_vec3();
+        let cup = outcome.scenery[1].paths[1].at(1.4).position.as_vec3();
         (turn * glam::Vec3::Z).angle_between(cup - at)
     };
     assert!(off(before) > 0.5 && off(after) < 0.15, "{} {}", off(before), off(after));
