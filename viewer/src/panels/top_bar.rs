@@ -68,7 +68,9 @@ fn title(model: &Model) -> String {
         }
         Document::Task(t) => {
             let (things, edits) = (t.task().things.len(), if t.is_changed() { " · changed" } else { "" });
-            format!("{name} · {} to do · {things} things · {} motions{edits}", t.task().num_steps(), t.motions().len())
+            let motions = t.motions().len();
+            let [t1, t2] = [things, motions].map(|n| if n == 1 { "" } else { "s" });
+            format!("{name} · {} to do · {things} thing{t1} · {motions} motion{t2}{edits}", t.task().num_steps())
         }
         Document::Clip(c) => {
             format!("{name} · {} joints · {:.1} s at {} Hz", c.report.joints, c.duration_s(), c.report.rate_hz)

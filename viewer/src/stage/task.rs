@@ -4,8 +4,9 @@ use super::{Layout, Palette, cues};
 use crate::document::TaskDocument;
 use crate::model::Model;
 use crate::render::{CharacterInstance, Emphasis, Rgba, SolidInstance};
-use glam::Vec3;
+use glam::DVec3;
 use std::sync::Arc;
+use throng_planner::linkage::{Chain, Linkage};
 use throng_planner::rotation::Rigid;
 use throng_planner::search::Grown;
 use throng_planner::task::{Done, Handle};
@@ -45,6 +46,14 @@ pub fn looked_at<'a>(model: &Model, task: &'a TaskDocument) -> impl Iterator<Ite
     let step = model.selection.plan.step;
     let all = task.shown_motion().into_iter().flat_map(|m| m.outcome.done.iter().enumerate());
     all.filter(move |(i, _)| step.is_none_or(|s| s == *i)).map(|(_, d)| d)
+}
+
+/// Where the end of the limb that did something is in a clip of its character, at a frame: what the trees show, too (m).
+pub fn end_of_limb(task: &TaskDocument, done: &Done, clip: &Clip, frame: usize) -> DVec3 {
+    let skeleton = &task.actors()[done.character].skeleton;
+    let tip = Chain::new(Linkage::limb(done.limb), skeleton).tip;
+    let (at, turn) = clip.joint_transforms(skeleton, frame)[done.limb.joints()[2].index()];
+    at.as_dvec3() + turn.as_dquat() * tip
 }
 
 pub(super) fn lay_out(out: &mut Layout, model: &Model, task: &TaskDocument, palette: &Palette, dark: bool) {
@@ -139,8 +148,6 @@ fn things(out: &mut Layout, model: &Model, task: &TaskDocument, time_s: f64, pal
 /// Where hands and feet go that were planned, and where they went before.
 fn ways(out: &mut Layout, model: &Model, task: &TaskDocument, palette: &Palette) {
     for done in looked_at(model, task) {
-        let Some(actor) = task.actors().get(done.character) else { continue };
-        let joint = done.limb.joints()[2];
         let (before, after) = (&task.clips_before()[done.character], task.clip(done.character));
         let differs = |f: &usize| before.frame_rotations(*f) != after.frame_rotations(*f);
         let frames: Vec<usize> = (0..before.num_frames()).filter(differs).collect();
@@ -153,7 +160,7 @@ fn ways(out: &mut Layout, model: &Model, task: &TaskDocument, palette: &Palette)
         let shown: Vec<usize> = (*first..=*last).filter(within).collect();
         let colours = [palette.middle.alpha(0.35), palette.selected];
         for ((clip, colour), width) in [before, after].into_iter().zip(colours).zip([1.5, 2.5]) {
-            let at = |f: usize| -> Vec3 { clip.joint_transforms(&actor.skeleton, f)[joint.index()].0 };
+            let at = |f: usize| end_of_limb(task, done, clip, f).as_vec3();
             for pair in shown.windows(2).filter(|w| w[1] == w[0] + 1) {
                 out.shapes.line(at(pair[0]), at(pair[1]), width, colour);
             }

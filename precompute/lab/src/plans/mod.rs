@@ -3,6 +3,8 @@
 
 mod report;
 mod sources;
+#[cfg(test)]
+mod tests;
 mod written;
 
 pub use report::{CollisionReport, PlanReport, TaskReport, Variant, report};

@@ -8,6 +8,7 @@ use crate::recheck::{OtherClip, Recheck, RecheckReport, Violation};
 use crate::rotation::{Rigid, angle};
 use crate::setup::Allowed;
 use glam::Vec3;
+use std::f64::consts::PI;
 use throng_core::{Contacts, Joint};
 
 /// Grips and targets are kept by so much (m).
@@ -147,10 +148,14 @@ fn gazes(stage: &Stage<'_>, report: &mut RecheckReport) {
         let all = actor.clip.joint_transforms(&actor.skeleton, frames[1]);
         let [chest, head] = [Joint::UpperChest, Joint::Head].map(|j| all[j.index()]);
         let to = (look.at.as_vec3() - head.0).normalize_or(Vec3::Z);
-        let [face, chest] = [head.1, chest.1].map(|q| q * Vec3::Z);
+        let face = head.1 * Vec3::Z;
         let off = f64::from(face.angle_between(to));
-        // A neck turns so far from the chest; what lies behind that is not faced.
-        let beyond = (f64::from(chest.angle_between(to)) - gaze::FARTHEST[1]).max(0.0);
+        // A neck turns so far from the chest to the sides, up and down; what lies behind that is not faced.
+        let angles = |v: Vec3| [v.x.atan2(v.z), v.y.atan2(v.x.hypot(v.z))].map(f64::from);
+        let ([wanted, up], [chest, _]) = (angles(to), angles(chest.1 * Vec3::Z));
+        let aside = (wanted - chest + PI).rem_euclid(2.0 * PI) - PI;
+        let past = [aside.abs() - gaze::FARTHEST[0], up.abs() - gaze::FARTHEST[1]].map(|x| x.max(0.0));
+        let beyond = past[0].hypot(past[1]);
         report.gaze_off_rad = report.gaze_off_rad.max(off - beyond);
         if off > beyond + GAZE_RAD {
             violation(frames[1], format!("head looks {off:.2} rad past what is reached for"));

@@ -70,6 +70,19 @@ pub struct WalkEntry {
     /// How fast it walks (m/s, 0.3 to 4).
     #[serde(default = "walking")]
     pub speed_mps: f64,
+    /// It goes straight on at these speeds in place of walking up to anything: all its tasks have times.
+    #[serde(default)]
+    pub pace: Vec<PaceEntry>,
+}
+
+/// How fast somebody goes at a time; evenly faster or slower in between.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PaceEntry {
+    /// (s)
+    pub t_s: f64,
+    /// (m/s, 0 to 8)
+    pub speed_mps: f64,
 }
 
 fn walking() -> f64 {

@@ -22,6 +22,8 @@ const HELP: &str = "A task has `clip`, `[[characters]]`, `[[scene.obstacles]]`, 
                     `[planner]`; `throng schema --of task` lists every key.";
 /// How far from the middle somebody begins to walk (m).
 const MOST_M: f64 = 1e4;
+/// How long somebody goes on at most (s).
+const MOST_S: f64 = 600.0;
 /// Most characters, things or tasks of a file.
 const MOST: usize = 1000;
 
@@ -198,6 +200,18 @@ fn walked(entry: &ClipEntry, walk: &WalkEntry, folder: &Path) -> std::result::Re
     }
     if !(0.3..=4.0).contains(&walk.speed_mps) {
         return Err(format!("walk: speed_mps: expected 0.3 to 4, found {}", walk.speed_mps));
+    }
+    let (times, speeds) = (walk.pace.iter().map(|p| p.t_s), walk.pace.iter().map(|p| p.speed_mps));
+    let times: Vec<f64> = times.collect();
+    let ascend = times.first().is_none_or(|t| *t == 0.0) && times.windows(2).all(|w| w[0] < w[1]);
+    if !(ascend
+        && times.len() != 1
+        && times.iter().all(|t| *t <= MOST_S)
+        && speeds.into_iter().all(|v| (0.0..=8.0).contains(&v)))
+    {
+        return Err(format!(
+            "walk: pace: expected two times at least, ascending from 0 to {MOST_S} s at most, and speeds of 0 to 8 m/s"
+        ));
     }
     let (bundle, config) = (folder.join(&walk.bundle), walk.config.as_ref().map(|c| folder.join(c)));
     let walk = WalkEntry { bundle, config, ..walk.clone() };

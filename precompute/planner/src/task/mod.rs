@@ -20,7 +20,7 @@ mod visit;
 mod walk;
 
 pub use ahead::{Ahead, MeshAhead};
-pub use entries::WalkEntry;
+pub use entries::{PaceEntry, WalkEntry};
 pub use file::{Character, ClipEntry, Start, Task, Thing};
 pub use obj::triangles as obj_triangles;
 pub use run::{Attachment, Done, Event, Left, NoClips, TaskOutcome, Watch};

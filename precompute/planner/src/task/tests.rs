@@ -493,6 +493,14 @@ fn who_walks_needs_no_times_and_says_so_where_it_was_not_walked() {
     for (from, to, why) in [
         ("from = [1.0, -2.0]", "from = [nan, 0.0]", "expected `from` within"),
         ("from = [1.0, -2.0]", "speed_mps = 9.0", "expected 0.3 to 4, found 9"),
+        ("from = [1.0, -2.0]", "pace = [{ t_s = 0.0, speed_mps = 1.0 }]", "two times at least"),
+        ("from = [1.0, -2.0]", "pace = [{ t_s = 0.0, speed_mps = 1.0 }, { t_s = 0.0, speed_mps = 1.0 }]", "ascending"),
+        ("from = [1.0, -2.0]", "pace = [{ t_s = 0.0, speed_mps = 1.0 }, { t_s = 2.0, speed_mps = nan }]", "0 to 8 m/s"),
+        (
+            "from = [1.0, -2.0]",
+            "pace = [{ t_s = 0.0, speed_mps = 1.0 }, { t_s = 2.0, speed_mps = 3.0 }]",
+            "expected `at_s`",
+        ),
         ("} }\n", "}, to_s = 3.0 }\n", "expected no `from_s` and no `to_s`"),
         ("clip = { walk", "clip = { synth = \"walk\", walk", "or `walk`"),
     ] {

@@ -3,7 +3,7 @@
 use crate::command::{Command, PlanCommand, PlanLook};
 use crate::document::TaskDocument;
 use crate::model::Model;
-use eframe::egui::{ComboBox, DragValue, Ui};
+use eframe::egui::{ComboBox, DragValue, Role, Ui, WidgetInfo};
 use glam::Vec3;
 
 /// Shows the selected thing or place.
@@ -11,12 +11,13 @@ pub fn show(ui: &mut Ui, model: &Model, task: &TaskDocument, wanted: &mut PlanLo
     ui.horizontal_wrapped(|ui| {
         ui.strong("Things and places");
         let name = wanted.handle.map_or_else(|| "none selected".into(), |h| task.task().name_of(h));
-        ComboBox::from_id_salt("handle").selected_text(name).show_ui(ui, |ui| {
+        let combo = ComboBox::from_id_salt("handle").selected_text(name).show_ui(ui, |ui| {
             ui.selectable_value(&mut wanted.handle, None, "none");
             for handle in task.task().handles() {
                 ui.selectable_value(&mut wanted.handle, Some(handle), task.task().name_of(handle));
             }
         });
+        combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Thing or place"));
     });
     let selected = wanted.handle.and_then(|h| Some((h, task.place_of(h, model.task_time_s())?)));
     let Some((handle, place)) = selected else {

@@ -92,7 +92,8 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &
             commands.push(Command::Plan(PlanCommand::Plan));
         }
         let mut number = wanted.number;
-        ui.add(DragValue::new(&mut number).range(1..=MOST).speed(0.05).suffix(" motions"))
+        let unit = if number == 1 { " motion" } else { " motions" };
+        ui.add(DragValue::new(&mut number).range(1..=MOST).speed(0.05).suffix(unit))
             .on_hover_text("So many that differ, where seeds give them");
         wanted.number = number.clamp(1, MOST);
         let own = task.task().config.budget.seed;
@@ -126,7 +127,7 @@ fn save(ui: &mut Ui, task: &TaskDocument, state: &mut State, commands: &mut Vec<
         let file = state.file.get_or_insert_with(|| suggested(task.path()).display().to_string());
         let tip = "Write the motion that is shown, and who carries what beside it, as `throng plan` does";
         let button = ui.add_enabled(task.shown_motion().is_some(), Button::new("Save")).on_hover_text(tip);
-        ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY));
+        ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY)).labelled_by(button.id);
         if button.clicked() && !file.trim().is_empty() {
             commands.push(Command::Plan(PlanCommand::Save(PathBuf::from(file.trim()))));
         }

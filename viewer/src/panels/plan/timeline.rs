@@ -5,7 +5,7 @@ use crate::command::{Command, PlanLook};
 use crate::document::TaskDocument;
 use crate::model::Model;
 use crate::panels::paint::{Axis, RULER_HEIGHT, Span, ruler};
-use crate::stage::task::{TREES, colour_of_node, looked_at};
+use crate::stage::task::{TREES, colour_of_node, end_of_limb, looked_at};
 use crate::theme::Palette;
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
@@ -81,7 +81,9 @@ pub fn show(
         plot(ui, &painter, at, &axis, model, task, *along);
     }
     let head = axis.x_of(model.player.frame.round());
-    painter.vline(head, rect.y_range(), Stroke::new(1.5, Palette::of(ui.visuals()).head));
+    if axis.x.contains(head) {
+        painter.vline(head, rect.y_range(), Stroke::new(1.5, Palette::of(ui.visuals()).head));
+    }
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked() || response.dragged()) {
         commands.push(Command::Seek(axis.frame_at(at.x)));
     }
@@ -170,17 +172,12 @@ fn plot(ui: &Ui, painter: &Painter, rect: Rect, axis: &Axis, model: &Model, task
 /// Where the ends of limbs go in the motion that is shown.
 fn hands(painter: &Painter, task: &TaskDocument, done: &[&Done], point: &dyn Fn(DVec3, f64) -> Pos2, colour: Color32) {
     for done in done {
-        let Some(actor) = task.actors().get(done.character) else { continue };
         let clip = task.clip(done.character);
-        let chain =
-            throng_planner::linkage::Chain::new(throng_planner::linkage::Linkage::limb(done.limb), &actor.skeleton);
         let last = clip.num_frames() - 1;
         for grown in &done.trees {
             let frames = grown.window_s.map(|t| ((t * clip.rate_hz).round() as usize).min(last));
-            let points = (frames[0]..=frames[1]).map(|f| {
-                let (at, turn) = clip.joint_transforms(&actor.skeleton, f)[done.limb.joints()[2].index()];
-                point(at.as_dvec3() + turn.as_dquat() * chain.tip, f as f64 / clip.rate_hz)
-            });
+            let points =
+                (frames[0]..=frames[1]).map(|f| point(end_of_limb(task, done, clip, f), f as f64 / clip.rate_hz));
             painter.line(points.collect(), Stroke::new(2.0, colour));
         }
     }

@@ -143,13 +143,18 @@ impl Task {
             let (space, walk) = space;
             let mut gait =
                 Gait::new(space, DVec2::from(walk.from), walk.heading_deg.to_radians(), rate_hz).map_err(wrong)?;
-            gait.stand(REST_S).map_err(wrong)?;
+            match walk.pace.is_empty() {
+                true => gait.stand(REST_S),
+                false => gait.go_on(&walk.pace),
+            }
+            .map_err(wrong)?;
             clips.push(ActorClip { clip: gait.clip(&who.name), skeleton: space.skeleton().clone() });
             gaits.push(Some(gait));
         }
         let mut task = self.clone();
         for (who, gait) in gaits.into_iter().enumerate() {
-            let Some(mut gait) = gait else { continue };
+            let goes_on = self.characters[who].clip.walk.as_ref().is_some_and(|w| !w.pace.is_empty());
+            let Some(mut gait) = gait.filter(|_| !goes_on) else { continue };
             let wrong = |source| NoWalk::Space { name: self.characters[who].name.clone(), source };
             let mut end_s = 0.0f64;
             for i in 0..task.steps.len() {
