@@ -4,7 +4,6 @@ use crate::args::{Outcome, fail};
 use crate::output;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::Path;
 use throng_planner::task::{Ahead, Task};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::plans;

@@ -35,6 +35,8 @@ pub struct PlanReport {
     pub penetration_max_m: f64,
     /// How far faces are from what they look at, at most, beyond what necks allow; none where `gaze` is off (rad).
     pub gaze_off_rad: Option<f64>,
+    /// How much farther the weight is off the feet that stand than the clip has it; none where `balance` is off (m).
+    pub off_balance_m: Option<f64>,
     /// What a check by other means found wrong; anything but 0 fails.
     pub recheck_violations: usize,
     /// What was written.
@@ -120,6 +122,7 @@ pub fn report(task: &Task, found: &[(u64, TaskOutcome)]) -> Option<PlanReport> {
         limit_margin_rad: finite(-outcome.recheck.outside_limits_rad),
         penetration_max_m: outcome.recheck.penetration_max_m,
         gaze_off_rad: task.gaze.then_some(outcome.recheck.gaze_off_rad),
+        off_balance_m: task.balance.then_some(outcome.recheck.off_balance_m),
         recheck_violations: outcome.recheck.violations.len(),
         files: Vec::new(),
         variants: if found.len() > 1 { distances(found) } else { Vec::new() },

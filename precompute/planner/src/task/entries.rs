@@ -397,6 +397,10 @@ pub(super) struct PlannerEntry {
     pub blend_s: f64,
     /// Heads turn to what limbs reach for, and back, as far as necks allow.
     pub gaze: bool,
+    /// Trunks bend where an arm does not reach otherwise.
+    pub lean: bool,
+    /// Hips give way where trunks bend, so that the weight stays over feet that stand; how far it is off them is told.
+    pub balance: bool,
     /// Time before and after a collision in which a limb gives way at first (s).
     pub margin_s: f64,
 }

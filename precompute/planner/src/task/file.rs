@@ -80,6 +80,10 @@ pub struct Task {
     pub clearance_m: f64,
     /// Heads turn to what limbs reach for.
     pub gaze: bool,
+    /// Trunks bend where an arm does not reach otherwise.
+    pub lean: bool,
+    /// Weight is kept over feet that stand where trunks bend, and how far it is off them is told.
+    pub balance: bool,
     pub(super) steps: Vec<Step>,
 }
 
@@ -160,7 +164,8 @@ impl Task {
         let steps =
             steps(&file.tasks, &characters, &things).map_err(|(i, why)| source.at(&format!("tasks[{i}]"), why))?;
         let config = file.planner.config().map_err(|(key, why)| source.at(&format!("planner.{key}"), why))?;
-        Ok(Self { characters, things, config, clearance_m: file.planner.clearance_m, gaze: file.planner.gaze, steps })
+        let PlannerEntry { clearance_m, gaze, lean, balance, .. } = file.planner;
+        Ok(Self { characters, things, config, clearance_m, gaze, lean, balance, steps })
     }
 }
 
@@ -309,6 +314,8 @@ impl Default for PlannerEntry {
             round_s: plan.smooth.round_s,
             blend_s: plan.smooth.blend_s,
             gaze: false,
+            lean: false,
+            balance: false,
             margin_s: correct.margin_s,
         }
     }

@@ -8,6 +8,7 @@ mod file;
 mod gaze;
 mod grips;
 mod held;
+mod lean;
 mod mesh;
 mod obj;
 mod run;

@@ -320,7 +320,7 @@ fn attempt(stage: &mut Stage<'_>, i: usize, config: &CorrectConfig<'_>, is_cance
     let before = stage.clone();
     match do_step(stage, step, config) {
         Ok((plans, spans)) => (done.plans, done.spans) = (plans, spans),
-        Err(Problems { why, nearest_m, plans, spans, left, keep }) => {
+        Err(Problems { why, nearest_m, plans, spans, left, keep, .. }) => {
             if !keep {
                 *stage = before;
             }

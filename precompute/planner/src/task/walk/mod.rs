@@ -188,8 +188,13 @@ fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize
     let free_s = task.steps[..i].iter().filter(same).map(|s| s.times_s[2]).fold(0.0, f64::max);
     let mut wanted = Wanted::new(Stage::new(task, clips), step, gait);
     let (from, heading) = gait.place();
-    for stand in wanted.stands(speed_mps) {
-        if !wanted.is_free(&stand) || !wanted.is_reached_from(&stand) {
+    let stands = wanted.stands(speed_mps);
+    // Who need not bend, does not.
+    let upright = stands.iter().map(|stand| (stand, false));
+    let leaning = stands.iter().map(|stand| (stand, true)).filter(|_| task.lean && step.limb.is_arm());
+    for (stand, leans) in upright.chain(leaning) {
+        wanted.leans = leans;
+        if !wanted.is_free(stand) || !wanted.is_reached_from(stand) {
             continue;
         }
         let mut after = gait.clone();
@@ -197,7 +202,7 @@ fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize
         let is_here = stand.at == from && stand.heading == heading;
         let mut walked_s = after.time_s();
         if !is_here {
-            let Some(way) = wanted.ground(&stand).way(from, stand.at) else { continue };
+            let Some(way) = wanted.ground(stand).way(from, stand.at) else { continue };
             walked_s = after.walk(&way, speed_mps).map_err(wrong)?;
             after.turn(stand.heading).map_err(wrong)?;
         }
