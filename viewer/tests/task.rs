@@ -48,8 +48,9 @@ fn drag(v: &mut Viewing, from: Pos2, to: Pos2) {
     v.harness.hover_at(from);
     v.harness.run_steps(2);
     press(v, from, true);
-    for part in [0.3, 0.7, 1.0] {
-        v.harness.hover_at(from + (to - from) * part);
+    // Far enough that it is no click, and back to where it is to be.
+    for at in [from + vec2(30.0, 0.0), from + vec2(30.0, 6.0), to] {
+        v.harness.hover_at(at);
         v.harness.run_steps(2);
     }
 }

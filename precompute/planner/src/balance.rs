@@ -143,7 +143,9 @@ mod tests {
             off_feet(&s, &moved, feet).is_some_and(|m| m > 0.0)
         });
         assert!(past.is_some_and(|i| i < 25), "{past:?}");
-        // People's is at 55 % of their height, some 1.7 m.
-        assert!((0.85..1.02).contains(&height), "{height}");
+        // People's is at 55 % of their height.
+        let places = placed(&s, root, &[DQuat::IDENTITY; NUM_JOINTS]);
+        let top = places[Joint::Head.index()].point(s.tips[0].as_dvec3()).y;
+        assert!((0.52..0.62).contains(&(height / top)), "{height} of {top}");
     }
 }

@@ -22,7 +22,9 @@ const BACK: [(Joint, f64); 3] = [(Joint::Neck, 0.5), (Joint::LeftUpperArm, 0.0),
 pub(super) const LEGS: [Joint; 6] =
     [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot, Joint::RightThigh, Joint::RightShin, Joint::RightFoot];
 /// Nobody bends farther (rad), or for more than this (m).
-const MOST_RAD: f64 = 1.1;
+const MOST_RAD: f64 = 1.4;
+/// Share of the bend that hips have, where they give way.
+const HIPS: f64 = 0.4;
 pub(super) const MOST_M: f64 = 0.5;
 /// Bends are tried in such steps (rad).
 const STEP_RAD: f64 = 0.02;
@@ -43,6 +45,8 @@ pub(super) struct Bend {
     axis: DVec3,
     /// Of the upper chest (rad).
     angle: f64,
+    /// Share of it that the hips have.
+    hips: f64,
 }
 
 /// Who bends, and in what way hips give way.
@@ -64,7 +68,7 @@ impl Trunk<'_> {
         let limit = |j: Joint| self.limits.joints[j.index()];
         let mut angle = STEP_RAD;
         while angle <= MOST_RAD {
-            let bend = Bend { axis, angle };
+            let bend = Bend { axis, angle, hips: if self.balances { HIPS } else { 0.0 } };
             let bent = bent(&pose.1, &bend, 1.0);
             let is_within = SPINE.into_iter().all(|j| {
                 let [a, b] = [pose.1[j.index()], bent[j.index()]];
@@ -137,9 +141,12 @@ fn bent(turns: &[DQuat; NUM_JOINTS], bend: &Bend, share: f64) -> [DQuat; NUM_JOI
     let turn = |part: f64| about(axis, bend.angle * share * part);
     let mut out = *turns;
     let mut to = world;
+    to[0] = (turn(bend.hips) * world[0]).normalize();
+    out[0] = to[0];
     for joint in &Joint::ALL[1..] {
         let (i, parent) = (joint.index(), joint.parent().map_or(0, Joint::index));
-        let part = SPINE.iter().position(|j| j == joint).map(|k| (k + 1) as f64 / SPINE.len() as f64);
+        let up = SPINE.iter().position(|j| j == joint).map(|k| (k + 1) as f64 / SPINE.len() as f64);
+        let part = up.map(|up| bend.hips + (1.0 - bend.hips) * up);
         let part = part.or(BACK.iter().find(|b| b.0 == *joint).map(|b| b.1));
         match part {
             Some(part) => {
