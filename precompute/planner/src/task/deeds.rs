@@ -27,8 +27,8 @@ const LATER: usize = 1 << 20;
 pub(super) struct Problems {
     pub why: String,
     pub nearest_m: Option<f64>,
-    /// So far the target is out of reach.
-    pub beyond_m: Option<f64>,
+    /// The target is out of reach, by so much.
+    pub is_beyond: bool,
     pub plans: Vec<Outcome>,
     pub spans: Vec<Span>,
     /// Stretches that stay as they are, and why.
@@ -42,7 +42,7 @@ impl Problems {
         Self {
             why: why.into(),
             nearest_m: None,
-            beyond_m: None,
+            is_beyond: false,
             plans: Vec::new(),
             spans: Vec::new(),
             left: Vec::new(),
@@ -67,7 +67,10 @@ pub(super) fn do_step(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig
     let before = leans.then(|| stage.clone());
     let mut did = reached(stage, step, &config);
     // Out of reach by so much, the trunk may help; a little more each time.
-    let (Some(before), Some(by_m)) = (before, did.as_ref().err().and_then(|p| p.beyond_m)) else { return did };
+    let (Some(before), Some(by_m)) = (before, did.as_ref().err().filter(|p| p.is_beyond).and_then(|p| p.nearest_m))
+    else {
+        return did;
+    };
     if by_m > lean::MOST_M {
         return did;
     }
@@ -141,7 +144,7 @@ fn corrected(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> 
     if left.is_empty() {
         return Ok((plans, spans));
     }
-    Err(Problems { why: Left::why(&left), nearest_m, beyond_m: None, plans, spans, left, keep: true })
+    Err(Problems { why: Left::why(&left), nearest_m, is_beyond: false, plans, spans, left, keep: true })
 }
 
 /// What to do where the rest of the body is in something.

@@ -44,7 +44,7 @@ pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
     // One thing after the other.
     let others = || stage.looked.iter().filter(|l| l.character == who);
     let from_s = others().map(|l| l.times_s[1] + HELD_S).filter(|t| *t < at_s + HELD_S).fold(from_s, f64::max);
-    let to_s = others().map(|l| l.times_s[0]).filter(|t| *t > at_s).fold(to_s, f64::min);
+    let to_s = others().map(|l| l.times_s[1] - HELD_S).filter(|t| *t > at_s - HELD_S).fold(to_s, f64::min);
     let rate_hz = stage.actors[who].clip.rate_hz;
     let last = stage.actors[who].clip.num_frames() - 1;
     let frame_of = |t: f64| (t * rate_hz).round().max(0.0) as usize;
