@@ -299,7 +299,7 @@ mod tests {
         assert!(path.is_valid(0.0, 1.0) && !Path::keys(&[]).is_valid(0.0, 1.0));
         assert!(!Path::keys(&[(2.0, place(0.0)), (1.0, place(1.0))]).is_valid(0.0, 1.0));
         assert_eq!(Path::keys(&[(1.0, place(2.0))]).at(7.0), place(2.0));
-        let function = Path::Function { at: Arc::new(move |t| place(t)), speed_mps: 1.0 };
+        let function = Path::Function { at: Arc::new(place), speed_mps: 1.0 };
         for path in [path, Path::Still(place(2.0)), function] {
             let moved = path.moved(DVec3::Y);
             assert!([0.5, 1.5, 9.0].iter().all(|t| moved.at(*t).position == path.at(*t).position + DVec3::Y));
