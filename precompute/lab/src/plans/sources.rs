@@ -30,6 +30,15 @@ enum Read {
     Space(BlendSpace),
 }
 
+impl Read {
+    fn source(&self) -> Source<'_> {
+        match self {
+            Self::Clip(clip) => Source::Clip(clip.clone()),
+            Self::Space(space) => Source::Walks(space),
+        }
+    }
+}
+
 impl Sources {
     /// One clip for each character, on the database skeleton, and the task with the times of those who walk.
     ///
@@ -43,11 +52,7 @@ impl Sources {
         if clips.len() == self.of_each.len() {
             return Ok((task, clips));
         }
-        let source = |r| match r {
-            &Read::Clip(ref clip) => Source::Clip(clip.clone()),
-            Read::Space(space) => Source::Walks(space),
-        };
-        let sources: Vec<Source<'_>> = self.of_each.iter().map(source).collect();
+        let sources: Vec<Source<'_>> = self.of_each.iter().map(Read::source).collect();
         let Walked { task, clips } = task.walked(&sources, self.rate_hz, seed)?;
         Ok((task, clips))
     }
