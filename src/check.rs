@@ -52,7 +52,7 @@ fn help() -> String {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    if task::is_task(&args.scene) {
+    if throng_precompute::plans::is_task(&args.scene) {
         return task::run(args);
     }
     let scene = Scene::load(&args.scene)?;

@@ -5,7 +5,7 @@ mod natural;
 mod scenes;
 
 use crate::args::{CacheArgs, Outcome, fail};
-use crate::{keys, output, plan};
+use crate::{keys, output};
 use natural::Natural;
 use scenes::{SCENES, Scene};
 use schemars::JsonSchema;
@@ -19,6 +19,7 @@ use throng_planner::recheck::Recheck;
 use throng_planner::task::{ActorClip, Task, TaskOutcome};
 use throng_precompute::Clip;
 use throng_precompute::config::BuildConfig;
+use throng_precompute::plans;
 
 /// Measure plans of limbs: how often they succeed, what they take, how smooth they are.
 ///
@@ -187,20 +188,24 @@ fn plans(scene: &Scene, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Err
 fn tasks(path: &Path, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Error>> {
     let task = Task::read(path)?;
     let config = BuildConfig::of_motion("", Vec::new())?;
-    let (task, clips) = plan::read::staged(task, &config, None, Some(&args.cache), None)?;
+    let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))?;
+    let (task, clips) = sources.staged(task, None)?;
     let (mut samples, mut violations) = (Vec::new(), 0);
     for seed in 0..args.seeds {
         let outcome = task.run(&clips, Some(seed))?;
         violations += outcome.recheck.violations.len();
         if outcome.is_solved() {
-            let r = plan::report(&task, &outcome);
+            let reaches = reaches(&task, &clips, &outcome);
+            let found = [(seed, outcome)];
+            let Some(r) = plans::report(&task, &found) else { continue };
+            let [(_, outcome)] = found;
             samples.push(Sample {
                 first_s: r.first_solution_s,
                 total_s: r.total_s,
                 checks: r.checks,
                 length_rad: r.path_length_rad,
                 jerk: [r.jerk_before, r.jerk_after],
-                reaches: reaches(&task, &clips, &outcome),
+                reaches,
                 clip: outcome.clips.into_iter().next().map(|[_, after]| after),
             });
         }

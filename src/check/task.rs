@@ -1,12 +1,12 @@
 //! What is known of a task of `throng plan` before any search.
 
 use crate::args::{Outcome, fail};
-use crate::{output, plan};
+use crate::output;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::Path;
 use throng_planner::task::{Ahead, Task};
 use throng_precompute::config::BuildConfig;
+use throng_precompute::plans;
 
 /// What is printed.
 #[derive(Serialize, JsonSchema)]
@@ -47,16 +47,11 @@ struct MeshReport {
     open_edges: usize,
 }
 
-/// True for a file with tasks, which scenes do not have.
-pub fn is_task(path: &Path) -> bool {
-    let Ok(text) = std::fs::read_to_string(path) else { return false };
-    text.lines().any(|line| line.trim_start().starts_with("[[tasks]]"))
-}
-
 pub fn run(args: &super::Args) -> Outcome {
     let task = Task::read(&args.scene)?;
     let config = BuildConfig::of_motion("", Vec::new())?;
-    let (task, clips) = plan::read::staged(task, &config, None, Some(&args.cache), None)?;
+    let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))?;
+    let (task, clips) = sources.staged(task, None)?;
     let ahead = task.ahead(&clips)?;
     let one = |a: &Ahead| TaskReport {
         name: a.name.clone(),

@@ -1,11 +1,15 @@
 //! Where a clip collides with the scene of a task.
 
 use crate::args::{Outcome, fail};
-use crate::{output, plan};
+use crate::output;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use throng_planner::task::Task;
+use throng_precompute::cache::Cache;
+use throng_precompute::plans;
+use throng_precompute::progress::Silent;
+use throng_precompute::run::Cached;
 
 /// What is printed.
 #[derive(Serialize, JsonSchema)]
@@ -38,8 +42,10 @@ pub fn run(args: &super::Args, task: &Path) -> Outcome {
     }
     let task = Task::read(task)?;
     let config = args.read.config()?;
-    let clip = plan::read::file_clip(file, &config)?;
-    let (task, clips) = plan::read::staged(task, &config, Some(clip), None, None)?;
+    let tell = |news| eprintln!("{news}");
+    let clip = plans::file_clip(file, &config, &tell)?;
+    let with = Cached { cache: &Cache::none(), progress: &Silent, tell: &tell };
+    let (task, clips) = plans::sources(&task, &config, Some(clip), &with)?.staged(task, None)?;
     let found = task.collisions(&clips, 0)?;
     let collision = |(limb, s): (throng_planner::linkage::Limb, throng_planner::correct::Span)| Collision {
         limb: limb.name().into(),

@@ -88,7 +88,7 @@ fn moment(
         figure: figure(i),
         colours: BodyColours::plain(Colour::hex(OTHERS[k % OTHERS.len()])),
     }));
-    let paths = &outcome.paths[when];
+    let paths = &outcome.scenery[when].paths;
     let solids = task.things.iter().zip(paths).enumerate().flat_map(|(i, (thing, path))| {
         let at = path.at(time_s);
         thing.shapes.iter().map(move |s| (solid(s, &at), Colour::hex(TINTS[i % TINTS.len()])))

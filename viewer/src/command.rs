@@ -1,9 +1,11 @@
 //! Everything a panel may ask for.
 
+mod plan;
 mod scene;
 mod steer;
 mod world;
 
+pub use plan::{PlanCommand, PlanLook};
 pub use scene::{BoardCell, Boards, SceneCommand, SceneLook, Whose};
 pub use steer::{Held, SteerCommand};
 pub use world::{Draft, Tool, WorldCommand, WorldLook};
@@ -65,6 +67,8 @@ pub enum Command {
     World(WorldCommand),
     /// Do something to the scene.
     Scene(SceneCommand),
+    /// Do something to the task of limbs.
+    Plan(PlanCommand),
     /// Steer the selected character.
     Steer(SteerCommand),
 

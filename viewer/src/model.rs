@@ -3,6 +3,7 @@
 mod commands;
 mod documents;
 mod places;
+mod plan;
 mod played;
 mod shown;
 mod steer;
@@ -11,7 +12,7 @@ pub mod world;
 pub use documents::name_of;
 pub use steer::{Lags, Steering};
 
-use crate::command::{SceneLook, Stage, WorldLook};
+use crate::command::{PlanLook, SceneLook, Stage, WorldLook};
 use crate::document::{Build, Building, Document, Dressing, Loader, Outfit, Watch};
 use crate::render::{Body, Camera};
 use crate::settings::PanelKind;
@@ -40,6 +41,8 @@ pub struct Selection {
     pub world: WorldLook,
     /// What is drawn of a scene.
     pub scene: SceneLook,
+    /// What is drawn of a task.
+    pub plan: PlanLook,
 }
 
 /// The play head of a clip.
@@ -167,6 +170,7 @@ impl Model {
     pub fn shown_clip(&self) -> Option<(u32, f32)> {
         match &self.document {
             Document::Clip(c) => Some((c.imported.clip.num_frames as u32, c.imported.clip.rate_hz as f32)),
+            Document::Task(t) => Some(t.frames()),
             document => {
                 let bundle = document.bundle()?;
                 Some((bundle.tables().clips().get(self.selection.clip)?.num_frames, bundle.rate_hz()))
@@ -199,6 +203,7 @@ impl Model {
     pub fn is_busy(&self) -> bool {
         self.document.world().is_some_and(|w| w.working().is_some())
             || self.document.scene().is_some_and(|s| s.restarting().is_some())
+            || self.task().is_some_and(|t| t.planning().is_some())
     }
 
     /// Number of characters of the crowd or the world, or of agents of a scene.
@@ -273,6 +278,7 @@ impl Model {
         self.look_for_changes(ctx);
         self.take_in_world(false);
         self.take_in_scene(false);
+        self.take_in_task(false);
         self.times.steps = 0;
         self.steer();
         if self.shows_clip() {
@@ -284,10 +290,10 @@ impl Model {
         self.follow();
     }
 
-    /// Moves the camera with the selected character: always with the one of a clip or a blend, with one of many
-    /// if that is switched on.
+    /// Moves the camera with the selected character: always with the one of a clip or a blend, with one of many or of a
+    /// task if that is switched on.
     fn follow(&mut self) {
-        let always = self.shows_clip() || self.shows_blend();
+        let always = (self.shows_clip() && self.task().is_none()) || self.shows_blend();
         let place = if always || self.settings.follow { self.place_followed() } else { None };
         let Some(at) = place else {
             self.followed = None;

@@ -35,6 +35,8 @@ pub enum PanelKind {
     Blend,
     /// Scenes of crowds.
     Crowd,
+    /// Tasks of limbs.
+    Plan,
 }
 
 /// Where a panel lies.

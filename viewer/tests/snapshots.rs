@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use throng_precompute::run::News;
 use throng_runtime::patch::Placement;
 use throng_viewer::args::{Args, Character, PanelChoice, ThemeName};
-use throng_viewer::command::{Command, SceneCommand, SceneLook, Tool, Whose, WorldCommand};
+use throng_viewer::command::{Command, PlanCommand, PlanLook, SceneCommand, SceneLook, Tool, Whose, WorldCommand};
 use throng_viewer::document::world::Change;
 use throng_viewer::document::{Build, Building, Built, End};
 use throng_viewer::panels::PANELS;
@@ -358,6 +358,30 @@ fn scenarios() {
         let kinds = What::ALL.map(|what| !what.is_of_engine());
         v.apply(Command::Scene(SceneCommand::Look(SceneLook { kinds, ..v.model().selection.scene })));
         compare(&mut results, rest_at(v, MET), name);
+    }
+}
+
+/// Two motions for one task, while the hand is in the ring.
+#[test]
+fn a_task_of_limbs() {
+    if !can_compare() {
+        return;
+    }
+    let mut results = SnapshotResults::new();
+    let task = PathBuf::from("../data/tasks/ring.toml");
+    let panel = vec![PanelChoice::Open(PanelKind::Plan)];
+    let args = Args { file: Some(task), panel, characters: None, character: None, ..Args::default() };
+    let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
+    for (args, name) in [(args, "panel_plan_task"), (light, "panel_plan_task_light")] {
+        let mut v = Viewing::new(&args, vec2(1100.0, 720.0));
+        let look = PlanLook { number: 2, ..v.model().selection.plan };
+        v.apply(Command::Plan(PlanCommand::Look(look)));
+        v.apply(Command::Plan(PlanCommand::Plan));
+        v.until("two motions", |v| v.model().task().is_some_and(|t| t.motions().len() == 2));
+        let mut v = rest(v);
+        v.apply(Command::Seek(51));
+        v.harness.run_steps(4);
+        compare(&mut results, v, name);
     }
 }
 

@@ -9,6 +9,7 @@ pub mod measure;
 pub mod overlap;
 pub mod perform;
 pub mod picture;
+pub mod plans;
 pub mod quality;
 pub mod run;
 pub mod selftest;

@@ -7,6 +7,7 @@
 //! # Source
 //! Shapiro, Kallmann and Faloutsos 2007, *Interactive Motion Correction and Object Manipulation*.
 
+pub mod balance;
 pub mod body;
 pub mod clips;
 pub mod collide;

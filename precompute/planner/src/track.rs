@@ -185,6 +185,23 @@ impl Path {
         Self::Track(Arc::new(Track::rigid(clock, keys.iter().map(|k| k.1).collect())))
     }
 
+    /// The same, moved by some way (m).
+    #[must_use]
+    pub fn moved(&self, by: glam::DVec3) -> Self {
+        let moved = move |at: Rigid| Rigid { position: at.position + by, ..at };
+        match self {
+            Self::Still(at) => Self::Still(moved(*at)),
+            Self::Track(track) => {
+                let samples = track.samples.iter().map(|s| moved(*s)).collect();
+                Self::Track(Arc::new(Track::rigid(track.clock.clone(), samples)))
+            }
+            Self::Function { at, speed_mps } => {
+                let at = Arc::clone(at);
+                Self::Function { at: Arc::new(move |t| moved(at(t))), speed_mps: *speed_mps }
+            }
+        }
+    }
+
     /// Where it is (m).
     pub fn at(&self, t: f64) -> Rigid {
         match self {
@@ -282,5 +299,11 @@ mod tests {
         assert!(path.is_valid(0.0, 1.0) && !Path::keys(&[]).is_valid(0.0, 1.0));
         assert!(!Path::keys(&[(2.0, place(0.0)), (1.0, place(1.0))]).is_valid(0.0, 1.0));
         assert_eq!(Path::keys(&[(1.0, place(2.0))]).at(7.0), place(2.0));
+        let function = Path::Function { at: Arc::new(place), speed_mps: 1.0 };
+        for path in [path, Path::Still(place(2.0)), function] {
+            let moved = path.moved(DVec3::Y);
+            assert!([0.5, 1.5, 9.0].iter().all(|t| moved.at(*t).position == path.at(*t).position + DVec3::Y));
+            assert_eq!(moved.speed(1.2, 1.3, 0.5), path.speed(1.2, 1.3, 0.5));
+        }
     }
 }

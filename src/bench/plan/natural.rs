@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use throng_planner::natural::{ReachFigures, captured_reaches};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::import;
+use throng_precompute::plans;
 
 /// Figures of many reaches: 5th percentile, median, 95th percentile of each, as seen from the upper chest.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -77,7 +78,8 @@ impl Natural {
 pub fn captured(files: &[PathBuf], config: &BuildConfig) -> Result<Option<Natural>, Box<dyn Error>> {
     let mut all = Vec::new();
     for file in import::expand(files)? {
-        let clip = crate::plan::read::file_clip(&file, config).map_err(|e| format!("{}: {e}", file.display()))?;
+        let clip = plans::file_clip(&file, config, &|news| eprintln!("{news}"))
+            .map_err(|e| format!("{}: {e}", file.display()))?;
         all.extend(captured_reaches(&clip.clip, &clip.skeleton));
     }
     Ok(Natural::of(&all, None))

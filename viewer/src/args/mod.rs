@@ -29,11 +29,12 @@ Examples:
   throng-viewer clip.bvh
   throng-viewer data/scenes/boxing-pair.toml
   throng-viewer data/worlds/logo.toml
+  throng-viewer data/tasks/ring.toml
   throng-viewer data/scenes/corridor.toml --engine fixed
   throng-viewer walk.throng --png crowd.png --characters 1000 --panel none --camera yaw=30,pitch=20,distance=25
   throng-viewer walk.throng --bench 1000,10000 --json";
 
-/// Shows what is baked, and lets it be tried: bundles (*.throng), scenes and worlds (*.toml), motion files (*.bvh, *.amc,
+/// Shows what is baked, and lets it be tried: bundles (*.throng), scenes, worlds and tasks of limbs (*.toml), motion files (*.bvh, *.amc,
 /// *.npz, *.glb, *.gltf, *.fbx), and folders and archives (*.zip) of motion, which are built first, into the cache.
 ///
 /// Opens a window, in which H lists the keys; without a file, its start page. With --png or --bench it needs no screen.
@@ -41,7 +42,7 @@ Examples:
 #[command(name = "throng-viewer", version, after_help = AFTER_HELP)]
 #[command(group(clap::ArgGroup::new("screenless").args(["png", "bench"])))]
 pub struct Args {
-    /// Bundle, scene, world of motion patches, motion file, or folder or archive of motion; the start page where absent.
+    /// Bundle, scene, world of motion patches, task of limbs, motion file, or folder or archive of motion; the start page where absent.
     pub file: Option<PathBuf>,
 
     /// Draw a picture instead of opening a window.

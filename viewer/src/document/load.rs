@@ -1,6 +1,6 @@
 //! Opens files away from the window's thread, and makes what is missing first.
 
-use super::{Building, RawMotion, SceneDocument, Shown, Stamp, WorldDocument};
+use super::{Building, RawMotion, SceneDocument, Shown, Stamp, TaskDocument, WorldDocument};
 use crate::bundle::OpenBundle;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -20,6 +20,8 @@ pub enum Opened {
     World(Box<WorldDocument>),
     /// A scene.
     Scene(Box<SceneDocument>),
+    /// A task of limbs.
+    Task(Box<TaskDocument>),
 }
 
 /// Extension of a file, in lower case.
@@ -33,7 +35,7 @@ pub fn may_be_made(path: &Path) -> bool {
 }
 
 impl Opened {
-    /// Reads a file: motion by its extension (`.bvh` and others), `.toml` as a scene or a world, anything else as a bundle.
+    /// Reads a file: motion by its extension (`.bvh` and others), `.toml` as a scene, a world or a task, anything else as a bundle.
     /// Of a folder, an archive and several files of motion, the bundle that `throng build` makes of them is made first, in
     /// the cache.
     ///
@@ -45,7 +47,10 @@ impl Opened {
         let path = match paths {
             [path] if !is_motion(path) => path,
             several if several.iter().any(|p| ["toml", "throng"].contains(&&*extension(p))) => {
-                return Err("expected one bundle, one scene or one world, or motion alone; open them one by one".into());
+                return Err(
+                    "expected one bundle, one scene, one world or one task, or motion alone; open them one by one"
+                        .into(),
+                );
             }
             motion => {
                 let bundle = ensure_motion(motion, Path::new("motion.throng"), with).map_err(|e| e.to_string())?;
@@ -55,6 +60,7 @@ impl Opened {
         Ok(match &*extension(path) {
             _ if import::is_motion(path) => Self::Clip(Box::new(RawMotion::open(path)?)),
             "toml" if WorldDocument::is_one(path) => Self::World(Box::new(WorldDocument::open(path, with)?)),
+            "toml" if TaskDocument::is_one(path) => Self::Task(Box::new(TaskDocument::open(path, with)?)),
             "toml" => Self::Scene(Box::new(SceneDocument::open(path, with)?)),
             _ => Self::Bundle(Box::new(OpenBundle::open(path)?)),
         })
@@ -67,6 +73,7 @@ impl Opened {
             Self::Clip(clip) => clip.path(),
             Self::World(world) => world.path(),
             Self::Scene(scene) => scene.path(),
+            Self::Task(task) => task.path(),
         }
     }
 
@@ -75,6 +82,7 @@ impl Opened {
         match self {
             Self::World(world) => vec![world.bundle().path().to_path_buf()],
             Self::Scene(scene) => scene.more_files(),
+            Self::Task(task) => task.more_files(),
             Self::Bundle(_) | Self::Clip(_) => Vec::new(),
         }
     }
@@ -85,7 +93,7 @@ impl Opened {
             Self::Bundle(bundle) => Some(bundle),
             Self::Scene(scene) => scene.bundle(),
             Self::World(world) => Some(world.bundle()),
-            Self::Clip(_) => None,
+            Self::Clip(_) | Self::Task(_) => None,
         }
     }
 }

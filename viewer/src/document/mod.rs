@@ -1,4 +1,4 @@
-//! What is open: nothing, a bundle, a scene, a world of motion patches, or a raw motion file.
+//! What is open: nothing, a bundle, a scene, a world of motion patches, a task of limbs, or a raw motion file.
 
 mod building;
 mod clip;
@@ -6,6 +6,7 @@ mod load;
 mod obstacles;
 mod outfit;
 mod scene;
+mod task;
 mod watch;
 pub mod world;
 
@@ -14,6 +15,7 @@ pub use clip::RawMotion;
 pub use load::{Loader, Opened, may_be_made};
 pub use outfit::{Dressing, Outfit};
 pub use scene::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument, Shown, Standing, StandingDoor, StandingUnit};
+pub use task::{PlannedMotion, Planning, TaskDocument};
 pub use watch::{Stamp, Watch};
 pub use world::WorldDocument;
 
@@ -35,6 +37,8 @@ pub enum Document {
     World(Box<WorldDocument>),
     /// A scene: groups, whatever moves them.
     Scene(Box<SceneDocument>),
+    /// A task of limbs, and the motions planned for it.
+    Task(Box<TaskDocument>),
 }
 
 /// A bundle and the crowd that runs on it.
@@ -57,13 +61,14 @@ impl Document {
             Self::Clip(c) => Some(c.path()),
             Self::World(w) => Some(w.path()),
             Self::Scene(s) => Some(s.path()),
+            Self::Task(t) => Some(t.path()),
         }
     }
 
     /// Play head of its run, where something runs; that of a blend is [`BlendRun`]'s own.
     pub fn head(&self) -> Option<&Head> {
         match self {
-            Self::Nothing | Self::Clip(_) => None,
+            Self::Nothing | Self::Clip(_) | Self::Task(_) => None,
             Self::Bundle(b) => Some(&b.run.as_ref().ok()?.head),
             Self::World(w) => Some(&w.run().reel.head),
             Self::Scene(s) => Some(&s.run().head),
@@ -73,7 +78,7 @@ impl Document {
     /// The same, to be changed.
     pub fn head_mut(&mut self) -> Option<&mut Head> {
         match self {
-            Self::Nothing | Self::Clip(_) => None,
+            Self::Nothing | Self::Clip(_) | Self::Task(_) => None,
             Self::Bundle(b) => Some(&mut b.run.as_mut().ok()?.head),
             Self::World(w) => Some(&mut w.run_mut().reel.head),
             Self::Scene(s) => Some(&mut s.run_mut().head),
@@ -85,6 +90,7 @@ impl Document {
         match self {
             Self::World(w) => vec![w.bundle().path().to_path_buf()],
             Self::Scene(s) => s.more_files(),
+            Self::Task(t) => t.more_files(),
             Self::Nothing | Self::Bundle(_) | Self::Clip(_) => Vec::new(),
         }
     }
@@ -136,6 +142,14 @@ impl Document {
     pub fn scene(&self) -> Option<&SceneDocument> {
         match self {
             Self::Scene(s) => Some(s),
+            _ => None,
+        }
+    }
+
+    /// The task, where one is open.
+    pub fn task(&self) -> Option<&TaskDocument> {
+        match self {
+            Self::Task(t) => Some(t),
             _ => None,
         }
     }

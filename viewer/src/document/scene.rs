@@ -3,7 +3,7 @@
 use super::obstacles::mesh_of;
 use super::world::unit_mesh;
 use crate::bundle::OpenBundle;
-use crate::render::{Ray, SolidMesh};
+use crate::render::{Ray, SolidMesh, upright};
 use crate::run::{Chooser, SceneRun};
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
@@ -130,7 +130,7 @@ pub struct SceneDocument {
 impl Standing {
     /// Where a ray first meets the unit of a world (m).
     pub fn meets(&self, ray: &Ray) -> Option<Vec3> {
-        let met = self.units.iter().filter_map(|u| self.meshes.get(u.mesh as usize)?.meets(ray, u.placement));
+        let met = self.units.iter().filter_map(|u| self.meshes.get(u.mesh as usize)?.meets(ray, upright(u.placement)));
         met.min_by(f32::total_cmp).map(|distance| ray.at(distance))
     }
 }

@@ -45,6 +45,7 @@ impl Model {
             Command::Blend(wanted) => self.blend(wanted),
             Command::Steer(command) => self.apply_to_steering(command),
             Command::World(command) => self.apply_to_world(command),
+            Command::Plan(command) => self.apply_to_task(command),
             Command::Scene(command) => self.apply_to_scene(ctx, command),
             Command::SelectCharacter(c) => {
                 let n = self.num_characters();

@@ -75,6 +75,7 @@ impl Model {
             Opened::Bundle(bundle) => self.with_run(*bundle, is_reload),
             Opened::World(world) => Document::World(world),
             Opened::Scene(scene) => Document::Scene(scene),
+            Opened::Task(task) => Document::Task(task),
         };
         if let Some(head) = self.document.head_mut() {
             head.play(true);
@@ -84,7 +85,10 @@ impl Model {
         let policies = self.document.bundle().map_or(0, |b| b.tables().policies().len());
         if !is_reload {
             self.selection = Selection::default();
-            self.player = ClipPlayer { playing: matches!(self.document, Document::Clip(_)), ..ClipPlayer::default() };
+            self.player = ClipPlayer {
+                playing: matches!(self.document, Document::Clip(_) | Document::Task(_)),
+                ..ClipPlayer::default()
+            };
             self.stage = Stage::Crowd;
             self.views.clear();
             self.change_side_panel();
@@ -103,6 +107,9 @@ impl Model {
         let n = self.num_characters();
         self.selection.character = self.selection.character.filter(|&c| c < n);
         self.watch_selected();
+        // What is open is planned at once, as it was asked for before where it is read again.
+        self.plan();
+        self.take_in_task(self.is_unhurried);
     }
 
     /// A bundle with a crowd.
@@ -152,11 +159,13 @@ impl Model {
         // Crowds, worlds and blends each have a panel of their own.
         let here = match &self.document {
             Document::World(_) => PanelKind::Patches,
+            Document::Task(_) => PanelKind::Plan,
             Document::Scene(s) if s.scene().groups.iter().all(|g| g.is_of_agents()) => PanelKind::Crowd,
             Document::Bundle(b) if b.blend.is_some() && b.run.is_err() => PanelKind::Blend,
             _ => PanelKind::Control,
         };
-        if [PanelKind::Control, PanelKind::Patches, PanelKind::Blend, PanelKind::Crowd].map(Some).contains(side) {
+        let own = [PanelKind::Control, PanelKind::Patches, PanelKind::Blend, PanelKind::Crowd, PanelKind::Plan];
+        if own.map(Some).contains(side) {
             *side = Some(here);
         }
     }

@@ -1,7 +1,7 @@
 //! Where what the 3-D view shows is: what the camera frames and follows.
 
 use super::Model;
-use crate::document::{Document, SceneDocument, WorldDocument};
+use crate::document::{Document, SceneDocument, TaskDocument, WorldDocument};
 use crate::run::agents::way;
 use glam::Vec3;
 use throng_precompute::run::SeenObstacle;
@@ -11,6 +11,7 @@ impl Model {
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let points: Vec<Vec3> = match &self.document {
             Document::Nothing => Vec::new(),
+            Document::Task(t) => of_task(t).collect(),
             _ if self.shows_clip() || self.shows_blend() => self.around().collect(),
             Document::Clip(_) => self.around().collect(),
             Document::World(w) => of_world(w).collect(),
@@ -41,6 +42,7 @@ impl Model {
         let selected = self.selection.character;
         match &self.document {
             Document::Clip(motion) => motion.place(self.player.frame),
+            Document::Task(t) => t.clip(0).root_positions.get(self.player.frame as usize).map(|p| p.with_y(0.0)),
             document if self.shows_clip() => Some(document.bundle()?.planar(self.shown_row()?).translation()),
             Document::Nothing => None,
             Document::World(w) => {
@@ -52,6 +54,19 @@ impl Model {
             Document::Bundle(b) => Some(b.run.as_ref().ok()?.characters().root(selected?).translation()),
         }
     }
+}
+
+/// Where everybody is while something is done, and what can be put elsewhere (m).
+fn of_task(task: &TaskDocument) -> impl Iterator<Item = Vec3> {
+    let windows: Vec<[f64; 3]> = task.task().windows_s().into_iter().flatten().collect();
+    let is_during = move |t: f64| windows.is_empty() || windows.iter().any(|w| w[0] <= t && t <= w[2]);
+    let roots = task.clips_before().iter().flat_map(move |clip| {
+        let (rate_hz, is_during) = (clip.rate_hz, is_during.clone());
+        let all = clip.root_positions.iter().enumerate().step_by(6);
+        all.filter(move |(f, _)| is_during(*f as f64 / rate_hz)).map(|(_, p)| *p)
+    });
+    let handles = task.task().handles().into_iter().filter_map(|h| Some(task.place_of(h, 0.0)?.position.as_vec3()));
+    roots.chain(handles).filter(|p| p.is_finite())
 }
 
 /// Corners of boxes around the units of a world, and its characters (m).

@@ -40,7 +40,7 @@ impl Model {
                 }
                 _ => Ok(()),
             },
-            Document::Clip(_) | Document::Nothing => Ok(()),
+            Document::Clip(_) | Document::Task(_) | Document::Nothing => Ok(()),
         }
     }
 

@@ -14,7 +14,7 @@ impl Model {
             Document::Scene(s) => self.stage == Stage::Clip && s.bundle().is_some(),
             Document::Bundle(b) => self.stage == Stage::Clip || (b.run.is_err() && b.blend.is_none()),
             Document::World(_) => self.stage == Stage::Clip,
-            Document::Clip(_) => true,
+            Document::Clip(_) | Document::Task(_) => true,
         }
     }
 

@@ -109,10 +109,11 @@ pub const SHORTCUTS: &[Shortcut] = &[
 const WIDTH: f32 = 900.0;
 
 /// What the mouse does in the 3-D view.
-const MOUSE: [(&str, &str); 10] = [
+const MOUSE: [(&str, &str); 11] = [
     ("click", "select a character, or a unit of a world"),
     ("drag a target", "move it; with Shift, all targets"),
     ("Ctrl + click the ground", "put the selected character's target there"),
+    ("drag a thing of a task", "move it; up and down with Alt"),
     ("drag a unit", "move it, where Patches says Move"),
     ("Q, E, Delete", "turn or remove it"),
     ("drag", "turn the camera"),

@@ -16,6 +16,7 @@ pub mod keys;
 pub mod messages;
 pub mod paint;
 pub mod patches;
+pub mod plan;
 pub mod policy;
 pub mod report;
 pub mod start;
@@ -117,6 +118,13 @@ pub const PANELS: &[Panel] = &[
         key: Key::F10,
         show: |ui, model, states, commands| crowd::show(ui, model, &mut states.crowd, commands),
     },
+    Panel {
+        kind: PanelKind::Plan,
+        title: "Plan",
+        purpose: "tasks of limbs: drag targets and obstacles, plan, compare motions, see the trees",
+        key: Key::F11,
+        show: |ui, model, states, commands| plan::show(ui, model, &mut states.plan, commands),
+    },
 ];
 
 /// A dialog of the system.
@@ -161,6 +169,8 @@ pub struct PanelStates {
     pub blend: blend::State,
     /// Scenes of crowds.
     pub crowd: crowd::State,
+    /// Tasks of limbs.
+    pub plan: plan::State,
 }
 
 impl PanelKind {

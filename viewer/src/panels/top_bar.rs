@@ -66,6 +66,12 @@ fn title(model: &Model) -> String {
             let s = if groups == 1 { "" } else { "s" };
             format!("{name} · {groups} group{s} · {} characters · seed {}{engine}", choice.characters, choice.seed)
         }
+        Document::Task(t) => {
+            let (things, edits) = (t.task().things.len(), if t.is_changed() { " · changed" } else { "" });
+            let motions = t.motions().len();
+            let [t1, t2] = [things, motions].map(|n| if n == 1 { "" } else { "s" });
+            format!("{name} · {} to do · {things} thing{t1} · {motions} motion{t2}{edits}", t.task().num_steps())
+        }
         Document::Clip(c) => {
             format!("{name} · {} joints · {:.1} s at {} Hz", c.report.joints, c.duration_s(), c.report.rate_hz)
         }
@@ -75,7 +81,7 @@ fn title(model: &Model) -> String {
 fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<Command>) {
     if ui
         .button("Open…")
-        .on_hover_text("A bundle, a scene, a world, or files of motion; or drop them on the window (Ctrl+O)")
+        .on_hover_text("A bundle, a scene, a world, a task, or files of motion; or drop them on the window (Ctrl+O)")
         .clicked()
     {
         states.dialog = Some(Dialog::Files);

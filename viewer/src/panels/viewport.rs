@@ -4,6 +4,7 @@ mod boards;
 mod edits;
 mod label;
 pub mod steer;
+pub mod task;
 pub mod world;
 
 use super::{build, messages, words};
@@ -36,6 +37,8 @@ pub struct State {
     dragged: Option<Option<usize>>,
     /// A unit of a world that is dragged.
     dragged_unit: Option<world::Dragged>,
+    /// A thing of a task that is dragged.
+    held: Option<task::Held>,
     /// Heading of the unit that a click would place (rad).
     heading: f32,
     /// Width over height.
@@ -110,7 +113,7 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut State, commands
     let drags_unit = world::drag(ui, response, model, ray, &mut state.dragged_unit, commands);
     world::keys(ui, model, was_dragged, commands);
     world::hover(ui, model, response.hover_pos().map(ray), &mut state.heading, commands);
-    if drags_unit {
+    if drags_unit || task::drag(ui, response, model, &mut state.held, commands) {
         return;
     }
     let targets = targets(model);
@@ -239,6 +242,9 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &Layout, commands:
     }
     if !response.clicked() {
         return;
+    }
+    if model.task().is_some() {
+        return task::click(model, &ray, size(rect), commands);
     }
     if let Some(world) = model.shown_world() {
         return world::click(ui, model, world, layout, &ray, commands);

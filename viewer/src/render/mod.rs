@@ -34,6 +34,6 @@ pub use mesh::Body;
 pub use picking::{Hit, pick};
 pub use renderer::{DrawStats, SceneFrame, SceneRenderer, UploadStats};
 pub use shapes::Shapes;
-pub use solids::{SolidInstance, SolidMesh, Solids};
+pub use solids::{SolidInstance, SolidMesh, Solids, upright};
 pub use worn_draws::Worn;
 pub use worn_mesh::WornMesh;

@@ -27,7 +27,7 @@ const RING: [wgpu::VertexAttribute; 5] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32, 3 => Uint32, 4 => Unorm8x4];
 
 const SOLID_CORNER: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
-const SOLID: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![2 => Float32x4, 3 => Unorm8x4];
+const SOLID: [wgpu::VertexAttribute; 3] = wgpu::vertex_attr_array![2 => Float32x3, 3 => Unorm8x4, 4 => Float32x4];
 
 // Each attribute list above ends where its struct does.
 const _: () = assert!(size_of::<super::mesh::Vertex>() == 36);
@@ -36,7 +36,7 @@ const _: () = assert!(size_of::<super::shapes::LineInstance>() == 36);
 const _: () = assert!(size_of::<super::shapes::RoundInstance>() == 40);
 const _: () = assert!(size_of::<super::shapes::RingInstance>() == 28);
 const _: () = assert!(size_of::<super::solids::SolidVertex>() == 24);
-const _: () = assert!(size_of::<super::solid_draws::GpuSolid>() == 20);
+const _: () = assert!(size_of::<super::solid_draws::GpuSolid>() == 32);
 
 /// The vertex buffers a pipeline reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

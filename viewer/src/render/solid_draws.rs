@@ -12,9 +12,10 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct GpuSolid {
-    /// x, y, z, heading.
-    placement: [f32; 4],
+    at: [f32; 3],
     colour: Rgba,
+    /// x, y, z, w.
+    turn: [f32; 4],
 }
 
 /// Copies of one mesh that are drawn at once.
@@ -110,10 +111,7 @@ impl SolidDraws {
         sorted.sort_by_key(|s| (is_ghost(s), s.mesh));
         let gpu: Vec<GpuSolid> = sorted
             .iter()
-            .map(|s| {
-                let p = s.placement;
-                GpuSolid { placement: [p.x, p.y, p.z, p.heading], colour: s.colour }
-            })
+            .map(|s| GpuSolid { at: s.at.to_array(), colour: s.colour, turn: s.turn.to_array() })
             .collect();
         self.instances.write(device, queue, &gpu)?;
         let mut first = 0;

@@ -31,10 +31,25 @@ pub struct SolidMesh {
 pub struct SolidInstance {
     /// Number of its mesh.
     pub mesh: u32,
-    /// Its frame in the world.
-    pub placement: Placement,
+    /// Where its frame is in the world (m).
+    pub at: Vec3,
+    /// How it is turned. Unit.
+    pub turn: Quat,
     /// Its colour.
     pub colour: Rgba,
+}
+
+impl SolidInstance {
+    /// A thing that stands upright.
+    pub fn upright(mesh: u32, placement: Placement, colour: Rgba) -> Self {
+        let (at, turn) = upright(placement);
+        Self { mesh, at, turn, colour }
+    }
+}
+
+/// Where the frame of a thing is that stands upright, and how it is turned.
+pub fn upright(p: Placement) -> (Vec3, Quat) {
+    (Vec3::new(p.x, p.y, p.z), Quat::from_rotation_y(p.heading))
 }
 
 /// All that stands in the world.
@@ -110,9 +125,9 @@ impl SolidMesh {
     }
 
     /// Where a ray first meets it, standing somewhere: the distance along the ray (m).
-    pub fn meets(&self, ray: &Ray, at: Placement) -> Option<f32> {
-        let turn = Quat::from_rotation_y(-at.heading);
-        let local = Ray { origin: at.inverse_transform_point(ray.origin), direction: turn * ray.direction };
+    pub fn meets(&self, ray: &Ray, (at, turn): (Vec3, Quat)) -> Option<f32> {
+        let back = turn.conjugate();
+        let local = Ray { origin: back * (ray.origin - at), direction: back * ray.direction };
         let corner = |i: u32| Vec3::from(self.vertices[i as usize].position);
         let met = self.indices.chunks_exact(3).filter_map(|t| meets_triangle(&local, [0, 1, 2].map(|k| corner(t[k]))));
         met.min_by(f32::total_cmp)
@@ -172,12 +187,16 @@ mod tests {
         let mut mesh = SolidMesh::default();
         mesh.add_box(Vec3::new(0.0, 0.5, 0.0), Quat::IDENTITY, Vec3::new(1.0, 0.5, 0.1));
         let ray = Ray { origin: Vec3::new(5.0, 0.5, -7.0), direction: Vec3::Z };
-        let at = |heading| Placement::new(5.0, 0.0, 3.0, heading);
-        assert!(mesh.meets(&ray, at(0.0)).is_some_and(|d| (d - 9.9).abs() < 1e-4));
-        assert!(mesh.meets(&ray, at(0.5 * PI)).is_some_and(|d| (d - 9.0).abs() < 1e-4));
+        let at = Vec3::new(5.0, 0.0, 3.0);
+        let turned = Quat::from_rotation_y;
+        assert!(mesh.meets(&ray, (at, Quat::IDENTITY)).is_some_and(|d| (d - 9.9).abs() < 1e-4));
+        assert!(mesh.meets(&ray, (at, turned(0.5 * PI))).is_some_and(|d| (d - 9.0).abs() < 1e-4));
         let beside = Ray { origin: ray.origin + Vec3::X * 0.5, ..ray };
-        assert!(mesh.meets(&beside, at(0.0)).is_some() && mesh.meets(&beside, at(0.5 * PI)).is_none());
-        assert!(mesh.meets(&Ray { direction: -Vec3::Z, ..ray }, at(0.0)).is_none());
+        assert!(
+            mesh.meets(&beside, (at, Quat::IDENTITY)).is_some()
+                && mesh.meets(&beside, (at, turned(0.5 * PI))).is_none()
+        );
+        assert!(mesh.meets(&Ray { direction: -Vec3::Z, ..ray }, (at, Quat::IDENTITY)).is_none());
     }
 
     #[test]
@@ -186,7 +205,7 @@ mod tests {
         mesh.add_triangle([Vec3::ZERO, Vec3::X, Vec3::Y]);
         for side in [-1.0, 1.0] {
             let ray = Ray { origin: Vec3::new(0.2, 0.2, 2.0 * side), direction: Vec3::Z * -side };
-            assert!(mesh.meets(&ray, Placement::IDENTITY).is_some_and(|d| (d - 2.0).abs() < 1e-5));
+            assert!(mesh.meets(&ray, (Vec3::ZERO, Quat::IDENTITY)).is_some_and(|d| (d - 2.0).abs() < 1e-5));
         }
     }
 }

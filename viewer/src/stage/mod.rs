@@ -9,6 +9,7 @@ mod crowd;
 mod cues;
 mod raw;
 pub mod scene;
+pub mod task;
 mod values;
 mod variety;
 pub mod world;
@@ -108,6 +109,7 @@ impl Layout {
         match &model.document {
             Document::Nothing => {}
             Document::Clip(motion) => raw::lay_out(self, model, motion, &palette),
+            Document::Task(t) => task::lay_out(self, model, t, &palette, dark),
             Document::World(w) => {
                 self.skeleton.clone_from(w.bundle().tables().skeleton());
                 self.solids.meshes = Arc::clone(w.meshes());

@@ -142,12 +142,11 @@ fn standing(out: &mut Layout, standing: &Standing, brush: &Brush<'_>) {
     out.solids.meshes = std::sync::Arc::clone(&standing.meshes);
     let hills = if brush.dark { [0x4a4f57, 0x434850] } else { [0xd2d4d5, 0xc4c6c8] };
     let colours = [obstacles::grey(brush.dark), Rgba::hex(hills[0]), Rgba::hex(hills[1])];
-    let placement = Placement::new(0.0, 0.0, 0.0, 0.0);
-    out.solids.instances.extend((0..).zip(colours).map(|(mesh, colour)| SolidInstance { mesh, placement, colour }));
-    out.solids.instances.extend(standing.units.iter().map(|u| SolidInstance {
-        mesh: u.mesh,
-        placement: u.placement,
-        colour: world::colour_of_unit(&u.name, u.is_floor, u.placement, brush.dark),
+    let here = Placement::IDENTITY;
+    out.solids.instances.extend((0..).zip(colours).map(|(mesh, colour)| SolidInstance::upright(mesh, here, colour)));
+    out.solids.instances.extend(standing.units.iter().map(|u| {
+        let colour = world::colour_of_unit(&u.name, u.is_floor, u.placement, brush.dark);
+        SolidInstance::upright(u.mesh, u.placement, colour)
     }));
 }
 
@@ -161,8 +160,7 @@ fn doors(out: &mut Layout, standing: &Standing, simulation: &Simulation, brush: 
             let [from, to] = door.ends.map(|p| p.with_y(ABOVE_M));
             out.shapes.line(from, to, 1.5, colour.alpha(0.6));
         } else {
-            let placement = Placement::new(0.0, 0.0, 0.0, 0.0);
-            out.solids.instances.push(SolidInstance { mesh: door.mesh, placement, colour });
+            out.solids.instances.push(SolidInstance::upright(door.mesh, Placement::IDENTITY, colour));
         }
     }
 }

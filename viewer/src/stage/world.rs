@@ -72,7 +72,7 @@ fn units(out: &mut Layout, model: &Model, world: &WorldDocument, palette: &Palet
         let unit = world.unit(p.unit);
         let colour = colour_of_unit(&unit.name, unit.floor, p.placement, dark);
         let colour = if moved == Some(i) { colour.alpha(0.25) } else { colour };
-        SolidInstance { mesh: p.unit as u32, placement: p.placement, colour }
+        SolidInstance::upright(p.unit as u32, p.placement, colour)
     }));
     if let Some(p) = look.place.and_then(|p| world.placed().get(p)) {
         outline(out, world.kit().geometries[p.unit].bounds, p.placement, palette.selected);
@@ -89,7 +89,7 @@ fn units(out: &mut Layout, model: &Model, world: &WorldDocument, palette: &Palet
 fn ghost(out: &mut Layout, world: &WorldDocument, unit: &PlacedUnit, colour: Rgba) {
     let Some(geometry) = world.kit().geometries.get(unit.unit) else { return };
     let at = unit.placement;
-    out.solids.instances.push(SolidInstance { mesh: unit.unit as u32, placement: at, colour: colour.alpha(0.6) });
+    out.solids.instances.push(SolidInstance::upright(unit.unit as u32, at, colour.alpha(0.6)));
     outline(out, geometry.bounds, at, colour);
     let (from, ahead) = (at.translation().with_y(at.y + ABOVE), at.planar().rotation() * Vec3::Z);
     out.shapes.on_top(true).arrow(from, from + ahead * 0.8, 0.03, colour);

@@ -12,6 +12,7 @@ use crate::driven::Driven;
 use crate::linkage::{Limb, Linkage};
 use crate::planner::{Budget, Outcome, PlanConfig, Planner};
 use crate::problem::{Problem, State};
+use crate::search::Trees;
 use crate::setup::{ProblemError, ProblemSpec};
 use throng_core::Contacts;
 use throng_motion::Clip;
@@ -29,12 +30,14 @@ pub struct CorrectConfig<'a> {
     pub margin_most_s: f64,
     /// Where is looked for collisions, and the limb may give way; all of the clip where `None` (s).
     pub within_s: Option<[f64; 2]>,
+    /// Keeps the trees of every search, where they are to be looked at.
+    pub trees: Option<&'a Trees>,
 }
 
 impl Default for CorrectConfig<'_> {
     fn default() -> Self {
         let budget = Budget { draws: 3000, ..Budget::default() };
-        Self { plan: PlanConfig::default(), budget, margin_s: 0.4, margin_most_s: 2.0, within_s: None }
+        Self { plan: PlanConfig::default(), budget, margin_s: 0.4, margin_most_s: 2.0, within_s: None, trees: None }
     }
 }
 
@@ -164,6 +167,7 @@ fn planned<'p>(
     let problem = Problem::new(&spec)?;
     let budget = Budget { rate_hz, ..config.budget };
     let outcome = planner.plan(&problem, &config.plan, &budget);
+    config.trees.iter().for_each(|trees| trees.keep(&problem, planner));
     let unsolved = |why| NotCorrected::Unsolved { from_s: window_s[0], to_s: window_s[1], why };
     match (outcome.why, planner.motion()) {
         (None, Some(motion)) => Ok((motion, outcome, problem.driven_collisions(&spec))),

@@ -169,6 +169,7 @@ fn planned(
     let problem = Problem::new(spec)?;
     let budget = Budget { rate_hz: clip.rate_hz, ..config.budget };
     let outcome = planner.plan(&problem, &config.plan, &budget);
+    config.trees.iter().for_each(|trees| trees.keep(&problem, planner));
     match (outcome.why, planner.motion()) {
         (None, Some(motion)) => Ok((with_motion(clip, 0.0, spec.linkage, &motion).map_err(misfit)?, outcome)),
         (why, _) => Err(NotReached::Unsolved { what, why: why.unwrap_or(Unsolved::Rate) }),

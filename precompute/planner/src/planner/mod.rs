@@ -36,11 +36,14 @@ pub struct Budget<'a> {
     pub seed: u64,
     /// Frames a second of the result (Hz, > 0): the clip's.
     pub rate_hz: f64,
+    /// Begins with what is left of the last plan's trees, where it had the same start or goal: things have moved a little
+    /// since. What comes of it then depends on that plan, too.
+    pub warm: bool,
 }
 
 impl Default for Budget<'_> {
     fn default() -> Self {
-        Self { draws: 20_000, seconds: None, cancel: None, seed: 1, rate_hz: 30.0 }
+        Self { draws: 20_000, seconds: None, cancel: None, seed: 1, rate_hz: 30.0, warm: false }
     }
 }
 
@@ -150,7 +153,7 @@ impl Planner {
         let grid = TimeGrid::new(problem.init.time_s, problem.goal.time_s, budget.rate_hz);
         let mut rng = seeded(budget.seed);
         let search = &mut self.search;
-        let quest = Quest { problem, config: &config.search, grid, draws: budget.draws };
+        let quest = Quest { problem, config: &config.search, grid, draws: budget.draws, warm: budget.warm };
         let found = search.run(quest, &mut self.checker, &mut rng, keep_on);
         outcome.nodes = search.num_nodes();
         outcome.first_solution_s = began.elapsed().as_secs_f64();

@@ -76,6 +76,73 @@ fn a_hand_comes_round_a_table() {
     }
 }
 
+/// Stops a search when it has asked often enough: after every node, one after the other.
+#[test]
+fn a_search_cancelled_after_any_node_leaves_what_was() {
+    let problem = table();
+    let fresh = solved(&problem, 5);
+    let motion = |planner: &Planner| planner.motion().expect("a motion").frames.to_vec();
+    let (mut planner, mut asked_most) = (fresh.0.clone(), 0);
+    for stop in 1.. {
+        let grid = TimeGrid::new(0.0, 1.5, 30.0);
+        let config = PlanConfig::default();
+        let quest = Quest { problem: &problem, config: &config.search, grid, draws: 20_000, warm: false };
+        let mut asked = 0;
+        let found = planner.search.run(quest, &mut planner.checker, &mut seeded(5), || {
+            asked += 1;
+            (asked == stop).then_some(Found::Cancelled)
+        });
+        if found == Found::Way {
+            break;
+        }
+        assert_eq!((found, asked), (Found::Cancelled, stop));
+        asked_most = stop;
+        let again = planner.plan(&problem, &PlanConfig::default(), &Budget { seed: 5, ..Budget::default() });
+        assert_eq!((motion(&planner), again.nodes), (motion(&fresh.0), fresh.1.nodes));
+    }
+    assert!(asked_most > 2, "{asked_most}");
+    let cancel = AtomicBool::new(true);
+    let outcome =
+        planner.plan(&problem, &PlanConfig::default(), &Budget { cancel: Some(&cancel), ..Budget::default() });
+    assert!(matches!(outcome.why, Some(Unsolved::Cancelled { draws: 0 })) && planner.motion().is_none());
+}
+
+/// The table is moved a little at a time: what is left of the trees is gone on with.
+#[test]
+fn a_warm_start_goes_on_with_the_last_trees() {
+    let s = Somebody::standing();
+    let ends = [(s.pose(0.0, -1.2, 0.2), 0.0), (s.pose(0.0, 0.1, 0.3), 1.5)];
+    let at = |moved: f64| {
+        let plate = Shape::cuboid(DVec3::new(0.9, 0.03, 0.6));
+        s.problem(ends, &[solid("table", plate, DVec3::new(0.65, 1.2, 0.55 + moved))]).expect("a problem")
+    };
+    let (mut cold_checks, mut warm_checks) = (0, 0);
+    for seed in 0..6 {
+        let (mut planner, first) = solved(&at(0.0), seed);
+        // Nothing has moved: the same way, without a sample.
+        let warm = Budget { seed, warm: true, ..Budget::default() };
+        let again = planner.plan(&at(0.0), &PlanConfig::default(), &warm);
+        assert_eq!((again.nodes, planner.search().draws), (first.nodes, 0));
+        for k in 1..8 {
+            let problem = at(0.004 * f64::from(k));
+            let outcome = planner.plan(&problem, &PlanConfig::default(), &warm);
+            assert!(outcome.is_solved(), "{seed} {k}: {outcome:?}");
+            assert_free(&problem, &planner.motion().expect("a motion"));
+            warm_checks += planner.search().draws;
+            let mut cold = Planner::new();
+            cold.plan(&problem, &PlanConfig::default(), &Budget { seed, ..Budget::default() });
+            cold_checks += cold.search().draws;
+        }
+    }
+    assert!(2 * warm_checks < cold_checks, "{warm_checks} samples warm, {cold_checks} cold");
+    // Another start and another goal: nothing is left.
+    let mut planner = solved(&at(0.0), 1).0;
+    let other = s.problem([(s.pose(0.1, -1.1, 0.2), 0.0), (s.pose(0.1, 0.1, 0.4), 1.5)], &[]).expect("a problem");
+    let warm = Budget { warm: true, ..Budget::default() };
+    assert!(planner.plan(&other, &PlanConfig::default(), &warm).is_solved());
+    assert_free(&other, &planner.motion().expect("a motion"));
+}
+
 #[test]
 fn bisection_solves_it_too() {
     let problem = table();

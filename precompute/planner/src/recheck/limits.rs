@@ -4,7 +4,7 @@ use crate::limits::{JointLimits, Swing};
 use glam::{DMat3, DQuat, DVec3, Quat};
 
 /// How far a rotation is outside the limits of its joint; negative by how far inside (rad).
-pub(super) fn outside(limits: &JointLimits, rotation: Quat) -> f64 {
+pub(crate) fn outside(limits: &JointLimits, rotation: Quat) -> f64 {
     let q = rotation.as_dquat().normalize();
     // In a mirror at x = 0 a rotation matrix R becomes M R M.
     let mirror = DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0));

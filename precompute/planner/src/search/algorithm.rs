@@ -57,6 +57,11 @@ pub struct Search {
     pub draws: u32,
     /// Least distance between the trees where one could have gone on in the other, by places alone (m).
     pub nearest_m: f64,
+    /// Nodes in which the trees met, of that at the start and of that at the goal.
+    met: Option<[u32; 2]>,
+    /// A tree of the last search, and where its nodes are by now.
+    old: Vec<Node>,
+    kept: Vec<Option<u32>>,
 }
 
 /// What is searched, and how.
@@ -67,6 +72,8 @@ pub(crate) struct Quest<'a> {
     pub grid: TimeGrid,
     /// Most samples.
     pub draws: u32,
+    /// Begins with what is left of the last trees.
+    pub warm: bool,
 }
 
 /// What all steps of one search need.
@@ -84,9 +91,14 @@ impl Search {
 
     /// Nodes of the tree at the start and of that at the goal: states, and indices of their parents.
     pub fn trees(&self) -> [impl Iterator<Item = (&State, usize)>; 2] {
+        self.nodes().map(|nodes| nodes.iter().map(|n| (&n.state, n.parent as usize)))
+    }
+
+    /// Of the tree at the start and of that at the goal.
+    pub(crate) fn nodes(&self) -> [&[Node]; 2] {
         let [a, b] = &self.trees;
         let (init, goal) = if a.from_goal { (b, a) } else { (a, b) };
-        [init, goal].map(|t| t.nodes.iter().map(|n| (&n.state, n.parent as usize)))
+        [init, goal].map(|t| &t.nodes[..])
     }
 
     /// SYNCPLANNER of the paper.
@@ -109,10 +121,20 @@ impl Search {
         let sampler = Sampler::new(problem.chain.linkage, limits, &problem.init.pose, config.style, config.widen_over);
         let step = Step { quest, problem, sampler };
         let [init, goal] = [&problem.init, &problem.goal].map(|s| step.node(*s, 0));
-        self.trees[0].plant(init, false);
-        self.trees[1].plant(goal, true);
         self.way.clear();
         (self.draws, self.nearest_m) = (0, init.apart(&goal));
+        let met = self.met.take().filter(|_| quest.warm);
+        if quest.warm {
+            let met = self.replant(&step, [init, goal], met, checker);
+            if let Some([a, b]) = met
+                && self.connect(&step, a, b, checker)
+            {
+                return Found::Way;
+            }
+        } else {
+            self.trees[0].plant(init, false);
+            self.trees[1].plant(goal, true);
+        }
         while self.draws < draws {
             if let Some(stop) = keep_on() {
                 return stop;
@@ -135,6 +157,44 @@ impl Search {
         Found::Nothing
     }
 
+    /// Keeps of the last trees what still holds: nodes that are free, in time, and reached from one that is kept.
+    ///
+    /// - `met`: nodes in which they met.
+    /// - returns these, where both are kept.
+    fn replant(
+        &mut self,
+        step: &Step<'_>,
+        roots: [Node; 2],
+        met: Option<[u32; 2]>,
+        checker: &mut Checker,
+    ) -> Option<[usize; 2]> {
+        if self.trees[0].from_goal {
+            self.trees.swap(0, 1);
+        }
+        let mut ends = met;
+        for (k, (tree, root)) in self.trees.iter_mut().zip(roots).enumerate() {
+            std::mem::swap(&mut self.old, &mut tree.nodes);
+            tree.plant(root, k == 1);
+            self.kept.clear();
+            // Another start or goal is another tree.
+            let is_same = self.old.first().is_some_and(|n| n.state == root.state);
+            self.kept.push(is_same.then_some(0));
+            for node in self.old.iter().skip(1) {
+                let kept = self.kept[node.parent as usize].and_then(|parent| {
+                    let from = tree.nodes[parent as usize].state;
+                    let holds = step.holds(&from, &node.state, k == 1, checker);
+                    holds.then(|| tree.add(step.node(node.state, parent)) as u32)
+                });
+                self.kept.push(kept);
+            }
+            ends = ends.and_then(|mut ends| {
+                ends[k] = *self.kept.get(ends[k] as usize)?.as_ref()?;
+                Some(ends)
+            });
+        }
+        ends.map(|ends| ends.map(|i| i as usize))
+    }
+
     /// Joins a node of the first tree with one of the second, if the way between them is free.
     fn connect(&mut self, step: &Step<'_>, in_first: usize, in_second: usize, checker: &mut Checker) -> bool {
         let [a, b] = &self.trees;
@@ -149,6 +209,7 @@ impl Search {
         }
         let ((init, init_node), (goal, goal_node)) =
             if a.from_goal { ((b, in_second), (a, in_first)) } else { ((a, in_first), (b, in_second)) };
+        self.met = Some([init_node as u32, goal_node as u32]);
         init.to_root(init_node, &mut self.way);
         self.way.reverse();
         goal.to_root(goal_node, &mut self.way);
@@ -160,6 +221,17 @@ impl Step<'_> {
     fn node(&self, state: State, parent: u32) -> Node {
         let chain = &self.problem.chain;
         Node { state, ends: chain.ends(&self.problem.place(&state)), parent }
+    }
+
+    /// True where a node of the last search can be one of this: it is free, and so is the way from its parent.
+    fn holds(&self, parent: &State, state: &State, from_goal: bool, checker: &mut Checker) -> bool {
+        let grid = &self.quest.grid;
+        let is_on_grid = (grid.at(grid.nearest(state.time_s)) - state.time_s).abs() < 1e-9;
+        let (a, b) = if from_goal { (state, parent) } else { (parent, state) };
+        is_on_grid
+            && self.is_slow_enough(a, b)
+            && checker.is_free(self.problem, state)
+            && checker.is_way_free(self.problem, a, b, self.quest.config.edge)
     }
 
     fn is_slow_enough(&self, from: &State, to: &State) -> bool {

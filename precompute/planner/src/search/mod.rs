@@ -2,6 +2,7 @@
 
 mod algorithm;
 mod grid;
+mod grown;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -9,4 +10,5 @@ mod tree;
 pub(crate) use algorithm::Quest;
 pub use algorithm::{Found, Search, SearchConfig};
 pub(crate) use grid::TimeGrid;
+pub use grown::{Grown, GrownNode, Trees};
 pub use tree::Weights;

@@ -49,7 +49,7 @@ fn trees_grow_by_free_steps_of_epsilon_forwards_and_backwards_in_time() {
     let grid = TimeGrid::new(0.0, 1.5, 30.0);
     let mut search = Search::default();
     let mut checker = Checker::default();
-    let quest = Quest { problem: &problem, config: &config, grid, draws: 1500 };
+    let quest = Quest { problem: &problem, config: &config, grid, draws: 1500, warm: false };
     let found = search.run(quest, &mut checker, &mut Pcg64Mcg::seed_from_u64(4), || None);
     assert_eq!((found, search.draws), (Found::Nothing, 1500));
     let apart = |a: &State, b: &State| {

@@ -1,14 +1,18 @@
 //! The check of everything that a task did, by the means of [`crate::recheck`].
 
 use super::gaze;
-use super::stage::{Actor, Planned, Stage, Whereabouts, hand};
+use super::lean;
+use super::stage::{Actor, Leaned, Planned, Stage, Whereabouts, hand};
+use crate::balance::off_feet;
 use crate::limits::JointLimits;
 use crate::linkage::Linkage;
-use crate::recheck::{OtherClip, Recheck, RecheckReport, Violation};
+use crate::recheck::{OtherClip, Recheck, RecheckReport, Violation, outside};
 use crate::rotation::{Rigid, angle};
 use crate::setup::Allowed;
 use glam::Vec3;
+use std::f64::consts::PI;
 use throng_core::{Contacts, Joint};
+use throng_motion::Clip;
 
 /// Grips and targets are kept by so much (m).
 const GRIP_M: f64 = 1e-4;
@@ -20,6 +24,8 @@ const PLANTED_M: f64 = 1e-3;
 const HEAD_RATE: f64 = 5.0;
 /// And face what they look at within this, where necks reach (rad).
 const GAZE_RAD: f64 = 0.3;
+/// Limits and speeds of trunks are kept by so much (rad, rad/s).
+const LEAN_RAD: f64 = 5e-3;
 /// How deep parts may be in what they do not hold (m).
 const PENETRATION_M: f64 = 1e-3;
 
@@ -32,12 +38,19 @@ pub(super) fn check(stage: &Stage<'_>) -> RecheckReport {
             planned.iter().flat_map(|p| p.limb.joints().map(|j| (j, p.window_s))).collect();
         let looks = stage.looked.iter().filter(|l| l.character == who);
         let heads = looks.flat_map(|l| gaze::JOINTS.map(|j| (j, [l.times_s[0], l.times_s[2]])));
-        let spans: Vec<(Joint, [f64; 2])> = spans.into_iter().chain(heads).collect();
+        let leans = || stage.leaned.iter().filter(|l| l.character == who);
+        let trunks = leans().flat_map(|l| lean::joints(l).map(|j| (j, l.window_s)));
+        let hips = leans().filter(|l| l.moves_hips).map(|l| (Joint::Hips, l.window_s));
+        let spans: Vec<(Joint, [f64; 2])> = spans.into_iter().chain(heads).chain(trunks).chain(hips).collect();
+        leans().for_each(|l| trunk(actor, l, &mut report));
         crate::recheck::unchanged(&actor.before, &actor.clip, &spans, &mut report);
         for piece in pieces(stage, who) {
             look(stage, who, actor, &piece, &mut report);
         }
         planted(actor, &mut report);
+        if stage.task.balance {
+            balance(actor, &planned, &mut report);
+        }
     }
     grips(stage, &mut report);
     gazes(stage, &mut report);
@@ -102,6 +115,49 @@ fn look(stage: &Stage<'_>, who: usize, actor: &Actor, piece: &Planned, report: &
     recheck.look_at_span(report);
 }
 
+/// Trunks that bend do so within limits, and no faster than they may, or than the clip has them.
+fn trunk(actor: &Actor, leaned: &Leaned, report: &mut RecheckReport) {
+    let rate_hz = actor.clip.rate_hz;
+    let frames = leaned.window_s.map(|t| ((t * rate_hz).round() as usize).min(actor.clip.num_frames() - 1));
+    for joint in lean::SPINE {
+        let Some(limits) = actor.limits.joints[joint.index()] else { continue };
+        let of = |clip: &Clip, f: usize| clip.frame_rotations(f)[joint.index()];
+        for f in frames[0]..=frames[1] {
+            let [was, is] = [&actor.before, &actor.clip].map(|c| outside(&limits, of(c, f)));
+            let speed = |c: &Clip| match f {
+                0 => 0.0,
+                _ => angle(of(c, f - 1).as_dquat().normalize(), of(c, f).as_dquat().normalize()) * rate_hz,
+            };
+            let [was_at, is_at] = [&actor.before, &actor.clip].map(speed);
+            let mut wrong = |what| report.violations.push(Violation { time_s: f as f64 / rate_hz, what });
+            if is > was.max(0.0) + LEAN_RAD {
+                wrong(format!("{} bends {is:.3} rad past its limits", joint.name()));
+            }
+            if is_at > limits.speed.max(was_at) * (1.0 + LEAN_RAD) + LEAN_RAD {
+                wrong(format!("{} bends at {is_at:.2} rad/s", joint.name()));
+            }
+        }
+    }
+}
+
+/// How much farther the weight is off the feet than the clip has it, while something was planned.
+fn balance(actor: &Actor, planned: &[&Planned], report: &mut RecheckReport) {
+    let off = |clip: &Clip, f: usize| {
+        let rigid =
+            |(at, turn): (Vec3, glam::Quat)| Rigid { position: at.as_dvec3(), rotation: turn.as_dquat().normalize() };
+        let places = clip.joint_transforms(&actor.skeleton, f).map(rigid);
+        off_feet(&actor.skeleton, &places, actor.before.contacts.get(f).copied().unwrap_or_default())
+    };
+    for f in 0..actor.clip.num_frames() {
+        let t = f as f64 / actor.clip.rate_hz;
+        if planned.iter().any(|p| p.window_s[0] <= t && t <= p.window_s[1])
+            && let (Some(was), Some(is)) = (off(&actor.before, f), off(&actor.clip, f))
+        {
+            report.off_balance_m = report.off_balance_m.max(is - was);
+        }
+    }
+}
+
 /// Feet that stood, stand where they stood.
 fn planted(actor: &Actor, report: &mut RecheckReport) {
     let feet = [(Joint::LeftFoot, Contacts::LEFT), (Joint::RightFoot, Contacts::RIGHT)];
@@ -147,10 +203,14 @@ fn gazes(stage: &Stage<'_>, report: &mut RecheckReport) {
         let all = actor.clip.joint_transforms(&actor.skeleton, frames[1]);
         let [chest, head] = [Joint::UpperChest, Joint::Head].map(|j| all[j.index()]);
         let to = (look.at.as_vec3() - head.0).normalize_or(Vec3::Z);
-        let [face, chest] = [head.1, chest.1].map(|q| q * Vec3::Z);
+        let face = head.1 * Vec3::Z;
         let off = f64::from(face.angle_between(to));
-        // A neck turns so far from the chest; what lies behind that is not faced.
-        let beyond = (f64::from(chest.angle_between(to)) - gaze::FARTHEST[1]).max(0.0);
+        // A neck turns so far from the chest to the sides, up and down; what lies behind that is not faced.
+        let angles = |v: Vec3| [v.x.atan2(v.z), v.y.atan2(v.x.hypot(v.z))].map(f64::from);
+        let ([wanted, up], [chest, _]) = (angles(to), angles(chest.1 * Vec3::Z));
+        let aside = (wanted - chest + PI).rem_euclid(2.0 * PI) - PI;
+        let past = [aside.abs() - gaze::FARTHEST[0], up.abs() - gaze::FARTHEST[1]].map(|x| x.max(0.0));
+        let beyond = past[0].hypot(past[1]);
         report.gaze_off_rad = report.gaze_off_rad.max(off - beyond);
         if off > beyond + GAZE_RAD {
             violation(frames[1], format!("head looks {off:.2} rad past what is reached for"));

@@ -3,6 +3,7 @@
 use super::entries::Deed;
 use super::gaze;
 use super::grips::{Goal, goals};
+use super::lean;
 use super::run::{Left, nearest_of};
 use super::stage::{Stage, Whereabouts, hand};
 use super::step::{Anchor, Place, Receiver, Step};
@@ -26,6 +27,8 @@ const LATER: usize = 1 << 20;
 pub(super) struct Problems {
     pub why: String,
     pub nearest_m: Option<f64>,
+    /// The target is out of reach, by so much.
+    pub is_beyond: bool,
     pub plans: Vec<Outcome>,
     pub spans: Vec<Span>,
     /// Stretches that stay as they are, and why.
@@ -36,7 +39,15 @@ pub(super) struct Problems {
 
 impl Problems {
     pub fn new(why: impl Into<String>) -> Self {
-        Self { why: why.into(), nearest_m: None, plans: Vec::new(), spans: Vec::new(), left: Vec::new(), keep: false }
+        Self {
+            why: why.into(),
+            nearest_m: None,
+            is_beyond: false,
+            plans: Vec::new(),
+            spans: Vec::new(),
+            left: Vec::new(),
+            keep: false,
+        }
     }
 }
 
@@ -49,14 +60,46 @@ pub(super) fn do_step(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig
     // Everything happens on frames.
     let rate = stage.actors[step.character].clip.rate_hz;
     let step = &Step { times_s: step.times_s.map(|t| (t * rate).round() / rate), ..step.clone() };
-    if step.deed != Deed::Correct && stage.task.gaze {
+    if step.deed == Deed::Correct {
+        return corrected(stage, step, &config);
+    }
+    let leans = stage.task.lean && step.limb.is_arm();
+    let before = leans.then(|| stage.clone());
+    let mut did = reached(stage, step, &config);
+    // Out of reach by so much, the trunk may help; a little more each time.
+    let (Some(before), Some(by_m)) = (before, did.as_ref().err().filter(|p| p.is_beyond).and_then(|p| p.nearest_m))
+    else {
+        return did;
+    };
+    if by_m > lean::MOST_M {
+        return did;
+    }
+    for spare_m in lean::SPARE_M {
+        let mut leaning = before.clone();
+        let tried = lean::lean(&mut leaning, step, by_m + spare_m).and_then(|()| reached(&mut leaning, step, &config));
+        match (tried, &mut did) {
+            (Ok(found), _) => {
+                *stage = leaning;
+                return Ok(found);
+            }
+            (Err(with), Err(without)) if spare_m == lean::SPARE_M[0] => {
+                without.why = format!("{}; leaning: {}", without.why, with.why);
+            }
+            (Err(_), _) => {}
+        }
+    }
+    did
+}
+
+/// Looks there, if heads do, and does it.
+fn reached(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> Did {
+    if stage.task.gaze {
         gaze::look(stage, step);
     }
     match (step.deed, step.object) {
-        (Deed::Correct, _) => corrected(stage, step, &config),
         (_, None) => Err(Problems::new("there is no object")),
-        (Deed::Reach | Deed::Touch | Deed::Switch | Deed::Grab, Some(object)) => take(stage, step, object, &config),
-        (Deed::Carry | Deed::Drop | Deed::HandOver, Some(object)) => bring(stage, step, object, &config),
+        (Deed::Carry | Deed::Drop | Deed::HandOver, Some(object)) => bring(stage, step, object, config),
+        (_, Some(object)) => take(stage, step, object, config),
     }
 }
 
@@ -101,7 +144,7 @@ fn corrected(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> 
     if left.is_empty() {
         return Ok((plans, spans));
     }
-    Err(Problems { why: Left::why(&left), nearest_m, plans, spans, left, keep: true })
+    Err(Problems { why: Left::why(&left), nearest_m, is_beyond: false, plans, spans, left, keep: true })
 }
 
 /// What to do where the rest of the body is in something.

@@ -70,6 +70,19 @@ pub struct WalkEntry {
     /// How fast it walks (m/s, 0.3 to 4).
     #[serde(default = "walking")]
     pub speed_mps: f64,
+    /// It goes straight on at these speeds in place of walking up to anything: all its tasks have times.
+    #[serde(default)]
+    pub pace: Vec<PaceEntry>,
+}
+
+/// How fast somebody goes at a time; evenly faster or slower in between.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PaceEntry {
+    /// (s)
+    pub t_s: f64,
+    /// (m/s, 0 to 8)
+    pub speed_mps: f64,
 }
 
 fn walking() -> f64 {
@@ -384,6 +397,10 @@ pub(super) struct PlannerEntry {
     pub blend_s: f64,
     /// Heads turn to what limbs reach for, and back, as far as necks allow.
     pub gaze: bool,
+    /// Trunks bend where an arm does not reach otherwise.
+    pub lean: bool,
+    /// Hips give way where trunks bend, so that the weight stays over feet that stand; how far it is off them is told.
+    pub balance: bool,
     /// Time before and after a collision in which a limb gives way at first (s).
     pub margin_s: f64,
 }

@@ -22,6 +22,8 @@ const HELP: &str = "A task has `clip`, `[[characters]]`, `[[scene.obstacles]]`, 
                     `[planner]`; `throng schema --of task` lists every key.";
 /// How far from the middle somebody begins to walk (m).
 const MOST_M: f64 = 1e4;
+/// How long somebody goes on at most (s).
+const MOST_S: f64 = 600.0;
 /// Most characters, things or tasks of a file.
 const MOST: usize = 1000;
 
@@ -78,6 +80,10 @@ pub struct Task {
     pub clearance_m: f64,
     /// Heads turn to what limbs reach for.
     pub gaze: bool,
+    /// Trunks bend where an arm does not reach otherwise.
+    pub lean: bool,
+    /// Weight is kept over feet that stand where trunks bend, and how far it is off them is told.
+    pub balance: bool,
     pub(super) steps: Vec<Step>,
 }
 
@@ -106,6 +112,11 @@ impl Task {
     /// Number of things to do.
     pub fn num_steps(&self) -> usize {
         self.steps.len()
+    }
+
+    /// What each thing to do is called.
+    pub fn step_names(&self) -> impl Iterator<Item = &str> {
+        self.steps.iter().map(|s| s.name.as_str())
     }
 
     /// When each thing to do is reached; none for corrections, and before somebody has walked there (s).
@@ -153,7 +164,8 @@ impl Task {
         let steps =
             steps(&file.tasks, &characters, &things).map_err(|(i, why)| source.at(&format!("tasks[{i}]"), why))?;
         let config = file.planner.config().map_err(|(key, why)| source.at(&format!("planner.{key}"), why))?;
-        Ok(Self { characters, things, config, clearance_m: file.planner.clearance_m, gaze: file.planner.gaze, steps })
+        let PlannerEntry { clearance_m, gaze, lean, balance, .. } = file.planner;
+        Ok(Self { characters, things, config, clearance_m, gaze, lean, balance, steps })
     }
 }
 
@@ -193,6 +205,18 @@ fn walked(entry: &ClipEntry, walk: &WalkEntry, folder: &Path) -> std::result::Re
     }
     if !(0.3..=4.0).contains(&walk.speed_mps) {
         return Err(format!("walk: speed_mps: expected 0.3 to 4, found {}", walk.speed_mps));
+    }
+    let (times, speeds) = (walk.pace.iter().map(|p| p.t_s), walk.pace.iter().map(|p| p.speed_mps));
+    let times: Vec<f64> = times.collect();
+    let ascend = times.first().is_none_or(|t| *t == 0.0) && times.windows(2).all(|w| w[0] < w[1]);
+    if !(ascend
+        && times.len() != 1
+        && times.iter().all(|t| *t <= MOST_S)
+        && speeds.into_iter().all(|v| (0.0..=8.0).contains(&v)))
+    {
+        return Err(format!(
+            "walk: pace: expected two times at least, ascending from 0 to {MOST_S} s at most, and speeds of 0 to 8 m/s"
+        ));
     }
     let (bundle, config) = (folder.join(&walk.bundle), walk.config.as_ref().map(|c| folder.join(c)));
     let walk = WalkEntry { bundle, config, ..walk.clone() };
@@ -290,6 +314,8 @@ impl Default for PlannerEntry {
             round_s: plan.smooth.round_s,
             blend_s: plan.smooth.blend_s,
             gaze: false,
+            lean: false,
+            balance: false,
             margin_s: correct.margin_s,
         }
     }

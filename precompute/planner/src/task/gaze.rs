@@ -21,53 +21,125 @@ const LEAST_S: f64 = 0.25;
 const RATE: f64 = 3.5;
 /// The eyes are there so long before the hand is (s).
 const AHEAD_S: f64 = 0.1;
+/// And stay there for so long at least, before they turn to something else (s).
+const HELD_S: f64 = 0.1;
+/// Heads turn no faster, whatever they do (rad/s).
+const TOP_RATE: f64 = 4.2;
+/// What is not faced within this in time is not looked at (rad).
+const NEAR_ENOUGH: f64 = 0.2;
+/// Frames to either side over which corners are rounded.
+const ROUND: usize = 2;
 /// Joints that a gaze moves.
 pub(super) const JOINTS: [Joint; 2] = [Joint::Neck, Joint::Head];
 
 /// Lets a character look at what a step takes, or where it brings it, from some time before it is there until some time after.
 ///
+/// Where it looked at something else just before, it goes on from there; the head turns no faster than heads do. What it could
+/// not face in time, it does not look at.
+///
 /// # Source
 /// Shapiro, Kallmann and Faloutsos 2007 leave the gaze to the application; angles and shares are those of walkers.
 pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
-    let (who, times_s) = (step.character, step.times_s);
-    let [from_s, at_s, to_s] = times_s;
+    let (who, [from_s, at_s, to_s]) = (step.character, step.times_s);
+    // One thing after the other.
+    let others = || stage.looked.iter().filter(|l| l.character == who);
+    let from_s = others().map(|l| l.times_s[1] + HELD_S).filter(|t| *t < at_s + HELD_S).fold(from_s, f64::max);
+    let to_s = others().map(|l| l.times_s[1] - HELD_S).filter(|t| *t > at_s - HELD_S).fold(to_s, f64::min);
     let rate_hz = stage.actors[who].clip.rate_hz;
     let last = stage.actors[who].clip.num_frames() - 1;
-    let frames = (from_s * rate_hz).round().max(0.0) as usize..=((to_s * rate_hz).round() as usize).min(last);
-    let offs: Vec<[f64; 2]> = frames.clone().map(|f| off(stage, step, f as f64 / rate_hz)).collect();
+    let frame_of = |t: f64| (t * rate_hz).round().max(0.0) as usize;
+    let frames = frame_of(from_s)..=frame_of(to_s).min(last);
+    if frame_of(at_s) <= *frames.start() || frame_of(at_s) >= *frames.end() {
+        return;
+    }
+    let time_of = |frame: usize| frame as f64 / rate_hz;
+    let offs: Vec<[f64; 2]> = frames.clone().map(|f| off(stage, step, time_of(f))).collect();
     let most = offs.iter().flatten().fold(0.0f64, |m, o| m.max(o.abs()));
-    // Eased, it is fastest in the middle: by half more than in the mean.
-    let turn_s = (1.5 * most / RATE).max(LEAST_S);
+    if most < 1e-3 {
+        return;
+    }
     // The eyes are there before the hand is, and go on before it is back.
     let [there_s, back_s] = [at_s - from_s, to_s - at_s];
-    let [up_s, down_s] = [(there_s - AHEAD_S).min(turn_s.max(0.5 * there_s)), back_s.min(turn_s.max(0.7 * back_s))];
-    if up_s < turn_s || down_s < turn_s || most < 1e-3 {
+    // Eased, it is fastest in the middle: by half more than in the mean.
+    let turn_s = (1.5 * most / RATE).max(LEAST_S);
+    let up_s = (there_s - AHEAD_S).min(turn_s.max(0.5 * there_s)).max(1.0 / rate_hz);
+    let down_s = back_s.min(turn_s.max(0.7 * back_s));
+    let share = |t: f64| ease((t - from_s) / up_s) * ease((to_s - t) / down_s);
+    // How far the head is turned from where the clip has it, by now and as it is wanted.
+    let (actor, skeleton) = (&stage.actors[who], &stage.actors[who].skeleton);
+    let known = |frame: usize| {
+        let before = actor.before.joint_transforms(skeleton, frame)[Joint::Head.index()].1.as_dquat();
+        let now = actor.joint(Joint::Head, time_of(frame)).rotation;
+        let [before, now] = [before, now].map(|q| direction(q * DVec3::Z));
+        [wrap(now[0] - before[0]), now[1] - before[1]]
+    };
+    let now: Vec<[f64; 2]> = frames.clone().map(known).collect();
+    let wanted = frames.clone().zip(&now).zip(&offs).map(|((f, now), off)| {
+        let share = share(time_of(f));
+        [now[0] + off[0] * share, now[1] + off[1] * share]
+    });
+    let turns = slowed(wanted.collect(), [now[0], now[now.len() - 1]], TOP_RATE / rate_hz);
+    let k = frame_of(at_s) - frames.start();
+    let left = [0, 1].map(|i| offs[k][i] - (turns[k][i] - now[k][i]));
+    if maths::hypot(left[0], left[1]) > NEAR_ENOUGH {
         return;
     }
     let mut clip = stage.actors[who].clip.clone();
-    for (frame, off) in frames.zip(offs) {
-        let t = frame as f64 / rate_hz;
-        let share = ease((t - from_s) / up_s) * ease((to_s - t) / down_s);
+    for ((frame, turn), now) in frames.clone().zip(&turns).zip(&now) {
+        let by = [turn[0] - now[0], turn[1] - now[1]];
+        if by == [0.0; 2] {
+            continue;
+        }
         let row = frame * NUM_JOINTS;
-        let at = |j: Joint| stage.actors[who].joint(j, t).rotation;
+        let at = |j: Joint| stage.actors[who].joint(j, time_of(frame)).rotation;
         let [chest, neck, head] = [Joint::UpperChest, Joint::Neck, Joint::Head].map(at);
         let facing = direction(head * DVec3::Z)[0];
         let turned = |part: f64, q: DQuat| {
-            let [yaw, pitch] = off.map(|o| o * share * part);
+            let [yaw, pitch] = by.map(|o| o * part);
             about(DVec3::Y, facing + yaw) * about(DVec3::X, -pitch) * about(DVec3::Y, -facing) * q
         };
         let (neck, head) = (turned(NECK, neck), turned(1.0, head));
         for (joint, local) in [(Joint::Neck, chest.inverse() * neck), (Joint::Head, neck.inverse() * head)] {
             let i = row + joint.index();
             let new = local.as_quat().normalize();
-            if share > 0.0 {
-                clip.rotations[i] = if new.dot(clip.rotations[i]) < 0.0 { -new } else { new };
-            }
+            clip.rotations[i] = if new.dot(clip.rotations[i]) < 0.0 { -new } else { new };
         }
     }
     stage.actors[who].change(clip);
     let at = target(stage, step, at_s).position;
-    stage.looked.push(Looked { character: who, times_s, at });
+    stage.looked.push(Looked { character: who, times_s: [time_of(*frames.start()), at_s, time_of(*frames.end())], at });
+}
+
+/// Turns that change by no more than a step from frame to frame, near those that are wanted; both ends are kept.
+fn slowed(wanted: Vec<[f64; 2]>, ends: [[f64; 2]; 2], step: f64) -> Vec<[f64; 2]> {
+    let toward = |from: [f64; 2], to: [f64; 2]| {
+        let [a, b] = [to[0] - from[0], to[1] - from[1]];
+        let length = maths::hypot(a, b);
+        if length <= step { to } else { [from[0] + a * step / length, from[1] + b * step / length] }
+    };
+    let mut out = wanted;
+    let last = out.len() - 1;
+    out[0] = ends[0];
+    for i in 1..=last {
+        out[i] = toward(out[i - 1], out[i]);
+    }
+    out[last] = ends[1];
+    for i in (0..last).rev() {
+        out[i] = toward(out[i + 1], out[i]);
+    }
+    if maths::hypot(out[0][0] - ends[0][0], out[0][1] - ends[0][1]) > 1e-9 {
+        // There is time for the straight way alone.
+        let between = |i: usize, k: usize| ends[0][k] + (ends[1][k] - ends[0][k]) * i as f64 / last as f64;
+        return (0..=last).map(|i| [between(i, 0), between(i, 1)]).collect();
+    }
+    // Corners are rounded; the mean of neighbours changes no faster than they do.
+    let sharp = out.clone();
+    for i in 1..last {
+        let reach = ROUND.min(i).min(last - i);
+        let near = &sharp[i - reach..=i + reach];
+        out[i] = [0, 1].map(|k| near.iter().map(|v| v[k]).sum::<f64>() / near.len() as f64);
+    }
+    out
 }
 
 /// How far the head is from looking at a thing, within what it can (rad to the left and up).
@@ -94,4 +166,34 @@ fn direction(v: DVec3) -> [f64; 2] {
 fn ease(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * x * (x * (6.0 * x - 15.0) + 10.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn heads_never_turn_faster_than_they_may(
+            wanted in prop::collection::vec(prop::array::uniform2(-1.2f64..1.2), 3..80), step in 0.02f64..0.3
+        ) {
+            let ends = [wanted[0], wanted[wanted.len() - 1]];
+            let enough = maths::hypot(ends[0][0] - ends[1][0], ends[0][1] - ends[1][1]) <= step * (wanted.len() - 1) as f64;
+            prop_assume!(enough);
+            let out = slowed(wanted.clone(), ends, step);
+            let apart = |a: [f64; 2], b: [f64; 2]| maths::hypot(a[0] - b[0], a[1] - b[1]);
+            prop_assert!(apart(out[0], ends[0]) < 1e-9 && apart(out[out.len() - 1], ends[1]) < 1e-9);
+            for w in out.windows(2) {
+                prop_assert!(maths::hypot(w[1][0] - w[0][0], w[1][1] - w[0][1]) <= step * (1.0 + 1e-9));
+            }
+        }
+    }
+
+    #[test]
+    fn slow_turns_stay_as_they_are_but_for_their_corners() {
+        let wanted: Vec<[f64; 2]> = (0..40).map(|i| [0.02 * f64::from(i), -0.01 * f64::from(i)]).collect();
+        let out = slowed(wanted.clone(), [wanted[0], wanted[39]], 0.1);
+        assert!(out.iter().zip(&wanted).all(|(a, b)| (a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).abs() < 1e-9));
+    }
 }

@@ -8,9 +8,11 @@ mod file;
 mod gaze;
 mod grips;
 mod held;
+mod lean;
 mod mesh;
 mod obj;
 mod run;
+mod scenery;
 mod stage;
 mod step;
 #[cfg(test)]
@@ -19,9 +21,10 @@ mod visit;
 mod walk;
 
 pub use ahead::{Ahead, MeshAhead};
-pub use entries::WalkEntry;
+pub use entries::{PaceEntry, WalkEntry};
 pub use file::{Character, ClipEntry, Start, Task, Thing};
 pub use obj::triangles as obj_triangles;
-pub use run::{Attachment, Done, Event, Left, NoClips, TaskOutcome};
+pub use run::{Attachment, Done, Event, Left, NoClips, TaskOutcome, Watch};
+pub use scenery::{Handle, Scenery};
 pub use stage::ActorClip;
 pub use walk::{NoWalk, Source, Walked};

@@ -3,13 +3,15 @@
 use super::deeds::{Problems, do_step};
 use super::entries::Deed;
 use super::file::Task;
+use super::scenery::Scenery;
 use super::stage::{ActorClip, Stage, Whereabouts};
-use crate::correct::Span;
+use crate::correct::{CorrectConfig, Span};
 use crate::linkage::Limb;
 use crate::planner::{Outcome, Unsolved};
 use crate::recheck::RecheckReport;
-use crate::track::Path;
+use crate::search::{Grown, Trees};
 use serde::Serialize;
+use std::sync::atomic::{AtomicBool, Ordering};
 use throng_core::Joint;
 use throng_motion::Clip;
 
@@ -32,6 +34,21 @@ pub struct Done {
     pub why: Option<String>,
     /// How near it came where it was not done (m).
     pub nearest_m: Option<f64>,
+    /// The trees of its searches, where they were to be kept ([`Watch::keeps_trees`]).
+    pub trees: Vec<Grown>,
+}
+
+/// How a task is done: watched, and perhaps stopped.
+#[derive(Clone, Copy, Default)]
+pub struct Watch<'a> {
+    /// Seed in place of the file's.
+    pub seed: Option<u64>,
+    /// Stops as soon as it is true: what is not done by then is as it was, and says so.
+    pub cancel: Option<&'a AtomicBool>,
+    /// Is told how many things were done or tried.
+    pub tell: Option<&'a dyn Fn(usize)>,
+    /// The trees of all searches are kept.
+    pub keeps_trees: bool,
 }
 
 /// A stretch of a clip that stays in a collision.
@@ -54,6 +71,9 @@ impl Done {
         let mut spans: Vec<Span> = first.spans.into_iter().filter(|s| !self.spans.contains(s)).collect();
         spans.append(&mut self.spans);
         self.spans = spans;
+        let mut trees = first.trees;
+        trees.append(&mut self.trees);
+        self.trees = trees;
         let mut left: Vec<Left> = first.left.into_iter().filter(|l| l.is_driven && !self.left.contains(l)).collect();
         left.append(&mut self.left);
         if !left.is_empty() {
@@ -118,8 +138,8 @@ pub struct TaskOutcome {
     pub events: Vec<Event>,
     /// What a check by other means found.
     pub recheck: RecheckReport,
-    /// Where every thing is, by its number in the task, before and after: to be drawn.
-    pub paths: [Vec<Path>; 2],
+    /// Where everything is, before and after: to be drawn.
+    pub scenery: [Scenery; 2],
 }
 
 impl TaskOutcome {
@@ -192,18 +212,33 @@ impl Task {
     /// # Errors
     /// [`NoClips`].
     pub fn run(&self, clips: &[ActorClip], seed: Option<u64>) -> Result<TaskOutcome, NoClips> {
+        self.run_watched(clips, &Watch { seed, ..Watch::default() })
+    }
+
+    /// As [`Task::run`], but watched.
+    ///
+    /// # Errors
+    /// [`NoClips`].
+    pub fn run_watched(&self, clips: &[ActorClip], watch: &Watch<'_>) -> Result<TaskOutcome, NoClips> {
         self.check_clips(clips)?;
         let mut stage = Stage::new(self, clips);
-        let paths_before = paths(&stage);
-        let mut config = self.config;
-        config.budget.seed = seed.unwrap_or(config.budget.seed);
+        let before = Scenery::of(&stage);
+        let trees = Trees::default();
+        let mut config = CorrectConfig { trees: watch.keeps_trees.then_some(&trees), ..self.config };
+        config.budget.seed = watch.seed.unwrap_or(config.budget.seed);
+        config.budget.cancel = watch.cancel;
+        let is_cancelled = || watch.cancel.is_some_and(|c| c.load(Ordering::Relaxed));
+        let mut num_tried = 0;
         let mut order: Vec<usize> = (0..self.steps.len()).collect();
         order.sort_by_key(|i| self.steps[*i].priority);
         let mut done: Vec<Option<Done>> = vec![None; self.steps.len()];
         let (mut failed, mut late) = (Vec::new(), false);
         for round in 0..3 {
             for i in std::mem::take(if round == 0 { &mut order } else { &mut failed }) {
-                let mut one = attempt(&mut stage, i, &config);
+                let mut one = attempt(&mut stage, i, &config, is_cancelled());
+                one.trees = trees.take();
+                num_tried += 1;
+                watch.tell.iter().for_each(|tell| tell(num_tried));
                 if one.why.is_some() && round == 0 {
                     failed.push(i);
                 }
@@ -222,9 +257,9 @@ impl Task {
         let attachments = attachments(&stage);
         let done: Vec<Done> = done.into_iter().flatten().collect();
         let events = events(self, &done);
-        let paths = [paths_before, paths(&stage)];
+        let scenery = [before, Scenery::of(&stage)];
         let clips = stage.actors.into_iter().map(|a| [a.before, a.clip]).collect();
-        Ok(TaskOutcome { clips, done, attachments, events, recheck, paths })
+        Ok(TaskOutcome { clips, done, attachments, events, recheck, scenery })
     }
 
     /// Where the limbs of a character collide with the scene: each limb, and stretches of its clip.
@@ -266,7 +301,7 @@ impl Task {
 }
 
 /// Does a step, or leaves everything as it was.
-fn attempt(stage: &mut Stage<'_>, i: usize, config: &crate::correct::CorrectConfig<'_>) -> Done {
+fn attempt(stage: &mut Stage<'_>, i: usize, config: &CorrectConfig<'_>, is_cancelled: bool) -> Done {
     let step = &stage.task.steps[i];
     let mut done = Done {
         name: step.name.clone(),
@@ -277,11 +312,15 @@ fn attempt(stage: &mut Stage<'_>, i: usize, config: &crate::correct::CorrectConf
         left: Vec::new(),
         why: None,
         nearest_m: None,
+        trees: Vec::new(),
     };
+    if is_cancelled {
+        return Done { why: Some("cancelled before it was begun".into()), ..done };
+    }
     let before = stage.clone();
     match do_step(stage, step, config) {
         Ok((plans, spans)) => (done.plans, done.spans) = (plans, spans),
-        Err(Problems { why, nearest_m, plans, spans, left, keep }) => {
+        Err(Problems { why, nearest_m, plans, spans, left, keep, .. }) => {
             if !keep {
                 *stage = before;
             }
@@ -298,10 +337,6 @@ pub(super) fn nearest_of(why: &Unsolved) -> Option<f64> {
         Unsolved::Spent { nearest_m, .. } => Some(*nearest_m),
         Unsolved::Cancelled { .. } | Unsolved::Rate => None,
     }
-}
-
-fn paths(stage: &Stage<'_>) -> Vec<Path> {
-    (0..stage.task.things.len()).map(|i| stage.path(i)).collect()
 }
 
 fn attachments(stage: &Stage<'_>) -> Vec<Attachment> {

@@ -96,6 +96,15 @@ pub(super) struct Looked {
     pub at: DVec3,
 }
 
+/// Somebody whose trunk bends for a limb.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaned {
+    pub character: usize,
+    pub window_s: [f64; 2],
+    /// Hips and legs give way, too.
+    pub moves_hips: bool,
+}
+
 /// Where hand or foot has to be at a time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pin {
@@ -117,6 +126,7 @@ pub(super) struct Stage<'a> {
     pub planned: Vec<Planned>,
     pub pins: Vec<Pin>,
     pub looked: Vec<Looked>,
+    pub leaned: Vec<Leaned>,
 }
 
 /// What is around a limb in a stretch of time.
@@ -229,7 +239,8 @@ impl<'a> Stage<'a> {
             vec![Stretch { from_s: f64::NEG_INFINITY, at }]
         };
         let lives = task.things.iter().map(|t| life(&t.start)).collect();
-        Self { task, actors, lives, contacts: Vec::new(), planned: Vec::new(), pins: Vec::new(), looked: Vec::new() }
+        let (contacts, planned, pins) = (Vec::new(), Vec::new(), Vec::new());
+        Self { task, actors, lives, contacts, planned, pins, looked: Vec::new(), leaned: Vec::new() }
     }
 
     /// The last moment of anybody (s).

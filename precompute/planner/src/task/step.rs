@@ -135,7 +135,7 @@ impl Names<'_> {
             limb: t.limb,
             deed: t.deed,
             object,
-            times_s: times(t, self.characters[self.character(t.character.as_deref())?].clip.walk.is_some())?,
+            times_s: times(t, self.walks_up(t.character.as_deref())?)?,
             hold_s: t.hold_s,
             grips: grips(&t.grips)?,
             to: t.to.as_ref().map(|p| self.place(p)).transpose()?,
@@ -159,6 +159,12 @@ impl Names<'_> {
             let meant = did_you_mean(name, self.characters.iter().map(|c| c.name.as_str()));
             format!("there is no character `{name}`.{meant}")
         })
+    }
+
+    /// True for somebody who walks up to what it does.
+    fn walks_up(&self, name: Option<&str>) -> Result<bool, String> {
+        let walk = self.characters[self.character(name)?].clip.walk.as_ref();
+        Ok(walk.is_some_and(|w| w.pace.is_empty()))
     }
 
     fn contact(&self, name: &String) -> Result<String, String> {

@@ -1,8 +1,11 @@
 use super::*;
+use crate::search::Grown;
 use crate::testing::Somebody;
 use glam::Quat;
 use proptest::prelude::*;
+use std::cell::Cell;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use throng_core::NUM_JOINTS;
 use throng_motion::Clip;
 
@@ -84,6 +87,51 @@ fn a_task_is_done_in_its_order() {
 }
 
 #[test]
+fn what_is_cancelled_is_as_it_was() {
+    let s = Somebody::standing();
+    let task = parse(TASK).expect("a task");
+    let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
+    let whole = run(TASK, &s);
+    for stop in 0..3 {
+        let cancel = AtomicBool::new(stop == 0);
+        let told = Cell::new(0);
+        let tell = |n: usize| {
+            told.set(n);
+            cancel.fetch_or(n >= stop, Ordering::Relaxed);
+        };
+        let watch = Watch { cancel: Some(&cancel), tell: Some(&tell), keeps_trees: true, ..Watch::default() };
+        let outcome = task.run_watched(&clips, &watch).expect("clips");
+        for (i, done) in outcome.done.iter().enumerate() {
+            assert_eq!(done.why.as_deref().is_some_and(|why| why.contains("cancelled")), i >= stop, "{stop} {i}");
+            // There and back, or one correction.
+            assert_eq!(done.trees.len(), if i < stop { done.plans.len() } else { 0 });
+        }
+        assert!(told.get() >= 2 && outcome.recheck.violations.is_empty());
+        let same_as = if stop == 2 { &whole.clips[0][1] } else { &whole.clips[0][0] };
+        assert_eq!(outcome.clips[0][1] == *same_as, stop != 1);
+    }
+}
+
+#[test]
+fn the_trees_of_a_task_begin_and_end_where_the_hand_is() {
+    let s = Somebody::standing();
+    let task = parse(TASK).expect("a task");
+    let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
+    let outcome = task.run_watched(&clips, &Watch { keeps_trees: true, ..Watch::default() }).expect("clips");
+    let [there, back] = &outcome.done[0].trees[..] else { panic!("{:?}", outcome.done[0].trees.len()) };
+    assert_eq!((there.window_s, back.window_s), ([0.5, 1.4], [1.4, 2.3]));
+    let roots = |g: &Grown| g.trees.each_ref().map(|t| (t[0].at, t[0].time_s, t[0].parent));
+    assert_eq!(roots(there)[1].0, roots(back)[0].0);
+    assert!(
+        there.is_solved && roots(there).iter().all(|r| r.2 == 0) && roots(there)[0].0.distance(roots(back)[1].0) < 1e-6
+    );
+    for (tree, sign) in there.trees.iter().zip([1.0, -1.0]) {
+        assert!(tree[1..].iter().all(|n| sign * (n.time_s - tree[n.parent].time_s) >= 0.0));
+    }
+    assert!(run(TASK, &s).done.iter().all(|d| d.trees.is_empty()));
+}
+
+#[test]
 fn what_cannot_be_done_is_said_and_leaves_the_clip() {
     let s = Somebody::standing();
     let far = run(&TASK.replace("0.42] }", "0.9] }"), &s);
@@ -102,7 +150,7 @@ fn what_cannot_be_done_is_said_and_leaves_the_clip() {
 }
 
 /// A cup that is taken, laid down, taken by the other hand and handed back.
-const ERRANDS: &str = r#"
+pub const ERRANDS: &str = r#"
 clip = "stand.bvh"
 
 [[scene.obstacles]]
@@ -156,7 +204,7 @@ fn a_cup_goes_from_hand_to_hand_and_is_laid_down() {
     ];
     assert_eq!(who, expected);
     // Where the cup is, hand by hand, it is where it was brought.
-    let at = |t: f64| outcome.paths[1][1].at(t).position;
+    let at = |t: f64| outcome.scenery[1].paths[1].at(t).position;
     assert!(at(2.0).distance(glam::DVec3::new(0.0, 1.4, 0.45)) < 1e-4, "{}", at(2.0));
     assert!(at(4.9).distance(glam::DVec3::new(-0.3, 1.09, 0.45)) < 1e-9, "{}", at(4.9));
     // What was planned earlier is not undone by what comes later.
@@ -395,7 +443,7 @@ fn heads_turn_to_what_is_taken_and_back_and_nothing_else_does() {
     // How far the face is from the cup, at 1.4 s.
     let off = |clip: &Clip| {
         let (at, turn) = clip.joint_transforms(&s.skeleton, 42)[throng_core::Joint::Head.index()];
-        let cup = outcome.paths[1][1].at(1.4).position.as_vec3();
+        let cup = outcome.scenery[1].paths[1].at(1.4).position.as_vec3();
         (turn * glam::Vec3::Z).angle_between(cup - at)
     };
     assert!(off(before) > 0.5 && off(after) < 0.15, "{} {}", off(before), off(after));
@@ -406,6 +454,82 @@ fn heads_turn_to_what_is_taken_and_back_and_nothing_else_does() {
     // Without the switch heads stay as they are.
     let without = run(TASK, &s);
     assert!((0..150).all(|f| head(&without.clips[0][1], f) == head(before, f)));
+}
+
+/// A cup on nothing, before somebody who stands: an arm alone does not reach it.
+fn far_cup(at: &str, planner: &str) -> TaskOutcome {
+    let s = Somebody::standing();
+    let text = format!(
+        "clip = \"stand.bvh\"\n[[scene.objects]]\nname = \"cup\"\nshape = {{ ball = {{ radius = 0.04 }} }}\nat = {at}\n\
+         [[tasks]]\nlimb = \"left_arm\"\ndo = \"grab\"\nobject = \"cup\"\ngrips = [{{ at = [0.0, 0.0, -0.07] }}]\nat_s = 2.0\nwindow_s = [0.8, 3.4]\n\
+         [planner]\n{planner}\n"
+    );
+    let task = parse(&text).expect("a task");
+    let mut clip = stand(&s);
+    clip.contacts = vec![throng_core::Contacts(15); clip.num_frames()];
+    task.run(&[ActorClip { clip, skeleton: s.skeleton.clone() }], None).expect("clips")
+}
+
+#[test]
+fn trunks_bend_for_what_arms_do_not_reach_and_hips_keep_the_balance() {
+    let skeleton = Somebody::standing().skeleton;
+    for at in ["[0.2, 1.1, 0.75]", "[0.25, 0.9, 0.6]"] {
+        let stiff = far_cup(at, "");
+        assert!(why(&stiff, 0).contains("out of reach"), "{at}: {}", why(&stiff, 0));
+        let [alone, balanced] = ["lean = true", "lean = true\nbalance = true"].map(|planner| far_cup(at, planner));
+        for outcome in [&alone, &balanced] {
+            assert!(outcome.is_solved(), "{at}: {}", why(outcome, 0));
+            assert_eq!(outcome.recheck.violations, [], "{at}");
+            let [before, after] = &outcome.clips[0];
+            for f in [0, 20, 23, 103, 150] {
+                assert_eq!(before.frame_rotations(f), after.frame_rotations(f), "{at} {f}");
+                assert_eq!(before.root_positions[f], after.root_positions[f]);
+            }
+        }
+        let hips = |o: &TaskOutcome| o.clips[0][1].root_positions[60] - o.clips[0][0].root_positions[60];
+        assert_eq!(hips(&alone).length(), 0.0);
+        // Back, away from the cup; feet stay where they are.
+        assert!(hips(&balanced).z < -0.02 && hips(&balanced).length() < 0.2, "{at}: {}", hips(&balanced));
+        let feet = [throng_core::Joint::LeftFoot, throng_core::Joint::RightToe].map(|j| {
+            let [a, b] = balanced.clips[0].each_ref().map(|c| c.joint_transforms(&skeleton, 60)[j.index()].0);
+            a.distance(b)
+        });
+        assert!(feet.iter().all(|m| *m < 1e-4), "{feet:?}");
+        assert!(balanced.recheck.off_balance_m < 0.01, "{}", balanced.recheck.off_balance_m);
+    }
+    // Too far for anybody.
+    let far = far_cup("[0.2, 1.1, 1.6]", "lean = true");
+    assert!(why(&far, 0).contains("out of reach") && far.clips[0][0] == far.clips[0][1]);
+}
+
+/// Two cups, one to either side, one after the other.
+#[test]
+fn heads_look_at_one_thing_after_the_other() {
+    let s = Somebody::standing();
+    let grab = |cup: &str, limb: &str, at_s: f64| {
+        let window_s = [at_s - 0.8, at_s + 0.8];
+        format!(
+            "[[tasks]]\nlimb = \"{limb}\"\ndo = \"touch\"\nobject = \"{cup}\"\ngrips = [{{ at = [0.0, 0.0, -0.07] }}]\nat_s = {at_s}\nwindow_s = {window_s:?}\n"
+        )
+    };
+    let cup = |name: &str, x: f64| {
+        format!(
+            "[[scene.objects]]\nname = \"{name}\"\nshape = {{ ball = {{ radius = 0.04 }} }}\nat = [{x}, 1.3, 0.3]\n"
+        )
+    };
+    for apart_s in [2.0, 0.9, 0.6, 0.3] {
+        let tasks = [grab("a", "left_arm", 1.4), grab("b", "right_arm", 1.4 + apart_s)].concat();
+        let text =
+            ["clip = \"stand.bvh\"\n", &cup("a", 0.4), &cup("b", -0.4), &tasks, "[planner]\ngaze = true\n"].concat();
+        let outcome = run(&text, &s);
+        assert!(outcome.is_solved(), "{apart_s}: {} {}", why(&outcome, 0), why(&outcome, 1));
+        assert_eq!(outcome.recheck.violations, [], "{apart_s}");
+        let moved = (0..150).filter(|f| {
+            let head = |c: &Clip| c.frame_rotations(*f)[throng_core::Joint::Head.index()];
+            head(&outcome.clips[0][0]) != head(&outcome.clips[0][1])
+        });
+        assert!(moved.count() > 20, "{apart_s}");
+    }
 }
 
 #[test]
@@ -445,6 +569,14 @@ fn who_walks_needs_no_times_and_says_so_where_it_was_not_walked() {
     for (from, to, why) in [
         ("from = [1.0, -2.0]", "from = [nan, 0.0]", "expected `from` within"),
         ("from = [1.0, -2.0]", "speed_mps = 9.0", "expected 0.3 to 4, found 9"),
+        ("from = [1.0, -2.0]", "pace = [{ t_s = 0.0, speed_mps = 1.0 }]", "two times at least"),
+        ("from = [1.0, -2.0]", "pace = [{ t_s = 0.0, speed_mps = 1.0 }, { t_s = 0.0, speed_mps = 1.0 }]", "ascending"),
+        ("from = [1.0, -2.0]", "pace = [{ t_s = 0.0, speed_mps = 1.0 }, { t_s = 2.0, speed_mps = nan }]", "0 to 8 m/s"),
+        (
+            "from = [1.0, -2.0]",
+            "pace = [{ t_s = 0.0, speed_mps = 1.0 }, { t_s = 2.0, speed_mps = 3.0 }]",
+            "expected `at_s`",
+        ),
         ("} }\n", "}, to_s = 3.0 }\n", "expected no `from_s` and no `to_s`"),
         ("clip = { walk", "clip = { synth = \"walk\", walk", "or `walk`"),
     ] {

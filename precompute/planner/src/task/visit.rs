@@ -107,7 +107,8 @@ fn reachable(stage: &Stage<'_>, visit: Visit, hands: &[Goal], there: &Surroundin
     }
     if let (true, Some(why)) = (out.is_empty(), nearest) {
         let nearest_m = if let Unreached::OutOfReach { by_m } = &why { Some(*by_m) } else { None };
-        return Err(Problems { nearest_m, ..Problems::new(NotReached::Target { time_s: at_s, why }.to_string()) });
+        let why = NotReached::Target { time_s: at_s, why }.to_string();
+        return Err(Problems { nearest_m, is_beyond: nearest_m.is_some(), ..Problems::new(why) });
     }
     out.sort_by(|a, b| a.1.rank.cmp(&b.1.rank).then(a.0.total_cmp(&b.0)));
     Ok(out.into_iter().map(|(_, goal)| goal).collect())

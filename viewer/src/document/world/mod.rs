@@ -12,7 +12,7 @@ pub use open::unit_mesh;
 pub use orders::{Change, Order};
 
 use crate::bundle::OpenBundle;
-use crate::render::{Ray, SolidMesh};
+use crate::render::{Ray, SolidMesh, upright};
 use crate::run::WorldRun;
 use glam::Vec3;
 use orders::Made;
@@ -180,7 +180,7 @@ impl WorldDocument {
             let bounds = self.geometry.geometry(place).bounds;
             let near =
                 ray.may_meet(p.placement.transform_point(bounds.centre()), 0.5 * (bounds.max - bounds.min).length());
-            let met = near.then(|| self.meshes.get(p.unit)?.meets(ray, p.placement)).flatten();
+            let met = near.then(|| self.meshes.get(p.unit)?.meets(ray, upright(p.placement))).flatten();
             met.map(|distance| (distance, Some(place)))
         });
         let unit = units.min_by(|a, b| a.0.total_cmp(&b.0));

@@ -27,6 +27,7 @@ pub fn empty(ui: &mut Ui, title: &str, hint: &str) {
 /// What panels about bundles say of a document without one.
 pub fn no_bundle(ui: &mut Ui, document: &Document) {
     match document {
+        Document::Task(_) => empty(ui, "A task has no bundle", "The panel Plan (F11) shows what is to do."),
         Document::Scene(_) => empty(ui, "This scene has no bundle", "The panel Control (F1) shows its groups."),
         _ => nothing_open(ui),
     }

@@ -6,8 +6,9 @@
 struct SolidIn {
     @location(0) position: vec3<f32>,
     @location(1) normal: vec3<f32>,
-    @location(2) placement: vec4<f32>,
+    @location(2) at: vec3<f32>,
     @location(3) colour: vec4<f32>,
+    @location(4) turn: vec4<f32>,
 }
 
 struct SolidOut {
@@ -20,16 +21,19 @@ struct SolidOut {
 // Panels whose upper side is the ground are in front of it.
 const BEFORE_GROUND: f32 = 1.0006;
 
+// Turns a vector by a unit quaternion.
+fn turned(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
+    let t = 2.0 * cross(q.xyz, v);
+    return v + q.w * t + cross(q.xyz, t);
+}
+
 @vertex
 fn solid_vertex(in: SolidIn) -> SolidOut {
-    let s = sin(in.placement.w);
-    let c = cos(in.placement.w);
-    let turn = mat3x3(vec3(c, 0.0, -s), vec3(0.0, 1.0, 0.0), vec3(s, 0.0, c));
-    let world = turn * in.position + in.placement.xyz;
+    let world = turned(in.turn, in.position) + in.at;
     let clip = scene.view_proj * vec4(world, 1.0);
     var out: SolidOut;
     out.clip = vec4(clip.xy, clip.z * BEFORE_GROUND, clip.w);
-    out.normal = turn * in.normal;
+    out.normal = turned(in.turn, in.normal);
     out.world = world;
     out.colour = vec4(to_linear(in.colour.rgb), in.colour.a);
     return out;

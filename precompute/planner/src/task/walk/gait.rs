@@ -1,8 +1,9 @@
 //! A walker of a blend space, frame by frame into a clip.
 
 use crate::rotation::wrap;
+use crate::task::entries::PaceEntry;
 use glam::{DQuat, DVec2, DVec3, Quat, Vec2, Vec3};
-use throng_base::{Id, Inline, Result};
+use throng_base::{Id, Inline, Result, maths};
 use throng_core::blend::BlendSpace;
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_core::{Cast, Contacts, NUM_JOINTS, Planar};
@@ -102,6 +103,34 @@ impl Gait {
             let (at, heading) = self.place();
             self.frame(|_| (at, DVec2::ZERO, heading))?;
         }
+        Ok(())
+    }
+
+    /// Goes straight on at speeds that change evenly between times (s, m/s; two at least, ascending from now on).
+    pub fn go_on(&mut self, pace: &[PaceEntry]) -> Result<()> {
+        let Some(end_s) = pace.last().map(|p| p.t_s) else { return Ok(()) };
+        let (start_s, from, heading) = (self.time_s(), self.at, self.heading);
+        let ahead = DVec2::new(maths::sin(heading), maths::cos(heading));
+        // How far and how fast (m, m/s).
+        let along = |t: f64| {
+            let mut way = 0.0;
+            for w in pace.windows(2) {
+                let (length, t) = (w[1].t_s - w[0].t_s, (t - w[0].t_s).min(w[1].t_s - w[0].t_s));
+                let gain = (w[1].speed_mps - w[0].speed_mps) / length;
+                if t < length {
+                    return (way + t * (w[0].speed_mps + 0.5 * gain * t), w[0].speed_mps + gain * t);
+                }
+                way += 0.5 * length * (w[0].speed_mps + w[1].speed_mps);
+            }
+            (way, pace[pace.len() - 1].speed_mps)
+        };
+        while self.time_s() - start_s + 0.5 / self.rate_hz < end_s {
+            self.frame(|t| {
+                let (way, speed) = along(t - start_s);
+                (from + ahead * way, ahead * speed, heading)
+            })?;
+        }
+        self.at = from + ahead * along(end_s).0;
         Ok(())
     }
 
@@ -218,5 +247,5 @@ fn on_way(way: &[DVec2], lengths: &[f64], along: f64) -> (DVec2, DVec2) {
 
 /// The heading of a direction (x and z): 0 along z, a quarter turn along x (rad).
 pub(super) fn heading_of(v: DVec2) -> f64 {
-    throng_base::maths::atan2(v.x, v.y)
+    maths::atan2(v.x, v.y)
 }

@@ -143,13 +143,18 @@ impl Task {
             let (space, walk) = space;
             let mut gait =
                 Gait::new(space, DVec2::from(walk.from), walk.heading_deg.to_radians(), rate_hz).map_err(wrong)?;
-            gait.stand(REST_S).map_err(wrong)?;
+            match walk.pace.is_empty() {
+                true => gait.stand(REST_S),
+                false => gait.go_on(&walk.pace),
+            }
+            .map_err(wrong)?;
             clips.push(ActorClip { clip: gait.clip(&who.name), skeleton: space.skeleton().clone() });
             gaits.push(Some(gait));
         }
         let mut task = self.clone();
         for (who, gait) in gaits.into_iter().enumerate() {
-            let Some(mut gait) = gait else { continue };
+            let goes_on = self.characters[who].clip.walk.as_ref().is_some_and(|w| !w.pace.is_empty());
+            let Some(mut gait) = gait.filter(|_| !goes_on) else { continue };
             let wrong = |source| NoWalk::Space { name: self.characters[who].name.clone(), source };
             let mut end_s = 0.0f64;
             for i in 0..task.steps.len() {
@@ -183,8 +188,13 @@ fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize
     let free_s = task.steps[..i].iter().filter(same).map(|s| s.times_s[2]).fold(0.0, f64::max);
     let mut wanted = Wanted::new(Stage::new(task, clips), step, gait);
     let (from, heading) = gait.place();
-    for stand in wanted.stands(speed_mps) {
-        if !wanted.is_free(&stand) || !wanted.is_reached_from(&stand) {
+    let stands = wanted.stands(speed_mps);
+    // Who need not bend, does not.
+    let upright = stands.iter().map(|stand| (stand, false));
+    let leaning = stands.iter().map(|stand| (stand, true)).filter(|_| task.lean && step.limb.is_arm());
+    for (stand, leans) in upright.chain(leaning) {
+        wanted.leans = leans;
+        if !wanted.is_free(stand) || !wanted.is_reached_from(stand) {
             continue;
         }
         let mut after = gait.clone();
@@ -192,7 +202,7 @@ fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize
         let is_here = stand.at == from && stand.heading == heading;
         let mut walked_s = after.time_s();
         if !is_here {
-            let Some(way) = wanted.ground(&stand).way(from, stand.at) else { continue };
+            let Some(way) = wanted.ground(stand).way(from, stand.at) else { continue };
             walked_s = after.walk(&way, speed_mps).map_err(wrong)?;
             after.turn(stand.heading).map_err(wrong)?;
         }

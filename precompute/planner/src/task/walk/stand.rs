@@ -9,6 +9,7 @@ use crate::problem::Problem;
 use crate::rotation::{Rigid, about, wrap};
 use crate::shape::Shape;
 use crate::task::ahead::{around_target, reached, target};
+use crate::task::lean::{Pose, SPARE_M, Trunk};
 use crate::task::stage::{Stage, Whereabouts};
 use crate::task::step::Step;
 use glam::{DQuat, DVec2, DVec3};
@@ -31,7 +32,7 @@ const ASIDE_M: f64 = 0.3;
 const CLEAR_M: f64 = 0.04;
 const ARM_M: f64 = 0.01;
 /// How much nearer than need be somebody stands who brings something (m).
-const SPARE_M: f64 = 0.05;
+const BRING_M: f64 = 0.05;
 /// How far it is from everything while a limb is planned, and how deep in something at other times (m).
 const WALK_M: f64 = 0.004;
 const PRESS_M: f64 = 0.02;
@@ -62,6 +63,8 @@ pub(super) struct Wanted<'a> {
     /// How it stands there.
     pose: (DVec3, [DQuat; NUM_JOINTS]),
     nearest: Option<Unreached<String>>,
+    /// The trunk may bend.
+    pub leans: bool,
     /// What the body met on the way to a place that would do.
     met: Option<String>,
 }
@@ -69,7 +72,16 @@ pub(super) struct Wanted<'a> {
 impl<'a> Wanted<'a> {
     /// - `stage`: with the clip of who walks so far.
     pub fn new(stage: Stage<'a>, step: &'a Step, gait: &Gait) -> Self {
-        Self { stage, step, from: gait.place(), now_s: gait.time_s(), pose: gait.pose(), nearest: None, met: None }
+        Self {
+            stage,
+            step,
+            from: gait.place(),
+            now_s: gait.time_s(),
+            pose: gait.pose(),
+            nearest: None,
+            leans: false,
+            met: None,
+        }
     }
 
     /// Where the object is, or is brought.
@@ -206,7 +218,7 @@ impl<'a> Wanted<'a> {
     /// The same of a pose: hips and rotations. Where it is not known yet how the object lies in the hand, a little farther.
     pub fn is_reached_at(&mut self, (root, turns): (DVec3, [DQuat; NUM_JOINTS]), at_s: f64) -> bool {
         let away = (root - self.target(at_s).position).with_y(0.0).normalize_or_zero();
-        let is_near = !self.step.deed.holds() || self.is_reached_by((root + SPARE_M * away, turns), at_s);
+        let is_near = !self.step.deed.holds() || self.is_reached_by((root + BRING_M * away, turns), at_s);
         is_near && self.is_reached_by((root, turns), at_s)
     }
 
@@ -219,12 +231,31 @@ impl<'a> Wanted<'a> {
         let spec = self.stage.spec(who, self.step.limb, &around, &others);
         let Ok(problem) = Problem::prepare(&spec) else { return false };
         let (poses, nearest) = reached(&self.stage, self.step, &problem, at_s);
+        let by_m = if let Some(Unreached::OutOfReach { by_m }) = &nearest { Some(*by_m) } else { None };
+        let is_reached = poses.iter().any(Option::is_some);
+        if let (true, Some(by_m), false) = (self.leans, by_m, is_reached) {
+            return self.is_reached_leaning((root, turns), at_s, by_m);
+        }
         if let Some(why) = nearest
             && self.nearest.as_ref().is_none_or(|n| why.farness() < n.farness())
         {
             self.nearest = Some(why);
         }
-        poses.iter().any(Option::is_some)
+        is_reached
+    }
+
+    /// The same of who bends there.
+    fn is_reached_leaning(&mut self, pose: Pose, at_s: f64, by_m: f64) -> bool {
+        let (actor, at) = (&self.stage.actors[self.step.character], self.target(at_s).position);
+        let trunk = Trunk { skeleton: &actor.skeleton, limits: &actor.limits, balances: self.stage.task.balance };
+        let shoulder = self.step.limb.joints()[0];
+        let far_m = placed(&actor.skeleton, pose.0, &pose.1)[shoulder.index()].position.distance(at) - by_m;
+        let bend = trunk.needed(&pose, shoulder, at, far_m - SPARE_M[0]);
+        let Some(bent) = bend.and_then(|(bend, lower_m)| trunk.posed(&pose, &bend, 1.0, lower_m)) else { return false };
+        self.leans = false;
+        let is_reached = self.is_reached_by(bent, at_s);
+        self.leans = true;
+        is_reached
     }
 
     /// Why there is no place.

@@ -1,0 +1,61 @@
+//! Tasks of limbs from files to files: the motion that they change, motions that differ, what is written and what is told
+//! of it. The command line and the window use the same.
+
+mod report;
+mod sources;
+#[cfg(test)]
+mod tests;
+mod written;
+
+pub use report::{CollisionReport, PlanReport, TaskReport, Variant, report};
+pub use sources::{Sources, file_clip, sources};
+pub use written::write;
+
+use std::path::Path;
+use throng_motion::error::BuildError;
+use throng_planner::task::{ActorClip, NoClips, Task, TaskOutcome, Watch};
+
+/// Motions that differ by less are one variant (rad).
+const SAME_RAD: f64 = 0.02;
+/// Seeds that are tried for each variant.
+pub const SEEDS_EACH: u64 = 8;
+
+/// True for a file with tasks, which scenes do not have.
+pub fn is_task(path: &Path) -> bool {
+    let Ok(text) = std::fs::read_to_string(path) else { return false };
+    text.lines().any(|line| line.trim_start().starts_with("[[tasks]]"))
+}
+
+/// One outcome and its seed, or as many different ones as are asked for and as seeds give.
+///
+/// - `watch`: its seed is the first one; others follow it.
+///
+/// # Errors
+/// [`NoClips`].
+pub fn variants(
+    task: &Task,
+    clips: &[ActorClip],
+    number: u64,
+    watch: &Watch<'_>,
+) -> Result<Vec<(u64, TaskOutcome)>, NoClips> {
+    let first = watch.seed.unwrap_or(task.config.budget.seed);
+    let run = |seed| task.run_watched(clips, &Watch { seed: Some(seed), ..*watch });
+    let mut out: Vec<(u64, TaskOutcome)> = vec![(first, run(first)?)];
+    for k in 1..number * SEEDS_EACH {
+        let is_cancelled = watch.cancel.is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed));
+        if out.len() as u64 >= number || !out[0].1.is_solved() || is_cancelled {
+            break;
+        }
+        let seed = first.wrapping_add(k);
+        let one = run(seed)?;
+        if one.is_solved() && out.iter().all(|(_, o)| o.distance_rad(&one) > SAME_RAD) {
+            out.push((seed, one));
+        }
+    }
+    Ok(out)
+}
+
+/// A message as the error of what cannot be built.
+fn config_error(message: impl Into<String>) -> BuildError {
+    BuildError::Config { message: message.into() }
+}

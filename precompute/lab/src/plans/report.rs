@@ -1,0 +1,154 @@
+//! What a plan came to, in figures.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::PathBuf;
+use throng_planner::correct::Span;
+use throng_planner::task::{Done, Task, TaskOutcome};
+
+/// What a plan came to.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct PlanReport {
+    /// True where every task was done.
+    pub solved: bool,
+    /// Every task, in the file's order.
+    pub tasks: Vec<TaskReport>,
+    /// Time of the searches until their first ways (s).
+    pub first_solution_s: f64,
+    /// Time of all plans, with smoothing (s).
+    pub total_s: f64,
+    /// Nodes of all trees.
+    pub nodes: usize,
+    /// Looks at poses: one pose at one time against everything.
+    pub checks: u64,
+    /// How far joints turn in all plans (rad).
+    pub path_length_rad: f64,
+    /// Root mean square of the joints' jerk before smoothing, the mean of all plans (rad/s^3).
+    pub jerk_before: f64,
+    /// The same after smoothing (rad/s^3).
+    pub jerk_after: f64,
+    /// Least distance of planned limbs from what they may not touch; none where nothing is around (m).
+    pub clearance_min_m: Option<f64>,
+    /// How far planned joints stay within their limits (rad).
+    pub limit_margin_rad: Option<f64>,
+    /// How deep planned limbs are in what they may not touch (m).
+    pub penetration_max_m: f64,
+    /// How far faces are from what they look at, at most, beyond what necks allow; none where `gaze` is off (rad).
+    pub gaze_off_rad: Option<f64>,
+    /// How much farther the weight is off the feet that stand than the clip has it; none where `balance` is off (m).
+    pub off_balance_m: Option<f64>,
+    /// What a check by other means found wrong; anything but 0 fails.
+    pub recheck_violations: usize,
+    /// What was written.
+    pub files: Vec<PathBuf>,
+    /// Motions that were made, where several were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub variants: Vec<Variant>,
+}
+
+/// What came of a task.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct TaskReport {
+    /// Its name, or what it does.
+    pub name: String,
+    /// True where it was done.
+    pub solved: bool,
+    /// Why it was not done.
+    pub why: Option<String>,
+    /// How near it came where it was not done: to the target, or the two ends of the search to each other (m).
+    pub nearest_m: Option<f64>,
+    /// When it is reached, of tasks that have a time; of those who walk up to it, the one that was found (s).
+    pub at_s: Option<f64>,
+    /// Where the clip collides, of corrections.
+    pub collisions: Vec<CollisionReport>,
+}
+
+/// A stretch in which a clip collides.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct CollisionReport {
+    /// From when on (s).
+    pub from_s: f64,
+    /// Until when (s).
+    pub to_s: f64,
+    /// Part of the body, where it is deepest.
+    pub part: String,
+    /// What it is in.
+    pub obstacle: String,
+    /// How deep at most (m).
+    pub depth_m: f64,
+    /// Why it stays so; none where it was corrected.
+    pub why: Option<String>,
+}
+
+/// One of several motions.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Variant {
+    /// Its seed.
+    pub seed: u64,
+    /// How different it is from the most similar other one: the mean angle of what was planned (rad).
+    pub distance_rad: f64,
+}
+
+/// Sums up an outcome.
+///
+/// - `found`: an outcome, or several that differ; of several, all but `variants` is of the first one.
+pub fn report(task: &Task, found: &[(u64, TaskOutcome)]) -> Option<PlanReport> {
+    let (_, outcome) = found.first()?;
+    let plans: Vec<_> = outcome.done.iter().flat_map(|d| &d.plans).collect();
+    // From zero, as the sum of no numbers is the negative zero.
+    let sum = |of: &dyn Fn(&_) -> f64| plans.iter().map(of).fold(0.0, |sum, v| sum + v);
+    let mean = |k: usize| sum(&|p| p.roughness[k].jerk_rms) / plans.len().max(1) as f64;
+    let finite = |x: f64| x.is_finite().then_some(x);
+    let times_s = task.times_s();
+    let one = |(d, at_s): (&Done, Option<f64>)| TaskReport {
+        name: d.name.clone(),
+        solved: d.why.is_none(),
+        why: d.why.clone(),
+        nearest_m: d.nearest_m.and_then(finite),
+        at_s,
+        collisions: collisions(d),
+    };
+    Some(PlanReport {
+        solved: outcome.is_solved(),
+        tasks: outcome.done.iter().zip(times_s).map(one).collect(),
+        first_solution_s: sum(&|p| p.first_solution_s),
+        total_s: sum(&|p| p.total_s),
+        nodes: plans.iter().map(|p| p.nodes).sum(),
+        checks: plans.iter().map(|p| p.checks).sum(),
+        path_length_rad: sum(&|p| p.roughness[1].length_rad),
+        jerk_before: mean(0),
+        jerk_after: mean(1),
+        clearance_min_m: finite(outcome.recheck.clearance_min_m),
+        limit_margin_rad: finite(-outcome.recheck.outside_limits_rad),
+        penetration_max_m: outcome.recheck.penetration_max_m,
+        gaze_off_rad: task.gaze.then_some(outcome.recheck.gaze_off_rad),
+        off_balance_m: task.balance.then_some(outcome.recheck.off_balance_m),
+        recheck_violations: outcome.recheck.violations.len(),
+        files: Vec::new(),
+        variants: if found.len() > 1 { distances(found) } else { Vec::new() },
+    })
+}
+
+/// Stretches that were corrected, and those that were not.
+fn collisions(done: &Done) -> Vec<CollisionReport> {
+    let left = |s: &Span| done.left.iter().find(|l| l.span == *s).map(|l| l.why.clone());
+    let driven = done.left.iter().map(|l| &l.span).filter(|s| !done.spans.contains(s));
+    let one = |s: &Span| CollisionReport {
+        from_s: s.from_s,
+        to_s: s.to_s,
+        part: s.part.clone(),
+        obstacle: s.with.clone(),
+        depth_m: s.depth_m,
+        why: left(s),
+    };
+    done.spans.iter().chain(driven).map(one).collect()
+}
+
+/// How different motions are.
+fn distances(found: &[(u64, TaskOutcome)]) -> Vec<Variant> {
+    let distance = |i: usize| {
+        let others = found.iter().enumerate().filter(|(k, _)| *k != i);
+        others.map(|(_, (_, o))| o.distance_rad(&found[i].1)).reduce(f64::min).unwrap_or(0.0)
+    };
+    found.iter().enumerate().map(|(i, (seed, _))| Variant { seed: *seed, distance_rad: distance(i) }).collect()
+}

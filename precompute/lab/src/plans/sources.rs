@@ -1,0 +1,175 @@
+//! The motion of a task: files, synthetic motion, and bundles in which somebody walks.
+
+use super::config_error;
+use crate::run::{Cached, News, ensure_bundle};
+use std::path::{Path, PathBuf};
+use throng_bake::config::BuildConfig;
+use throng_bake::pipeline;
+use throng_motion::error::BuildError;
+use throng_motion::import::{self, Imported};
+use throng_motion::{Clip, ClipSet, Warnings};
+use throng_planner::task::{ActorClip, ClipEntry, NoWalk, Source, Task, WalkEntry, Walked};
+use throng_runtime::base::text::did_you_mean;
+use throng_runtime::blend::{BlendSpace, axis};
+use throng_runtime::{Bundle, FormatError, NUM_JOINTS};
+use throng_synth::{SynthConfig, SynthSet, make};
+
+/// The motion of every character, read and made once.
+#[derive(Clone, Debug)]
+pub struct Sources {
+    of_each: Vec<Read>,
+    rate_hz: f64,
+    /// Files that they were read from.
+    pub files: Vec<PathBuf>,
+}
+
+#[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there are as many as characters, once")]
+enum Read {
+    Clip(ActorClip),
+    Space(BlendSpace),
+}
+
+impl Read {
+    fn source(&self) -> Source<'_> {
+        match self {
+            Self::Clip(clip) => Source::Clip(clip.clone()),
+            Self::Space(space) => Source::Walks(space),
+        }
+    }
+}
+
+impl Sources {
+    /// One clip for each character, on the database skeleton, and the task with the times of those who walk.
+    ///
+    /// - `seed`: in place of the task's.
+    ///
+    /// # Errors
+    /// [`NoWalk`].
+    pub fn staged(&self, task: Task, seed: Option<u64>) -> Result<(Task, Vec<ActorClip>), NoWalk> {
+        let clip = |r: &Read| if let Read::Clip(clip) = r { Some(clip.clone()) } else { None };
+        let clips: Vec<ActorClip> = self.of_each.iter().filter_map(clip).collect();
+        if clips.len() == self.of_each.len() {
+            return Ok((task, clips));
+        }
+        let sources: Vec<Source<'_>> = self.of_each.iter().map(Read::source).collect();
+        let Walked { task, clips } = task.walked(&sources, self.rate_hz, seed)?;
+        Ok((task, clips))
+    }
+}
+
+/// Reads and makes the motion of a task.
+///
+/// - `main`: in place of the file's clip of the first character.
+/// - `with`: with which bundles of walkers are built where they are missing.
+///
+/// # Errors
+/// Names the character, and what is wrong with its motion.
+pub fn sources(
+    task: &Task,
+    config: &BuildConfig,
+    main: Option<ActorClip>,
+    with: &Cached<'_>,
+) -> Result<Sources, BuildError> {
+    let (mut given, mut files) = (main, Vec::new());
+    let mut of_each = Vec::new();
+    for c in &task.characters {
+        let named = |e: BuildError| config_error(format!("`{}`: {e}", c.name));
+        of_each.push(match (given.take(), &c.clip.walk) {
+            (Some(clip), _) => Read::Clip(clip),
+            (None, Some(walk)) => {
+                files.push(walk.bundle.clone());
+                Read::Space(blend_space(walk, with).map_err(named)?)
+            }
+            (None, None) => {
+                files.extend(c.clip.file.clone().filter(|f| f.is_file()));
+                Read::Clip(clip(&c.clip, config, with).map_err(named)?)
+            }
+        });
+    }
+    Ok(Sources { of_each, rate_hz: config.resample.rate_hz, files })
+}
+
+fn blend_space(walk: &WalkEntry, with: &Cached<'_>) -> Result<BlendSpace, BuildError> {
+    ensure_bundle(&walk.bundle, walk.config.as_deref(), with)?;
+    let path = walk.bundle.display();
+    let wrong = |e: FormatError| match e {
+        FormatError::Io { .. } => BuildError::Format(e.to_string()),
+        e => BuildError::Format(format!("{path}: {e}")),
+    };
+    let bundle = Bundle::open(&walk.bundle).map_err(wrong)?;
+    let names = &bundle.blends().names;
+    let Some(name) = walk.space.as_ref().or(names.first()) else {
+        return Err(config_error(format!("{path} has no blend spaces; build one (docs/blending.md)")));
+    };
+    let space = bundle.blend(name).map_err(|e| config_error(format!("{path}: {e}")))?;
+    if space.axes().first().is_none_or(|a| a.kind != axis::SPEED) {
+        let why = format!("`{name}` cannot walk here: expected a blend space whose first axis is speed");
+        return Err(config_error(why));
+    }
+    Ok(space)
+}
+
+fn clip(entry: &ClipEntry, config: &BuildConfig, with: &Cached<'_>) -> Result<ActorClip, BuildError> {
+    let whole = match (&entry.file, &entry.synth) {
+        (Some(file), _) => file_clip(file, config, with.tell)?,
+        (None, Some(set)) => synthetic(set, entry.clip.as_deref(), config.resample.rate_hz)?,
+        (None, None) => return Err(config_error("expected a clip")),
+    };
+    cut(whole, entry.from_s, entry.to_s)
+}
+
+/// A motion file as a build takes it: retargeted, at the database rate, with contacts.
+///
+/// - `tell`: is told what was found tolerable.
+///
+/// # Errors
+/// Names the file and the place in it.
+pub fn file_clip(file: &Path, config: &BuildConfig, tell: &dyn Fn(News)) -> Result<ActorClip, BuildError> {
+    let raw: Imported = import::read_clip(file, &config.import)?;
+    let mut warnings = Warnings::default();
+    let set = pipeline::clips_of(&[raw], config, &mut warnings)?;
+    warnings.messages.into_iter().map(News::Warning).for_each(tell);
+    let ClipSet { mut clips, skeleton, .. } = set;
+    let clip = clips.pop().ok_or_else(|| config_error("expected one clip, found none"))?;
+    Ok(ActorClip { clip, skeleton })
+}
+
+fn synthetic(set: &str, name: Option<&str>, rate_hz: f64) -> Result<ActorClip, BuildError> {
+    let set = SynthSet::from_name(set)?;
+    let made = make(set, &SynthConfig { rate_hz, ..SynthConfig::for_set(set) })?;
+    let names = || made.clips.iter().map(|c| c.name.as_str());
+    let found = name.map_or(Some(0), |n| names().position(|c| c == n));
+    let Some(i) = found else {
+        let (name, meant) = (name.unwrap_or_default(), did_you_mean(name.unwrap_or_default(), names()));
+        let some: Vec<&str> = names().take(4).collect();
+        let (set, some) = (set.name(), some.join(", "));
+        return Err(config_error(format!("the set `{set}` has no clip `{name}`, but such as {some}.{meant}")));
+    };
+    Ok(ActorClip { clip: made.clips[i].clone(), skeleton: made.skeleton })
+}
+
+/// The part of a clip from one time to another.
+fn cut(whole: ActorClip, from_s: f64, to_s: Option<f64>) -> Result<ActorClip, BuildError> {
+    let ActorClip { clip, skeleton } = whole;
+    let end_s = clip.num_frames().saturating_sub(1) as f64 / clip.rate_hz;
+    let [first, last] = [from_s, to_s.unwrap_or(end_s)].map(|t| (t * clip.rate_hz).round());
+    if last / clip.rate_hz > end_s + 1e-6 || first >= last {
+        let why = format!("expected a part of the clip's 0 to {end_s:.2} s, found {from_s} to {to_s:?} s");
+        return Err(config_error(why));
+    }
+    let (first, last) = (first as usize, last as usize);
+    if (first, last + 1) == (0, clip.num_frames()) {
+        return Ok(ActorClip { clip, skeleton });
+    }
+    let roots = clip.root_positions[first..=last].to_vec();
+    let mut part = Clip::new(
+        &clip.name,
+        clip.rate_hz,
+        roots,
+        clip.rotations[first * NUM_JOINTS..(last + 1) * NUM_JOINTS].to_vec(),
+    );
+    part.contacts = clip.contacts.get(first..=last).map_or_else(Vec::new, <[_]>::to_vec);
+    part.source.clone_from(&clip.source);
+    Ok(ActorClip { clip: part, skeleton })
+}

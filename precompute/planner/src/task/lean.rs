@@ -1,0 +1,244 @@
+//! The trunk bends where an arm cannot reach otherwise, and straightens again; hips give way, so that the weight stays over the
+//! feet.
+
+use super::ahead::target;
+use super::deeds::Problems;
+use super::stage::{Leaned, Stage};
+use super::step::Step;
+use crate::balance::centre_of_mass;
+use crate::driven::placed;
+use crate::ik::LimbIk;
+use crate::limits::BodyLimits;
+use crate::linkage::{Chain, Limb, LimbPose, Linkage};
+use crate::rotation::{Rigid, about, angle};
+use glam::{DQuat, DVec3};
+use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
+
+/// Joints that bend, from the hips up.
+pub(super) const SPINE: [Joint; 3] = [Joint::Spine, Joint::Chest, Joint::UpperChest];
+/// Joints that turn back, so that arms hang and faces stay up: each keeps such a share of the bend.
+const BACK: [(Joint, f64); 3] = [(Joint::Neck, 0.5), (Joint::LeftUpperArm, 0.0), (Joint::RightUpperArm, 0.0)];
+/// What moves where hips give way, beside them.
+pub(super) const LEGS: [Joint; 6] =
+    [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot, Joint::RightThigh, Joint::RightShin, Joint::RightFoot];
+/// Nobody bends farther (rad), or for more than this (m).
+const MOST_RAD: f64 = 1.4;
+/// Share of the bend that hips have, where they give way.
+const HIPS: f64 = 0.4;
+pub(super) const MOST_M: f64 = 0.5;
+/// Bends are tried in such steps (rad).
+const STEP_RAD: f64 = 0.02;
+/// How much nearer than need be the shoulder comes, one try after the other (m).
+pub(super) const SPARE_M: [f64; 3] = [0.04, 0.1, 0.18];
+/// How far hips give way, and how far knees bend for it, at most (m).
+const HIPS_M: f64 = 0.16;
+const LOWER_M: f64 = 0.1;
+const LOWER_STEP_M: f64 = 0.01;
+
+/// Hips and rotations of everything.
+pub(super) type Pose = (DVec3, [DQuat; NUM_JOINTS]);
+
+/// How the trunk bends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bend {
+    /// As the hips see it. Unit.
+    axis: DVec3,
+    /// Of the upper chest (rad).
+    angle: f64,
+    /// Share of it that the hips have.
+    hips: f64,
+}
+
+/// Who bends, and in what way hips give way.
+#[derive(Clone, Copy)]
+pub(super) struct Trunk<'a> {
+    pub skeleton: &'a Skeleton,
+    pub limits: &'a BodyLimits,
+    /// The weight stays where it was; both feet stand.
+    pub balances: bool,
+}
+
+impl Trunk<'_> {
+    /// The least bend by which a shoulder comes so near to a target, and how far knees bend for it (m).
+    pub fn needed(&self, pose: &Pose, shoulder: Joint, target: DVec3, far_m: f64) -> Option<(Bend, f64)> {
+        let places = placed(self.skeleton, pose.0, &pose.1);
+        let (pivot, from) = (places[Joint::Spine.index()].position, places[shoulder.index()].position);
+        let across = (from - pivot).cross(target - from).try_normalize()?;
+        let axis = pose.1[0].inverse() * across;
+        let limit = |j: Joint| self.limits.joints[j.index()];
+        let mut angle = STEP_RAD;
+        while angle <= MOST_RAD {
+            let bend = Bend { axis, angle, hips: if self.balances { HIPS } else { 0.0 } };
+            let bent = bent(&pose.1, &bend, 1.0);
+            let is_within = SPINE.into_iter().all(|j| {
+                let [a, b] = [pose.1[j.index()], bent[j.index()]];
+                limit(j).is_none_or(|l| l.excess(b) <= l.excess(a).max(0.0) + 1e-6)
+            });
+            if !is_within {
+                return None;
+            }
+            let mut lower_m = 0.0;
+            while lower_m <= LOWER_M {
+                if let Some((root, turns)) = self.posed(pose, &bend, 1.0, lower_m) {
+                    let at = placed(self.skeleton, root, &turns)[shoulder.index()].position;
+                    if at.distance(target) <= far_m {
+                        return Some((bend, lower_m));
+                    }
+                    break;
+                }
+                lower_m += LOWER_STEP_M;
+            }
+            angle += STEP_RAD;
+        }
+        None
+    }
+
+    /// A pose with a share of a bend; none where legs do not reach the ground then.
+    pub fn posed(&self, pose: &Pose, bend: &Bend, share: f64, lower_m: f64) -> Option<Pose> {
+        let turns = bent(&pose.1, bend, share);
+        if !self.balances {
+            return Some((pose.0, turns));
+        }
+        let before = placed(self.skeleton, pose.0, &pose.1);
+        let weight = centre_of_mass(&before);
+        let mut out = (pose.0 - DVec3::Y * lower_m * share, turns);
+        for _ in 0..4 {
+            out = self.on_feet(out, &before)?;
+            let off = (weight - centre_of_mass(&placed(self.skeleton, out.0, &out.1))).with_y(0.0);
+            out.0 += off;
+        }
+        if (out.0 - pose.0).with_y(0.0).length() > HIPS_M {
+            return None;
+        }
+        self.on_feet(out, &before)
+    }
+
+    /// Legs so that feet are where they were.
+    fn on_feet(&self, (root, mut turns): Pose, before: &[Rigid; NUM_JOINTS]) -> Option<Pose> {
+        for limb in [Limb::LeftLeg, Limb::RightLeg] {
+            let (linkage, joints) = (Linkage::limb(limb), limb.joints());
+            let limits = self.limits.of_linkage(linkage)?;
+            let mut present = LimbPose::REST;
+            (0..3).for_each(|i| present.0[i] = turns[joints[i].index()]);
+            let admitted = std::array::from_fn(|i| limits[i].admitting(present.0[i]));
+            let ik = LimbIk::new(&Chain::new(linkage, self.skeleton), &admitted);
+            let base = Rigid { position: root, rotation: turns[0] };
+            let pose = ik.solve(&base, &before[joints[2].index()], &present, |_| None::<()>).ok()?;
+            (0..3).for_each(|i| turns[joints[i].index()] = pose.0[i]);
+        }
+        Some((root, turns))
+    }
+}
+
+/// Rotations with a share of a bend.
+fn bent(turns: &[DQuat; NUM_JOINTS], bend: &Bend, share: f64) -> [DQuat; NUM_JOINTS] {
+    let mut world = [turns[0]; NUM_JOINTS];
+    for joint in &Joint::ALL[1..] {
+        let parent = joint.parent().map_or(0, Joint::index);
+        world[joint.index()] = world[parent] * turns[joint.index()];
+    }
+    let axis = turns[0] * bend.axis;
+    let turn = |part: f64| about(axis, bend.angle * share * part);
+    let mut out = *turns;
+    let mut to = world;
+    to[0] = (turn(bend.hips) * world[0]).normalize();
+    out[0] = to[0];
+    for joint in &Joint::ALL[1..] {
+        let (i, parent) = (joint.index(), joint.parent().map_or(0, Joint::index));
+        let up = SPINE.iter().position(|j| j == joint).map(|k| (k + 1) as f64 / SPINE.len() as f64);
+        let part = up.map(|up| bend.hips + (1.0 - bend.hips) * up);
+        let part = part.or(BACK.iter().find(|b| b.0 == *joint).map(|b| b.1));
+        match part {
+            Some(part) => {
+                to[i] = turn(part) * world[i];
+                out[i] = (to[parent].inverse() * to[i]).normalize();
+            }
+            None => to[i] = to[parent] * turns[i],
+        }
+    }
+    out
+}
+
+/// Lets a character bend towards what a step reaches for, from when the limb leaves the clip until it is back.
+///
+/// - `by_m`: so much it is out of reach.
+pub(super) fn lean(stage: &mut Stage<'_>, step: &Step, by_m: f64) -> Result<(), Problems> {
+    let (who, limb, [from_s, at_s, to_s]) = (step.character, step.limb, step.times_s);
+    let held_s = at_s + step.hold_s;
+    let is_busy = |p: &super::stage::Planned| {
+        p.character == who && p.limb != limb && p.window_s[0] < to_s - 1e-6 && p.window_s[1] > from_s + 1e-6
+    };
+    let before = stage.leaned.iter().any(|l| l.character == who && l.window_s[0] < to_s && l.window_s[1] > from_s);
+    let own = |p: &super::stage::Planned| {
+        p.character == who && p.limb == limb && p.window_s[0] < to_s - 1e-6 && p.window_s[1] > from_s + 1e-6
+    };
+    if before || stage.planned.iter().any(|p| is_busy(p) || own(p)) {
+        return Err(Problems::new("nobody leans while another task of the same body is done"));
+    }
+    let actor = &stage.actors[who];
+    let rate_hz = actor.clip.rate_hz;
+    let frame_of = |t: f64| (t * rate_hz).round() as usize;
+    let frames = frame_of(from_s)..=frame_of(to_s).min(actor.clip.num_frames() - 1);
+    let both = |f: usize| {
+        let c = actor.clip.contacts.get(f).copied().unwrap_or_default();
+        c.any(Contacts::LEFT) && c.any(Contacts::RIGHT)
+    };
+    let balances = stage.task.balance && frames.clone().all(both);
+    let trunk = Trunk { skeleton: &actor.skeleton, limits: &actor.limits, balances };
+    let pose = |f: usize| -> Pose {
+        let row = f * NUM_JOINTS;
+        let turn = |j: usize| actor.clip.rotations[row + j].as_dquat().normalize();
+        (actor.clip.root_positions[f].as_dvec3(), std::array::from_fn(turn))
+    };
+    let at = target(stage, step, at_s).position;
+    let there = pose(frame_of(at_s));
+    let shoulder = limb.joints()[0];
+    let far_m = placed(&actor.skeleton, there.0, &there.1)[shoulder.index()].position.distance(at) - by_m;
+    let Some((bend, lower_m)) = trunk.needed(&there, shoulder, at, far_m) else {
+        return Err(Problems::new("out of reach, as far as the trunk bends"));
+    };
+    let share = |t: f64| ease((t - from_s) / (at_s - from_s)) * ease((to_s - t) / (to_s - held_s));
+    let mut clip = actor.clip.clone();
+    for f in frames.clone() {
+        let (old, share) = (pose(f), share(f as f64 / rate_hz));
+        if share == 0.0 {
+            continue;
+        }
+        let Some((root, turns)) = trunk.posed(&old, &bend, share, lower_m) else {
+            return Err(Problems::new("who leans there does not stand"));
+        };
+        if trunk.balances {
+            clip.root_positions[f] = root.as_vec3();
+        }
+        for (j, (a, b)) in old.1.iter().zip(&turns).enumerate() {
+            if angle(*a, *b) > 1e-9 {
+                let (i, new) = (f * NUM_JOINTS + j, b.as_quat().normalize());
+                clip.rotations[i] = if new.dot(clip.rotations[i]) < 0.0 { -new } else { new };
+            }
+        }
+    }
+    for f in frames.clone().skip(1) {
+        for j in SPINE {
+            let turn = |f: usize| clip.rotations[f * NUM_JOINTS + j.index()].as_dquat().normalize();
+            let speed = angle(turn(f - 1), turn(f)) * rate_hz;
+            if actor.limits.joints[j.index()].is_some_and(|l| speed > l.speed) {
+                return Err(Problems::new(format!("{} has no time to lean so far; give more time", j.name())));
+            }
+        }
+    }
+    stage.actors[who].change(clip);
+    stage.leaned.push(Leaned { character: who, window_s: [from_s, to_s], moves_hips: balances });
+    Ok(())
+}
+
+/// Joints that a lean changes.
+pub(super) fn joints(leaned: &Leaned) -> impl Iterator<Item = Joint> {
+    let legs = if leaned.moves_hips { &LEGS[..] } else { &[] };
+    SPINE.into_iter().chain(BACK.map(|b| b.0)).chain(legs.iter().copied())
+}
+
+/// From 0 to 1, without a jump in speed or acceleration.
+fn ease(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * x * (x * (6.0 * x - 15.0) + 10.0)
+}

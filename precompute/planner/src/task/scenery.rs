@@ -1,0 +1,167 @@
+//! Where everything is, to be drawn and to be put elsewhere.
+
+use super::file::{Start, Task};
+use super::run::NoClips;
+use super::stage::{ActorClip, Stage};
+use super::step::Anchor;
+use crate::rotation::Rigid;
+use crate::track::Path;
+use glam::DVec3;
+use throng_motion::Clip;
+
+/// Where everything of a task is.
+#[derive(Clone, Debug, Default)]
+pub struct Scenery {
+    /// Every thing, by its number in the task.
+    pub paths: Vec<Path>,
+    /// What the place of each thing to do (`to`) is seen from when it is reached; none where there is no such place.
+    pub bases: Vec<Option<Rigid>>,
+}
+
+/// Something of a task that can be put elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Handle {
+    /// An obstacle or an object, by its number.
+    Thing(usize),
+    /// The place where a thing to do brings an object, by the number of what is to do.
+    Place(usize),
+}
+
+impl Scenery {
+    /// The same once [`Task::move_by`] has put something elsewhere.
+    pub fn move_by(&mut self, task: &Task, handle: Handle, by: DVec3) {
+        let Handle::Thing(thing) = handle else { return };
+        if !matches!(task.things[thing].start, Start::Path(_)) {
+            return;
+        }
+        self.paths.iter_mut().skip(thing).take(1).for_each(|path| *path = path.moved(by));
+        for (base, step) in self.bases.iter_mut().zip(&task.steps) {
+            if step.to.is_some_and(|to| to.on == Anchor::Thing(thing)) {
+                base.iter_mut().for_each(|base| base.position += by);
+            }
+        }
+    }
+
+    pub(super) fn of(stage: &Stage<'_>) -> Self {
+        let base = |step: &super::step::Step| {
+            let to = step.to.filter(|_| step.is_timed())?;
+            Some(stage.base_of(&to, step.times_s[1]))
+        };
+        Self {
+            paths: (0..stage.task.things.len()).map(|i| stage.path(i)).collect(),
+            bases: stage.task.steps.iter().map(base).collect(),
+        }
+    }
+}
+
+impl Task {
+    /// Where everything is before anything was planned, and the clips placed in the scene.
+    ///
+    /// # Errors
+    /// [`NoClips`].
+    pub fn scenery(&self, clips: &[ActorClip]) -> Result<(Scenery, Vec<Clip>), NoClips> {
+        self.check_clips(clips)?;
+        let stage = Stage::new(self, clips);
+        let scenery = Scenery::of(&stage);
+        Ok((scenery, stage.actors.into_iter().map(|a| a.clip).collect()))
+    }
+
+    /// Leaves the clip, reaches, is back, of each thing to do that has a time; of corrections from and to where is looked
+    /// for collisions, which may be the end of time (s).
+    pub fn windows_s(&self) -> Vec<Option<[f64; 3]>> {
+        self.steps.iter().map(|s| s.is_timed().then_some(s.times_s)).collect()
+    }
+
+    /// What can be put elsewhere: all things that nobody carries from the beginning, and all places that things are
+    /// brought to.
+    pub fn handles(&self) -> Vec<Handle> {
+        let is_free = |i: &usize| matches!(self.things[*i].start, Start::Path(_));
+        let things = (0..self.things.len()).filter(is_free).map(Handle::Thing);
+        let places = (0..self.steps.len()).filter(|i| self.steps[*i].to.is_some()).map(Handle::Place);
+        things.chain(places).collect()
+    }
+
+    /// What a handle is called.
+    pub fn name_of(&self, handle: Handle) -> String {
+        match handle {
+            Handle::Thing(i) => self.things[i].name.clone(),
+            Handle::Place(i) => format!("place of {}", self.steps[i].name),
+        }
+    }
+
+    /// Where a handle is by itself, before anything was planned.
+    ///
+    /// - `scenery`: of this task, before.
+    pub fn place_of(&self, handle: Handle, scenery: &Scenery, time_s: f64) -> Option<Rigid> {
+        match handle {
+            Handle::Thing(i) => Some(scenery.paths.get(i)?.at(time_s)),
+            Handle::Place(i) => Some((*scenery.bases.get(i)?)?.then(self.steps.get(i)?.to?.offset)),
+        }
+    }
+
+    /// Puts something elsewhere; keys move along, and what is brought to it does.
+    ///
+    /// - `by`: in the world (m).
+    /// - `scenery`: of this task, before anything was planned.
+    pub fn move_by(&mut self, handle: Handle, by: DVec3, scenery: &Scenery) {
+        match handle {
+            Handle::Thing(i) => {
+                if let Start::Path(path) = &mut self.things[i].start {
+                    *path = path.moved(by);
+                }
+            }
+            Handle::Place(i) => {
+                let base = scenery.bases.get(i).copied().flatten().unwrap_or(Rigid::IDENTITY);
+                if let Some(to) = &mut self.steps[i].to {
+                    to.offset.position += base.rotation.inverse() * by;
+                }
+            }
+        }
+    }
+
+    /// Where a handle is as the file says it, seen from what it stands on: `at` of its table; of what goes through keys, where
+    /// the first one is (m).
+    pub fn at_of(&self, handle: Handle) -> DVec3 {
+        match handle {
+            Handle::Thing(i) => match &self.things[i].start {
+                Start::Path(path) => path.at(f64::NEG_INFINITY).position,
+                Start::On { offset, .. } => offset.position,
+            },
+            Handle::Place(i) => self.steps[i].to.map_or(DVec3::ZERO, |to| to.offset.position),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::task::tests::{ERRANDS, TASK, parse, stand};
+    use crate::testing::Somebody;
+
+    #[test]
+    fn things_and_places_move_by_what_is_asked_for() {
+        let s = Somebody::standing();
+        let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
+        for text in [TASK, ERRANDS] {
+            let mut task = parse(text).expect("a task");
+            let handles = task.handles();
+            let places = handles.iter().filter(|h| matches!(h, Handle::Place(_))).count();
+            assert_eq!((handles.len() > places, places > 0), (true, text == ERRANDS));
+            for handle in handles {
+                let (mut before, _) = task.scenery(&clips).expect("clips");
+                let at = |task: &Task, s: &Scenery| task.place_of(handle, s, 0.7).expect("a place").position;
+                let (was, by) = (at(&task, &before), DVec3::new(0.1, -0.02, 0.3));
+                let first = task.at_of(handle);
+                task.move_by(handle, by, &before);
+                before.move_by(&task, handle, by);
+                let (after, _) = task.scenery(&clips).expect("clips");
+                assert!(at(&task, &after).distance(was + by) < 1e-9, "{}", task.name_of(handle));
+                for other in task.handles() {
+                    let [a, b] = [&before, &after].map(|s| task.place_of(other, s, 0.7));
+                    assert_eq!(a, b, "{}", task.name_of(other));
+                }
+                assert!((task.at_of(handle).distance(first) - by.length()).abs() < 1e-9);
+            }
+        }
+    }
+}

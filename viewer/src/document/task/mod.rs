@@ -1,0 +1,272 @@
+//! A task of limbs: who and what is there, and the motions that were planned for it.
+
+mod open;
+mod worker;
+
+pub use worker::Planning;
+
+use crate::render::{Ray, SolidMesh};
+use glam::{DVec3, Quat, Vec3};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::TryRecvError;
+use throng_planner::rotation::Rigid;
+use throng_planner::task::{ActorClip, Handle, Scenery, Task, TaskOutcome};
+use throng_precompute::Clip;
+use throng_precompute::plans::{self, PlanReport, Sources};
+
+/// Things are carried where they are farther than this from where they would be by themselves (m).
+const CARRIED_M: f64 = 1e-4;
+
+/// A task whose walkers have walked: with its clips, before anything was planned.
+#[derive(Clone, Debug)]
+pub struct Staged {
+    /// With the times of everything.
+    pub task: Task,
+    /// One for each character.
+    pub clips: Vec<ActorClip>,
+    /// The same, placed in the scene.
+    pub placed: Vec<Clip>,
+    /// Where everything is.
+    pub scenery: Scenery,
+}
+
+/// A motion that was planned.
+#[derive(Clone, Debug)]
+pub struct PlannedMotion {
+    /// Its seed.
+    pub seed: u64,
+    /// What came of it.
+    pub outcome: TaskOutcome,
+    /// The same in figures.
+    pub report: PlanReport,
+    /// How different it is from the most similar other one; none where it is alone (rad).
+    pub distance_rad: Option<f64>,
+}
+
+/// Motions that were planned at once, for one scene.
+#[derive(Clone, Debug)]
+struct Motions {
+    staged: Arc<Staged>,
+    all: Vec<PlannedMotion>,
+}
+
+/// A task and what was planned for it.
+#[derive(Debug)]
+pub struct TaskDocument {
+    path: PathBuf,
+    sources: Arc<Sources>,
+    /// As the file says it, and as it was changed since: who walks has no times yet.
+    task: Task,
+    /// The same with times.
+    staged: Staged,
+    meshes: Arc<[SolidMesh]>,
+    motions: Option<Motions>,
+    /// Which motion is shown; none shows the clip as it was.
+    shown: Option<usize>,
+    planning: Option<Planning>,
+    /// Why nothing could be planned at last.
+    refused: Option<String>,
+    /// Grows with every change of the scene.
+    revision: u64,
+    /// That for which was planned.
+    planned_revision: u64,
+}
+
+impl TaskDocument {
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Files that it is made of, beside its own.
+    pub fn more_files(&self) -> Vec<PathBuf> {
+        self.sources.files.clone()
+    }
+
+    /// The task as it is by now; of who walks, with the times of the last plan.
+    pub fn task(&self) -> &Task {
+        match (self.motions.as_ref(), self.is_changed()) {
+            (Some(motions), false) => &motions.staged.task,
+            _ => &self.staged.task,
+        }
+    }
+
+    /// One mesh for each thing.
+    pub fn meshes(&self) -> &Arc<[SolidMesh]> {
+        &self.meshes
+    }
+
+    /// The motions that were planned, of which each has a clip for each character; none before the first plan.
+    pub fn motions(&self) -> &[PlannedMotion] {
+        self.motions.as_ref().map_or(&[], |m| &m.all)
+    }
+
+    /// Which of them is shown; none shows the clip as it was.
+    pub fn shown(&self) -> Option<usize> {
+        self.shown.filter(|i| *i < self.motions().len())
+    }
+
+    /// The motion that is shown.
+    pub fn shown_motion(&self) -> Option<&PlannedMotion> {
+        self.motions().get(self.shown()?)
+    }
+
+    /// Shows a motion, or the clip as it was.
+    pub fn show(&mut self, motion: Option<usize>) {
+        self.shown = motion.filter(|i| *i < self.motions().len());
+    }
+
+    /// What is planned now.
+    pub fn planning(&self) -> Option<&Planning> {
+        self.planning.as_ref()
+    }
+
+    /// Why nothing could be planned at last.
+    pub fn refused(&self) -> Option<&str> {
+        self.refused.as_deref()
+    }
+
+    /// True where the scene was changed since it was planned for.
+    pub fn is_changed(&self) -> bool {
+        self.revision != self.planned_revision
+    }
+
+    /// Clips of everybody as they are, placed in the scene.
+    pub fn clips_before(&self) -> &[Clip] {
+        match &self.motions {
+            Some(motions) => &motions.staged.placed,
+            None => &self.staged.placed,
+        }
+    }
+
+    /// The clip of a character that is shown (character < number of characters).
+    pub fn clip(&self, character: usize) -> &Clip {
+        match self.shown_motion() {
+            Some(motion) => &motion.outcome.clips[character][1],
+            None => &self.clips_before()[character],
+        }
+    }
+
+    /// Whose clips they are.
+    pub fn actors(&self) -> &[ActorClip] {
+        &self.staged.clips
+    }
+
+    /// Frames of the longest clip, and rate (frames, Hz).
+    pub fn frames(&self) -> (u32, f32) {
+        let clips = self.clips_before();
+        let most = clips.iter().map(Clip::num_frames).max().unwrap_or(1);
+        (most as u32, clips.first().map_or(30.0, |c| c.rate_hz as f32))
+    }
+
+    /// Where a thing is that is shown (thing < number of things).
+    pub fn place_of_thing(&self, thing: usize, time_s: f64) -> Rigid {
+        let own = self.staged.scenery.paths[thing].at(time_s);
+        let Some(motion) = self.shown_motion() else { return own };
+        let [before, after] = motion.outcome.scenery.each_ref().map(|s| s.paths[thing].at(time_s));
+        let is_carried = before.position.distance(after.position) > CARRIED_M
+            || throng_planner::rotation::angle(before.rotation, after.rotation) > CARRIED_M;
+        if is_carried { after } else { own }
+    }
+
+    /// Where something is that can be put elsewhere, before anybody takes it.
+    pub fn place_of(&self, handle: Handle, time_s: f64) -> Option<Rigid> {
+        self.staged.task.place_of(handle, &self.staged.scenery, time_s)
+    }
+
+    /// Puts something elsewhere, by some way (m).
+    pub fn move_by(&mut self, handle: Handle, by: DVec3) {
+        if !by.is_finite() {
+            return;
+        }
+        self.task.move_by(handle, by, &self.staged.scenery);
+        self.staged.task.move_by(handle, by, &self.staged.scenery);
+        self.staged.scenery.move_by(&self.staged.task, handle, by);
+        self.revision += 1;
+    }
+
+    /// The thing that a ray meets first, where it stands by itself, and where; places that things are brought to are met
+    /// within a radius (m).
+    pub fn pick(&self, ray: &Ray, time_s: f64, within_m: impl Fn(Vec3) -> f32) -> Option<(Handle, Vec3)> {
+        let met = self.task.handles().into_iter().filter_map(|handle| {
+            let at = self.place_of(handle, time_s)?;
+            let (position, turn): (Vec3, Quat) = (at.position.as_vec3(), at.rotation.as_quat());
+            let along = (position - ray.origin).dot(ray.direction);
+            let near = along > 0.0 && ray.may_meet(position, within_m(position));
+            let met = match handle {
+                Handle::Thing(i) => self.meshes.get(i)?.meets(ray, (position, turn)).or(near.then_some(along)),
+                // What lies there is behind it.
+                Handle::Place(_) => near.then_some(along - within_m(position)),
+            };
+            Some((met?, handle))
+        });
+        let (distance, handle) = met.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((handle, ray.at(distance)))
+    }
+
+    /// Plans motions beside the window; what is planned already is stopped.
+    ///
+    /// - `number`: so many that differ, where seeds give them.
+    /// - `seed`: in place of the task's.
+    pub fn plan(&mut self, number: u64, seed: Option<u64>) {
+        self.cancel();
+        self.refused = None;
+        let job = worker::Job { sources: Arc::clone(&self.sources), task: self.task.clone(), number, seed };
+        self.planning = Some(Planning::begin(job, self.revision, self.task.num_steps()));
+    }
+
+    /// Stops what is planned; the motions stay as they are.
+    pub fn cancel(&mut self) {
+        self.planning.take().iter().for_each(Planning::cancel);
+    }
+
+    /// Takes in what was planned meanwhile; true where that has ended.
+    ///
+    /// - `waits`: until it has.
+    pub fn take_in(&mut self, waits: bool) -> bool {
+        let Some(planning) = &self.planning else { return false };
+        let done = match planning.poll(waits) {
+            Ok(done) => done,
+            Err(TryRecvError::Empty) => return false,
+            Err(TryRecvError::Disconnected) => Err("planning failed unexpectedly".into()),
+        };
+        let revision = planning.revision;
+        self.planning = None;
+        match done {
+            Ok((staged, all)) => {
+                if revision == self.revision {
+                    self.staged = Staged::clone(&staged);
+                }
+                self.planned_revision = revision;
+                self.shown = Some(self.shown.unwrap_or(0).min(all.len().saturating_sub(1)));
+                self.motions = Some(Motions { staged, all });
+            }
+            Err(why) => self.refused = Some(why),
+        }
+        true
+    }
+
+    /// Writes the motion that is shown, as `throng plan` does.
+    ///
+    /// - returns what was written.
+    ///
+    /// # Errors
+    /// A message where there is none, where the check found faults in it, or where a file cannot be written.
+    pub fn save(&self, path: &Path) -> Result<Vec<PathBuf>, String> {
+        let (Some(motion), Some(motions)) = (self.shown_motion(), &self.motions) else {
+            return Err("No planned motion is shown; plan one, and choose it in the list.".into());
+        };
+        if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh")) {
+            return Err(format!("{}: expected a name that ends with .bvh", path.display()));
+        }
+        if let Some(v) = motion.outcome.recheck.violations.first() {
+            return Err(format!(
+                "Nothing was written: the check found at {:.3} s: {}. Try another seed.",
+                v.time_s, v.what
+            ));
+        }
+        let Staged { task, clips, .. } = &*motions.staged;
+        plans::write(task, clips, &motion.outcome, path, 0).map_err(|e| e.to_string())
+    }
+}

@@ -1,0 +1,69 @@
+//! Opens a task: its motion, and meshes of its things.
+
+use super::{Staged, TaskDocument};
+use crate::render::SolidMesh;
+use glam::{Quat, Vec3};
+use std::path::Path;
+use std::sync::Arc;
+use throng_planner::shape::Shape;
+use throng_planner::task::{Task, Thing};
+use throng_precompute::config::BuildConfig;
+use throng_precompute::plans::{self, Sources};
+use throng_precompute::run::Cached;
+
+impl Staged {
+    /// Lets walk who walks.
+    pub(super) fn of(sources: &Sources, task: Task, seed: Option<u64>) -> Result<Self, String> {
+        let (task, clips) = sources.staged(task, seed).map_err(|e| e.to_string())?;
+        let (scenery, placed) = task.scenery(&clips).map_err(|e| e.to_string())?;
+        Ok(Self { task, clips, placed, scenery })
+    }
+}
+
+impl TaskDocument {
+    /// True for a file with tasks.
+    pub fn is_one(path: &Path) -> bool {
+        plans::is_task(path)
+    }
+
+    /// Reads a task and the motion that it is about; nothing is planned yet.
+    ///
+    /// - `with`: how bundles of walkers are made where they are missing.
+    ///
+    /// # Errors
+    /// A message that names the file, what is wrong with it and the way out.
+    pub fn open(path: &Path, with: &Cached<'_>) -> Result<Self, String> {
+        let task = Task::read(path).map_err(|e| e.to_string())?;
+        let config = BuildConfig::of_motion("", Vec::new()).map_err(|e| e.to_string())?;
+        let named = |why: String| format!("{}: {why}", path.display());
+        let sources = plans::sources(&task, &config, None, with).map_err(|e| named(e.to_string()))?;
+        let staged = Staged::of(&sources, task.clone(), None).map_err(named)?;
+        let meshes = task.things.iter().map(mesh).collect();
+        Ok(Self {
+            path: path.to_path_buf(),
+            sources: Arc::new(sources),
+            task,
+            staged,
+            meshes,
+            motions: None,
+            shown: None,
+            planning: None,
+            refused: None,
+            revision: 1,
+            planned_revision: 0,
+        })
+    }
+}
+
+/// All shapes of a thing, in its frame.
+fn mesh(thing: &Thing) -> SolidMesh {
+    let mut mesh = SolidMesh::default();
+    for shape in &thing.shapes {
+        match shape {
+            Shape::Round { core, radius } => mesh.add_bar(core.a.as_vec3(), core.b.as_vec3(), *radius as f32),
+            Shape::Cuboid { half } => mesh.add_box(Vec3::ZERO, Quat::IDENTITY, half.as_vec3()),
+            Shape::Mesh(triangles) => triangles.corners().iter().for_each(|t| mesh.add_triangle(*t)),
+        }
+    }
+    mesh
+}

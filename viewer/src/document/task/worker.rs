@@ -1,0 +1,96 @@
+//! Plans on a thread of its own, so that the window goes on drawing.
+
+use super::{PlannedMotion, Staged};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use throng_planner::task::{Task, Watch};
+use throng_precompute::plans::{self, Sources};
+
+/// What is to be planned.
+pub(super) struct Job {
+    pub sources: Arc<Sources>,
+    pub task: Task,
+    /// So many motions.
+    pub number: u64,
+    /// In place of the task's.
+    pub seed: Option<u64>,
+}
+
+/// The scene with the times of everything, and motions for it; or why there are none.
+pub(super) type Made = Result<(Arc<Staged>, Vec<PlannedMotion>), String>;
+
+/// A plan under way.
+#[derive(Debug)]
+pub struct Planning {
+    made: Receiver<Made>,
+    shared: Arc<Shared>,
+    /// Of the scene that is planned for.
+    pub(super) revision: u64,
+    /// Number of things to do.
+    total: usize,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    is_cancelled: AtomicBool,
+    /// Things done or tried of the motion that is made now, and motions made before it.
+    tried: AtomicUsize,
+    motions: AtomicUsize,
+}
+
+impl Planning {
+    pub(super) fn begin(job: Job, revision: u64, total: usize) -> Self {
+        let (send, made) = channel();
+        let shared = Arc::new(Shared::default());
+        let told = Arc::clone(&shared);
+        std::thread::spawn(move || {
+            // The receiver is gone if something else is planned by now.
+            _ = send.send(job.carry_out(&told));
+        });
+        Self { made, shared, revision, total }
+    }
+
+    /// Lets it end at its next node.
+    pub fn cancel(&self) {
+        self.shared.is_cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Things done or tried of all that is to be done, and number of the motion that is made, from 1.
+    pub fn far(&self) -> ([usize; 2], usize) {
+        let tried = self.shared.tried.load(Ordering::Relaxed).min(self.total);
+        ([tried, self.total], self.shared.motions.load(Ordering::Relaxed) + 1)
+    }
+
+    pub(super) fn poll(&self, waits: bool) -> Result<Made, TryRecvError> {
+        match waits {
+            true => self.made.recv().map_err(|_| TryRecvError::Disconnected),
+            false => self.made.try_recv(),
+        }
+    }
+}
+
+impl Job {
+    fn carry_out(self, shared: &Shared) -> Made {
+        let Self { sources, task, number, seed } = self;
+        let staged = Arc::new(Staged::of(&sources, task, seed)?);
+        let tell = |tried: usize| {
+            // From one on for each motion.
+            if tried < shared.tried.swap(tried, Ordering::Relaxed) {
+                shared.motions.fetch_add(1, Ordering::Relaxed);
+            }
+        };
+        let watch = Watch { seed, cancel: Some(&shared.is_cancelled), tell: Some(&tell), keeps_trees: true };
+        let Staged { task, clips, .. } = &*staged;
+        let found = plans::variants(task, clips, number, &watch).map_err(|e| e.to_string())?;
+        let distances = plans::report(task, &found).map_or_else(Vec::new, |r| r.variants);
+        let motions = found.into_iter().enumerate().filter_map(|(i, one)| {
+            let one = [one];
+            let report = plans::report(task, &one)?;
+            let [(seed, outcome)] = one;
+            Some(PlannedMotion { seed, outcome, report, distance_rad: distances.get(i).map(|v| v.distance_rad) })
+        });
+        let motions: Vec<PlannedMotion> = motions.collect();
+        Ok((staged, motions))
+    }
+}

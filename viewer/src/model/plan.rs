@@ -1,0 +1,61 @@
+//! What commands do to a task of limbs.
+
+use super::Model;
+use crate::command::PlanCommand;
+use crate::document::{Document, TaskDocument};
+
+impl Model {
+    /// The task, where one is open.
+    pub fn task(&self) -> Option<&TaskDocument> {
+        self.document.task()
+    }
+
+    /// Time of the task that is shown (s).
+    pub fn task_time_s(&self) -> f64 {
+        let rate_hz = self.task().map_or(30.0, |t| t.frames().1);
+        f64::from(self.player.frame.round() / rate_hz)
+    }
+
+    pub(super) fn apply_to_task(&mut self, command: PlanCommand) {
+        let waits = self.is_unhurried;
+        let Document::Task(task) = &mut self.document else { return };
+        let look = &mut self.selection.plan;
+        match command {
+            PlanCommand::Look(wanted) => *look = wanted,
+            PlanCommand::Plan => self.plan(),
+            PlanCommand::Cancel => task.cancel(),
+            PlanCommand::Show(motion) => task.show(motion),
+            PlanCommand::Move(handle, by) => task.move_by(handle, by.as_dvec3()),
+            PlanCommand::Settle if look.replans => self.plan(),
+            PlanCommand::Settle => {}
+            PlanCommand::Save(path) => match task.save(&path) {
+                Ok(files) => {
+                    let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+                    self.say(format!("Saved {}", names.join(", ")));
+                }
+                Err(why) => self.complain(why),
+            },
+        }
+        self.take_in_task(waits);
+    }
+
+    /// Plans as it is said, beside the window.
+    pub(super) fn plan(&mut self) {
+        let look = self.selection.plan;
+        if let Document::Task(task) = &mut self.document {
+            task.plan(look.number, look.seed);
+        }
+    }
+
+    /// Takes in motions that were planned meanwhile.
+    pub(super) fn take_in_task(&mut self, waits: bool) {
+        let Document::Task(task) = &mut self.document else { return };
+        if task.take_in(waits)
+            && let Some(why) = task.refused()
+        {
+            let why = format!("Nothing was planned: {why}");
+            self.complain(why);
+        }
+        self.advance_clip(0.0);
+    }
+}

@@ -1,0 +1,141 @@
+//! Tasks of limbs: what is to do, the motions that were planned, their trees over time, and what can be put elsewhere.
+
+mod handle;
+mod motions;
+#[cfg(test)]
+mod tests;
+mod timeline;
+
+use crate::command::{Command, PlanCommand, PlanLook};
+use crate::document::TaskDocument;
+use crate::model::Model;
+use crate::theme::Palette;
+use eframe::egui::{Button, DragValue, ProgressBar, RichText, ScrollArea, TextEdit, Ui};
+use std::path::{Path, PathBuf};
+use timeline::Along;
+
+/// Most motions that are planned at once.
+const MOST: u64 = 20;
+
+/// What the panel remembers.
+#[derive(Clone, Debug, Default)]
+pub struct State {
+    /// Which way the plot over time goes.
+    along: Along,
+    /// File that a motion is written to, as it was typed.
+    file: Option<String>,
+}
+
+/// Shows the panel.
+pub fn show(ui: &mut Ui, model: &Model, state: &mut State, commands: &mut Vec<Command>) {
+    let Some(task) = model.task() else {
+        ui.weak("Open a task of limbs: data/tasks/*.toml. Things and places can be dragged in the view then.");
+        return;
+    };
+    let look = model.selection.plan;
+    let mut wanted = look;
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        steps(ui, task, &mut wanted, commands);
+        ui.separator();
+        planning(ui, task, &mut wanted, commands);
+        ui.separator();
+        motions::show(ui, task, &mut wanted, commands);
+        ui.separator();
+        timeline::show(ui, model, task, &mut state.along, &mut wanted, commands);
+        ui.separator();
+        handle::show(ui, model, task, &mut wanted, commands);
+        ui.separator();
+        save(ui, task, state, commands);
+    });
+    if wanted != look {
+        commands.push(Command::Plan(PlanCommand::Look(wanted)));
+    }
+}
+
+/// What is to do, and what came of it.
+fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &mut Vec<Command>) {
+    let palette = Palette::of(ui.visuals());
+    let (windows, rate_hz) = (task.task().windows_s(), task.frames().1);
+    let motion = task.shown_motion();
+    ui.strong("To do");
+    for (i, name) in task.task().step_names().enumerate() {
+        let done = motion.and_then(|m| m.outcome.done.get(i));
+        let (mark, colour) = match done {
+            None => ("·", ui.visuals().weak_text_color()),
+            Some(d) if d.why.is_none() => ("✔", palette.good),
+            Some(_) => ("✖", ui.visuals().error_fg_color),
+        };
+        let at_s = task.task().times_s()[i];
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(mark).color(colour));
+            let is_on = wanted.step == Some(i);
+            if ui.selectable_label(is_on, name).on_hover_text("Look at its trees alone, and go to its time").clicked() {
+                wanted.step = (!is_on).then_some(i);
+                let begin_s = windows[i].map(|w| w[1]).filter(|_| !is_on);
+                if let Some(s) = at_s.or(begin_s).filter(|_| !is_on) {
+                    commands.push(Command::Seek((s * f64::from(rate_hz)).round() as u32));
+                }
+            }
+            at_s.iter().for_each(|s| _ = ui.weak(format!("at {s:.2} s")));
+        });
+        if let Some(why) = done.and_then(|d| d.why.as_deref()) {
+            ui.label(RichText::new(why).small().color(ui.visuals().error_fg_color));
+        }
+    }
+}
+
+/// How it is planned, and how far that is.
+fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &mut Vec<Command>) {
+    ui.horizontal_wrapped(|ui| {
+        let tip = "Plan motions beside the window; the same seed gives the same motion";
+        if ui.add(Button::new("Plan")).on_hover_text(tip).clicked() {
+            commands.push(Command::Plan(PlanCommand::Plan));
+        }
+        let mut number = wanted.number;
+        let unit = if number == 1 { " motion" } else { " motions" };
+        ui.add(DragValue::new(&mut number).range(1..=MOST).speed(0.05).suffix(unit))
+            .on_hover_text("So many that differ, where seeds give them");
+        wanted.number = number.clamp(1, MOST);
+        let own = task.task().config.budget.seed;
+        let mut seed = wanted.seed.unwrap_or(own);
+        ui.add(DragValue::new(&mut seed).speed(0.05).prefix("seed ")).on_hover_text("In place of the task's");
+        wanted.seed = (seed != own).then_some(seed);
+        ui.checkbox(&mut wanted.replans, "after each drag").on_hover_text("Plan as soon as something was dragged");
+    });
+    if let Some(planning) = task.planning() {
+        let ([tried, total], motion) = planning.far();
+        ui.horizontal(|ui| {
+            let tip = "Stop planning; the motions stay as they are";
+            if ui.button("Cancel").on_hover_text(tip).clicked() {
+                commands.push(Command::Plan(PlanCommand::Cancel));
+            }
+            ui.label(format!("motion {motion}: {tried} of {total}"));
+            ui.add(ProgressBar::new(tried as f32 / total.max(1) as f32).desired_height(8.0).corner_radius(4));
+        });
+    } else if let Some(why) = task.refused() {
+        ui.colored_label(ui.visuals().error_fg_color, format!("Nothing was planned: {why}"));
+    } else if task.is_changed() {
+        ui.colored_label(
+            Palette::of(ui.visuals()).warning,
+            "The scene has changed since; what is shown was planned before.",
+        );
+    }
+}
+
+fn save(ui: &mut Ui, task: &TaskDocument, state: &mut State, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let file = state.file.get_or_insert_with(|| suggested(task.path()).display().to_string());
+        let tip = "Write the motion that is shown, and who carries what beside it, as `throng plan` does";
+        let button = ui.add_enabled(task.shown_motion().is_some(), Button::new("Save")).on_hover_text(tip);
+        ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY)).labelled_by(button.id);
+        if button.clicked() && !file.trim().is_empty() {
+            commands.push(Command::Plan(PlanCommand::Save(PathBuf::from(file.trim()))));
+        }
+    });
+}
+
+/// A clip in the current folder, called as the task.
+fn suggested(task: &Path) -> PathBuf {
+    let stem = task.file_stem().unwrap_or_default().to_string_lossy();
+    PathBuf::from(format!("{stem}.bvh"))
+}

@@ -1,0 +1,87 @@
+//! What the mouse does in a task of limbs: things and places are selected and dragged.
+
+use super::{size, upright, within};
+use crate::command::{Command, PlanCommand, PlanLook};
+use crate::model::Model;
+use crate::render::Ray;
+use eframe::egui::{CursorIcon, PointerButton, Pos2, Response, Ui};
+use glam::{Vec2, Vec3};
+use throng_planner::task::Handle;
+
+/// Places can be taken hold of within this distance of the pointer (points).
+const GRAB: f32 = 10.0;
+
+/// Something that is dragged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Held {
+    handle: Handle,
+    /// Where it was taken hold of, moved along (m).
+    at: Vec3,
+    has_moved: bool,
+}
+
+/// What lies under the pointer, and where it is met.
+fn under(model: &Model, ray: &Ray, view: Vec2) -> Option<(Handle, Vec3)> {
+    let camera = model.settings.camera;
+    let radius = |at: Vec3| GRAB / camera.pixels_per_metre(at.distance(camera.eye()), view.y);
+    model.task()?.pick(ray, model.task_time_s(), radius)
+}
+
+/// Lets things be dragged; true where one is.
+pub fn drag(ui: &Ui, response: &Response, model: &Model, held: &mut Option<Held>, commands: &mut Vec<Command>) -> bool {
+    if model.task().is_none() {
+        *held = None;
+        return false;
+    }
+    let (rect, camera) = (response.rect, model.settings.camera);
+    let ray = |at: Pos2| camera.ray(within(rect, at), size(rect));
+    let is_camera = ui.input(|i| i.modifiers.shift);
+    if response.drag_started_by(PointerButton::Primary)
+        && !is_camera
+        && let Some(origin) = ui.input(|i| i.pointer.press_origin())
+        && let Some((handle, at)) = under(model, &ray(origin), size(rect))
+    {
+        *held = Some(Held { handle, at, has_moved: false });
+        select(model, Some(handle), commands);
+    }
+    let Some(h) = held else {
+        let is_over = response.hover_pos().is_some_and(|at| under(model, &ray(at), size(rect)).is_some());
+        if is_over && !response.dragged() {
+            ui.set_cursor_icon(CursorIcon::Grab);
+        }
+        return false;
+    };
+    if !response.dragged_by(PointerButton::Primary) {
+        if h.has_moved {
+            commands.push(Command::Plan(PlanCommand::Settle));
+        }
+        *held = None;
+        return false;
+    }
+    if let Some(at) = response.interact_pointer_pos() {
+        // It goes up and down while the Alt key is held, else it keeps its height.
+        let to = match ui.input(|i| i.modifiers.alt) {
+            true => upright(&ray(at), camera, h.at),
+            false => ray(at).meets_height(h.at.y),
+        };
+        let by = to.map(|to| to - h.at).filter(|by| by.length() > 1e-5 && by.length() < 100.0);
+        if let Some(by) = by {
+            (h.at, h.has_moved) = (h.at + by, true);
+            commands.push(Command::Plan(PlanCommand::Move(h.handle, by)));
+        }
+    }
+    ui.set_cursor_icon(CursorIcon::Grabbing);
+    true
+}
+
+/// A click selects what is under the pointer.
+pub fn click(model: &Model, ray: &Ray, view: Vec2, commands: &mut Vec<Command>) {
+    select(model, under(model, ray, view).map(|u| u.0), commands);
+}
+
+fn select(model: &Model, handle: Option<Handle>, commands: &mut Vec<Command>) {
+    let look = PlanLook { handle, ..model.selection.plan };
+    if look != model.selection.plan {
+        commands.push(Command::Plan(PlanCommand::Look(look)));
+    }
+}
