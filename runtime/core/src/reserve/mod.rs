@@ -25,13 +25,15 @@ pub struct Reservations {
     grid: BoxGrid,
     walls: Vec<(Rod, Bounds)>,
     outsiders: Outsiders,
+    /// How far members of one group may come into each other's discs (m).
+    group_depth_m: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     num_nodes: u32,
     elapsed_s: f32,
-    /// Those of one group take no notice of each other.
+    /// Those of one group may come nearer to each other.
     group: u32,
     velocity: Vec2,
 }
@@ -59,6 +61,7 @@ impl Reservations {
             grid: BoxGrid::with_capacity(capacity),
             walls: Vec::new(),
             outsiders: Outsiders::default(),
+            group_depth_m: 0.0,
         }
     }
 
@@ -114,7 +117,12 @@ impl Reservations {
         self.slots[who].elapsed_s = elapsed_s;
     }
 
-    /// Puts one into a group, whose members take no notice of each other.
+    /// How far members of one group may come into each other's discs (m, >= 0).
+    pub fn set_group_depth(&mut self, depth_m: f32) {
+        self.group_depth_m = depth_m;
+    }
+
+    /// Puts one into a group, whose members may come nearer to each other.
     pub fn set_group(&mut self, who: usize, group: Option<u32>) {
         self.slots[who].group = group.unwrap_or(NONE);
     }
@@ -131,11 +139,14 @@ impl Reservations {
         self.slots[who].velocity
     }
 
-    /// Calls `found` for everybody else whose path has a place in the box, in no order, until it returns false.
+    /// Calls `found` for everybody else whose path has a place in the box and who is not of the same group, in no order,
+    /// until it returns false.
     pub fn near(&self, who: usize, bounds: &Bounds, mut found: impl FnMut(usize) -> bool) {
-        let group = self.slots[who].group;
-        let is_other = |at: usize| at != who && (group == NONE || self.slots[at].group != group);
-        self.grid.near(bounds, |at| !is_other(at) || found(at));
+        self.grid.near(bounds, |at| at == who || self.are_together(who, at) || found(at));
+    }
+
+    fn are_together(&self, a: usize, b: usize) -> bool {
+        self.slots[a].group != NONE && self.slots[a].group == self.slots[b].group
     }
 
     /// True where a path from now on meets no wall, nobody else's path and no ground that an outsider holds.
@@ -152,9 +163,12 @@ impl Reservations {
             return false;
         }
         let mut clear = true;
-        self.near(who, &bounds, |other| {
-            let other = self.path(other);
-            clear = !own.meets(&Moving { elapsed_s: other.elapsed_s - ago_s, ..other }, room_m);
+        self.grid.near(&bounds, |at| {
+            if at != who {
+                let room_m = if self.are_together(who, at) { room_m - self.group_depth_m } else { room_m };
+                let other = self.path(at);
+                clear = !own.meets(&Moving { elapsed_s: other.elapsed_s - ago_s, ..other }, room_m);
+            }
             clear
         });
         if clear {
@@ -181,6 +195,26 @@ pub fn bounds(nodes: &[PathNode]) -> Bounds {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn members_of_a_group_may_come_into_each_others_discs_as_far_as_it_allows() {
+        let at = |x: f32| Path { nodes: vec![PathNode::new(0.0, Vec2::new(x, 0.0), 0.3)], velocity: Vec2::ZERO };
+        let mut book = Reservations::with_capacity(3, 1);
+        book.set_group_depth(0.1);
+        [(0, Some(7)), (1, Some(7)), (2, None)].into_iter().for_each(|(who, group)| book.set_group(who, group));
+        book.set(0, &at(0.0), 0.0);
+        assert!(book.is_clear(1, &at(0.51), 0.0) && !book.is_clear(1, &at(0.49), 0.0));
+        assert!(book.is_clear(2, &at(0.61), 0.0) && !book.is_clear(2, &at(0.59), 0.0));
+        let mut seen = 0;
+        book.near(1, &Bounds::about(Vec2::ZERO, 1.0), |_| {
+            seen += 1;
+            true
+        });
+        assert_eq!(seen, 0, "they do not turn aside for each other");
+        // Deeper than they are wide, they take no notice.
+        book.set_group_depth(10.0);
+        assert!(book.is_clear(1, &at(0.0), 0.0));
+    }
 
     proptest! {
         /// Against a list of all paths, while paths come, change and go.
