@@ -42,6 +42,9 @@ impl Slot {
     const FREE: Self = Self { num_nodes: 0, elapsed_s: 0.0, group: NONE, velocity: Vec2::ZERO };
 }
 
+/// Paths that touched when they were taken may be found this deep in each other later (m).
+pub const ROUNDING_M: f32 = 0.002;
+
 /// A path that somebody might take.
 #[derive(Clone, Debug, Default)]
 pub struct Path {
@@ -149,26 +152,42 @@ impl Reservations {
         self.slots[a].group != NONE && self.slots[a].group == self.slots[b].group
     }
 
-    /// True where a path from now on meets no wall, nobody else's path and no ground that an outsider holds.
+    /// True where a path from now on meets no wall, nobody else's path and no ground that an outsider holds. Those of its group
+    /// count where one is not too deep in them as it is.
     ///
     /// - `ago_s`: how long ago now is for the others (s).
     pub fn is_clear(&self, who: usize, path: &Path, ago_s: f32) -> bool {
-        self.meets_none(who, &Moving { nodes: &path.nodes, elapsed_s: 0.0 }, ago_s, 0.0)
+        let own = Moving { nodes: &path.nodes, elapsed_s: 0.0 };
+        let is_deep = || !self.is_apart(who, &self.path(who), 0.0, ROUNDING_M);
+        self.meets_none(who, &own, ago_s, 0.0) && (self.is_apart(who, &own, ago_s, 0.0) || is_deep())
     }
 
-    /// As [`Reservations::is_clear`], for a path that is under way; nobody may come nearer than `room_m` (m).
+    /// True where a path leads no deeper into those of the same group than it may, by more than `slack_m` (m).
+    fn is_apart(&self, who: usize, own: &Moving<'_>, ago_s: f32, slack_m: f32) -> bool {
+        let mut apart = true;
+        if self.slots[who].group != NONE && !own.nodes.is_empty() {
+            self.grid.near(&bounds(own.nodes), |at| {
+                if at != who && self.are_together(who, at) {
+                    let other = self.path(at);
+                    apart = !own
+                        .meets(&Moving { elapsed_s: other.elapsed_s - ago_s, ..other }, -self.group_depth_m - slack_m);
+                }
+                apart
+            });
+        }
+        apart
+    }
+
+    /// As [`Reservations::is_clear`], for a path that is under way; nobody may come nearer than `room_m`, but of its own group (m).
     pub fn meets_none(&self, who: usize, own: &Moving<'_>, ago_s: f32, room_m: f32) -> bool {
         let bounds = bounds(own.nodes);
         if self.walls.iter().any(|(wall, around)| around.meets(&bounds) && own.meets_rod(wall)) {
             return false;
         }
         let mut clear = true;
-        self.grid.near(&bounds, |at| {
-            if at != who {
-                let room_m = if self.are_together(who, at) { room_m - self.group_depth_m } else { room_m };
-                let other = self.path(at);
-                clear = !own.meets(&Moving { elapsed_s: other.elapsed_s - ago_s, ..other }, room_m);
-            }
+        self.near(who, &bounds, |other| {
+            let other = self.path(other);
+            clear = !own.meets(&Moving { elapsed_s: other.elapsed_s - ago_s, ..other }, room_m);
             clear
         });
         if clear {
@@ -211,6 +230,10 @@ mod tests {
             true
         });
         assert_eq!(seen, 0, "they do not turn aside for each other");
+        // One who is too deep in another may go on.
+        book.set(1, &at(0.2), 0.0);
+        assert!(book.is_clear(1, &at(0.3), 0.0));
+        book.remove(1);
         // Deeper than they are wide, they take no notice.
         book.set_group_depth(10.0);
         assert!(book.is_clear(1, &at(0.0), 0.0));

@@ -346,7 +346,7 @@ impl Rod {
         let allowed_m = shape.radius + capsule.radius - give_m;
         let found = depth([shoulder, self.ends[0]], capsule.ends, allowed_m);
         let found = found.filter(|(at, ..)| at.distance(shoulder) > LEAST * shape.lengths[0]);
-        for (at, _, by) in found {
+        if let Some((at, _, by)) = found {
             self.shift(self.ends[0], by * (shape.lengths[0] / at.distance(shoulder)));
         }
         found.is_some()

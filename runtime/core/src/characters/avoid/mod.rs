@@ -14,7 +14,7 @@ use super::Characters;
 use super::block::Block;
 use super::motion_set::MotionSet;
 use super::pace;
-use crate::reserve::{Held, Moving, Outsider, Path, Reservations, Rod};
+use crate::reserve::{Held, Moving, Outsider, Path, ROUNDING_M, Reservations, Rod};
 use crate::stops::BODY_RADIUS_M;
 use glam::Vec2;
 use std::cmp::Reverse;
@@ -52,9 +52,6 @@ impl AvoidConfig {
         check("avoid.pairs_m", None, pairs_m, (0.0..=10.0).contains(&pairs_m), "between 0 and 10")
     }
 }
-
-/// Paths that touched when they were taken may be found this deep in each other later (m).
-const ROUNDING_M: f32 = 0.002;
 
 /// The reservations of characters, and memory to work with.
 ///

@@ -135,7 +135,7 @@ fn arms_come_and_go_without_a_jump() {
     let mut touched = false;
     for i in 0..240 {
         // The other one comes at 1 m/s and goes again.
-        let z = 1.4 - 0.9 * (1.0 - (i as f32 / 120.0 - 1.0).abs()).min(1.0).max(0.0);
+        let z = 1.4 - 0.9 * (1.0 - (i as f32 / 120.0 - 1.0).abs()).clamp(0.0, 1.0);
         let roots = [Planar::IDENTITY, Planar::new(0.15, z, std::f32::consts::PI)];
         let posed = step(&mut touch, [&arm, &rest], roots, &config)[0];
         touched |= posed != arm;
