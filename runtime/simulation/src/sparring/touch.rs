@@ -20,6 +20,10 @@ use throng_core::skeleton::{Joint, Skeleton};
 const PIECE_M: f32 = 0.06;
 /// Most pieces of a way.
 const MOST_PIECES: usize = 4;
+/// Arms that are in something by less are out of it (m).
+const ENOUGH_M: f32 = 1e-3;
+/// How far an arm may be moved in a piece, for what it might come into (m).
+const ROOM_M: f32 = 0.08;
 /// Rounds in which arms are moved out of what they are in.
 const ROUNDS: usize = 6;
 /// Nobody's arms reach farther than this from the hips (m).
@@ -221,23 +225,27 @@ impl Touch {
                 Rod { ends: [b[1] + off[0], b[2] + off[1]], moved: false }
             })
         });
+        let obstacles = [0, 1].map(|k| obstacles(&now[k], shapes, &cores[k]));
+        let near = [0, 1].map(|k| [0, 1].map(|a| Near::of(&rods[k][a], base[k][a][0], &shapes[a], &obstacles[k ^ 1])));
+        let forearms = rods.map(|rods| [0, 1].map(|a| Ball::about(rods[a].axis(&shapes[a]), shapes[a].radius)));
+        let pairs = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(a, b)| (a, b, forearms[0][a].is_near(&forearms[1][b])));
         for _ in 0..ROUNDS {
             let mut any = false;
-            for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            for (a, b, _) in pairs.into_iter().filter(|(.., is_near)| *is_near) {
                 let [first, second] = &mut rods;
                 any |= part(&mut first[a], &shapes[a], &mut second[b], &shapes[b], give_m);
             }
             for k in 0..2 {
                 for a in 0..2 {
-                    let (rod, shape) = (&mut rods[k][a], &shapes[a]);
+                    let (rod, shape, near) = (&mut rods[k][a], &shapes[a], near[k][a]);
                     // Upper arms, then the core: what comes last counts most.
-                    for (other, b) in now[k ^ 1].iter().zip(shapes) {
-                        let upper = Capsule { ends: [other[0], other[1]], radius: b.radius };
-                        any |= rod.leave(shape, &upper, give_m);
-                    }
-                    for capsule in &cores[k ^ 1] {
-                        any |= rod.lift(base[k][a][0], shape, capsule, give_m);
-                        any |= rod.leave(shape, capsule, give_m);
+                    for (i, capsule) in obstacles[k ^ 1].iter().enumerate() {
+                        if i >= ARMS.len() && near.upper >> i & 1 == 1 {
+                            any |= rod.lift(base[k][a][0], shape, capsule, give_m);
+                        }
+                        if near.fore >> i & 1 == 1 {
+                            any |= rod.leave(shape, capsule, give_m);
+                        }
                     }
                 }
             }
@@ -306,6 +314,59 @@ fn arc(from: Vec3, to: Vec3) -> Quat {
     }
 }
 
+/// What arms stop at: the other's upper arms, then the core.
+const NUM_OBSTACLES: usize = ARMS.len() + NUM_CORE + 1;
+
+fn obstacles(
+    arms: &[[Vec3; 3]; 2],
+    shapes: &[ArmShape; 2],
+    core: &[Capsule; NUM_CORE + 1],
+) -> [Capsule; NUM_OBSTACLES] {
+    std::array::from_fn(|i| match arms.get(i) {
+        Some(arm) => Capsule { ends: [arm[0], arm[1]], radius: shapes[i].radius },
+        None => core[i - ARMS.len()],
+    })
+}
+
+/// A ball around a capsule.
+#[derive(Clone, Copy, Debug)]
+struct Ball {
+    centre: Vec3,
+    radius: f32,
+}
+
+impl Ball {
+    fn about(ends: [Vec3; 2], radius: f32) -> Self {
+        Self { centre: (ends[0] + ends[1]) * 0.5, radius: 0.5 * ends[0].distance(ends[1]) + radius }
+    }
+
+    fn is_near(&self, other: &Self) -> bool {
+        let reach = self.radius + other.radius + ROOM_M;
+        self.centre.distance_squared(other.centre) < reach * reach
+    }
+}
+
+/// What a forearm and an upper arm might come into, a bit for each obstacle.
+#[derive(Clone, Copy, Debug)]
+struct Near {
+    fore: u32,
+    upper: u32,
+}
+
+impl Near {
+    fn of(rod: &Rod, shoulder: Vec3, shape: &ArmShape, obstacles: &[Capsule; NUM_OBSTACLES]) -> Self {
+        let fore = Ball::about(rod.axis(shape), shape.radius);
+        let upper = Ball::about([shoulder, rod.ends[0]], shape.radius);
+        let mut near = Self { fore: 0, upper: 0 };
+        for (i, capsule) in obstacles.iter().enumerate() {
+            let ball = Ball::about(capsule.ends, capsule.radius);
+            near.fore |= u32::from(fore.is_near(&ball)) << i;
+            near.upper |= u32::from(upper.is_near(&ball)) << i;
+        }
+        near
+    }
+}
+
 /// A forearm that is moved about.
 #[derive(Clone, Copy, Debug)]
 struct Rod {
@@ -368,18 +429,12 @@ fn part(a: &mut Rod, shape_a: &ArmShape, b: &mut Rod, shape_b: &ArmShape, give_m
 
 /// Where two axes are nearest and how far the first one has to go, if they are nearer than allowed (m).
 fn depth(a: [Vec3; 2], b: [Vec3; 2], allowed_m: f32) -> Option<(Vec3, Vec3, Vec3)> {
-    // Spheres around them first: most are far apart.
-    let gap = (a[0] + a[1] - b[0] - b[1]).length_squared() * 0.25;
-    let reach = allowed_m + 0.5 * (a[0].distance(a[1]) + b[0].distance(b[1]));
-    if gap > reach * reach {
-        return None;
-    }
     let [p, q] = nearest_points(a, b);
     let way = p - q;
     let distance = way.length();
     // Crossing axes leave the way that the arm came from.
     let out = if distance > 1e-5 { way / distance } else { (a[0] - q).normalize_or(Vec3::Y) };
-    (distance < allowed_m).then(|| (p, q, out * (allowed_m - distance)))
+    (distance < allowed_m - ENOUGH_M).then(|| (p, q, out * (allowed_m - distance)))
 }
 
 /// Elbow and wrist as near to `ends` as an arm of these lengths can be.
