@@ -280,6 +280,17 @@ pub fn figures(r: &Figures) -> Vec<(&'static str, String)> {
         let deep = 100.0 * b.deep_fraction;
         rows.push(("penetration", format!("{:.3} m at most, deep {deep:.2} % of the time", b.max_penetration_m)));
     }
+    if let Some(t) = &r.touch {
+        let times =
+            format!("{:.1} in bodies, {:.1} in heads", t.arms_in_bodies_per_minute, t.wrists_in_heads_per_minute);
+        rows.push(("arms", format!("{times}, times a minute and boxer")));
+        let close = format!(
+            "{:.2} m apart, closer than 0.45 m {:.1} % of the time",
+            t.head_distance_mean_m,
+            100.0 * t.heads_close_fraction
+        );
+        rows.push(("heads", close));
+    }
     if let (Some(pairs), Some(deepest_m)) = (r.character_overlaps, r.deepest_overlap_m) {
         rows.push(("overlaps", format!("{pairs} pair(s), {deepest_m:.2} m at most")));
     }

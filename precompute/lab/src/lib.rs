@@ -16,5 +16,6 @@ pub mod selftest;
 pub mod slip;
 pub mod soak;
 pub mod steering;
+pub mod touch;
 pub mod trial;
 pub mod verdict;

@@ -59,7 +59,7 @@ impl Setup {
             Error::Occupied { who, .. } => {
                 let why = format!(
                     "character {who} starts where another one or an obstacle is, or on the way there; enlarge \
-                     `place.grid.spacing_m`, or move its `centre`"
+                     `place.grid.spacing_m` or `distance_m`, or move its `centre`"
                 );
                 self.scene.fault(&self.key, why)
             }
@@ -80,9 +80,9 @@ fn behaviours(compiled: &CompiledScene, group: usize) -> Result<(Order, Vec<usiz
 fn characters(compiled: &CompiledScene, group: usize) -> CharactersConfig {
     let choice = Choice::LookAhead { temperature: compiled.scene().groups[group].temperature as f32 };
     let (seed, first_number) = (compiled.scene().seed, compiled.first_number(group) as u64);
-    // Opponents are meant to come near each other.
-    let pairs = compiled.scene().groups[group].motion == Motion::Sparring;
-    let avoid = Some(AvoidConfig { pairs, ..AvoidConfig::default() });
+    // Opponents are meant to come near each other, until they touch.
+    let pairs_m = (compiled.scene().groups[group].motion == Motion::Sparring).then_some(0.0);
+    let avoid = Some(AvoidConfig { pairs_m, ..AvoidConfig::default() });
     CharactersConfig { seed, first_number, choice, avoid, ..CharactersConfig::default() }
 }
 
@@ -95,7 +95,8 @@ impl Bouts {
         let (setup, bundle) = (Setup::new(compiled, group), compiled.bundle(group)?);
         let (order, numbers) = behaviours(compiled, group)?;
         let (starts, _) = places(compiled, group)?;
-        let config = SparringConfig { characters: characters(compiled, group), ..SparringConfig::default() };
+        let mut config = SparringConfig { characters: characters(compiled, group), ..SparringConfig::default() };
+        config.stagger.force = setup.config().stagger_force.map_or(config.stagger.force, |force| force as f32);
         let mut sparring = Sparring::with_capacity(bundle, starts.len() / 2, config).map_err(|e| setup.fault(e))?;
         sparring.boxers_mut().gather();
         sparring.boxers_mut().set_walls(&compiled.scene().environment.walls());

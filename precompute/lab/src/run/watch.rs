@@ -3,10 +3,11 @@
 mod agents;
 mod world;
 
-use super::figures::{BlowFigures, Figures, PathFigures};
+use super::figures::{BlowFigures, Figures, PathFigures, TouchFigures};
 use super::report::LOOK_HZ;
 use crate::overlap::{OverlapMeter, Present};
 use crate::slip::SlipMeter;
+use crate::touch::TouchMeter;
 use glam::{Vec2, Vec3};
 use throng_motion::error::BuildError;
 use throng_runtime::blend::HeightField;
@@ -35,6 +36,7 @@ pub(crate) struct Watch {
     groups: Vec<usize>,
     feet: SlipMeter,
     fights: FightWatch,
+    touch: TouchMeter,
     paths: PathWatch,
     worlds: Vec<WorldWatch>,
     agents: Option<AgentsMeter>,
@@ -50,6 +52,7 @@ impl Watch {
             groups: groups.to_vec(),
             feet: SlipMeter::new(sim.num_characters()),
             fights: FightWatch::default(),
+            touch: TouchMeter::default(),
             paths: PathWatch::default(),
             worlds: Vec::new(),
             agents: AgentsMeter::of_groups(sim, |g| groups.contains(&g)),
@@ -78,6 +81,9 @@ impl Watch {
         self.fights.time_s += f64::from(dt_s);
         for &g in &self.groups {
             let group = &sim.groups()[g];
+            if let GroupCast::Sparring(bouts) = &sim.casts()[group.cast] {
+                self.touch.observe(bouts.sparring(), group.characters.start, dt_s);
+            }
             for who in group.characters.clone() {
                 match sim.locate(who) {
                     (GroupCast::Policy(_) | GroupCast::Sparring(_), _) => self.fights.observe(sim, who),
@@ -96,6 +102,12 @@ impl Watch {
             }
             agents.observe_bodies(sim);
         }
+    }
+
+    /// Of opponents, beside the clips of the first group of them.
+    fn touch_figures(&self, sim: &Simulation) -> Option<TouchFigures> {
+        let group = self.groups.iter().find(|&&g| sim.groups()[g].motion == Motion::Sparring)?;
+        self.touch.figures(sim.compiled().bundle(*group).ok()?)
     }
 
     /// Agents alone have a meter of their own.
@@ -161,6 +173,7 @@ impl Watch {
             steps_per_second: rate.filter(|_| characters.is_some()),
             blows: number(&|m, _| matches!(m, Motion::Policy | Motion::Sparring))
                 .map(|n| self.fights.figures(sim, &self.groups, n, seconds)),
+            touch: self.touch_figures(sim),
             world: (!self.worlds.is_empty()).then(|| WorldWatch::figures(&self.worlds, sim, seconds)),
             paths: number(&|_, c| matches!(c, GroupCast::Paths(_))).map(|_| self.paths.figures()),
             character_overlaps: characters.map(|_| self.overlaps.pairs()),

@@ -9,6 +9,7 @@ use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
+use crate::pose::{LocalTransform, Mat3x4};
 use crate::reserve::{Held, Rod};
 use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS};
@@ -116,6 +117,12 @@ impl PolicyCharacters {
     /// The engine beneath: blows, segments and choices by row, in the order of [`PolicyCharacters::ids`].
     pub fn characters(&self) -> &Characters {
         &self.characters
+    }
+
+    /// Everybody's planar root, and poses to be displaced after a step; see [`Characters::poses_mut`].
+    pub fn poses_mut(&mut self) -> (&[Planar], &mut [Mat3x4], &mut [LocalTransform]) {
+        let (model, locals) = self.characters.poses_mut();
+        (&self.roots, model, locals)
     }
 
     /// Row of a character, in the order of bodies.

@@ -25,13 +25,15 @@ pub struct Reservations {
     grid: BoxGrid,
     walls: Vec<(Rod, Bounds)>,
     outsiders: Outsiders,
+    /// How far members of one group may come into each other's discs (m).
+    group_depth_m: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     num_nodes: u32,
     elapsed_s: f32,
-    /// Those of one group take no notice of each other.
+    /// Those of one group may come nearer to each other.
     group: u32,
     velocity: Vec2,
 }
@@ -39,6 +41,9 @@ struct Slot {
 impl Slot {
     const FREE: Self = Self { num_nodes: 0, elapsed_s: 0.0, group: NONE, velocity: Vec2::ZERO };
 }
+
+/// Paths that touched when they were taken may be found this deep in each other later (m).
+pub const ROUNDING_M: f32 = 0.002;
 
 /// A path that somebody might take.
 #[derive(Clone, Debug, Default)]
@@ -59,6 +64,7 @@ impl Reservations {
             grid: BoxGrid::with_capacity(capacity),
             walls: Vec::new(),
             outsiders: Outsiders::default(),
+            group_depth_m: 0.0,
         }
     }
 
@@ -114,7 +120,12 @@ impl Reservations {
         self.slots[who].elapsed_s = elapsed_s;
     }
 
-    /// Puts one into a group, whose members take no notice of each other.
+    /// How far members of one group may come into each other's discs (m, >= 0).
+    pub fn set_group_depth(&mut self, depth_m: f32) {
+        self.group_depth_m = depth_m;
+    }
+
+    /// Puts one into a group, whose members may come nearer to each other.
     pub fn set_group(&mut self, who: usize, group: Option<u32>) {
         self.slots[who].group = group.unwrap_or(NONE);
     }
@@ -131,21 +142,43 @@ impl Reservations {
         self.slots[who].velocity
     }
 
-    /// Calls `found` for everybody else whose path has a place in the box, in no order, until it returns false.
+    /// Calls `found` for everybody else whose path has a place in the box and who is not of the same group, in no order,
+    /// until it returns false.
     pub fn near(&self, who: usize, bounds: &Bounds, mut found: impl FnMut(usize) -> bool) {
-        let group = self.slots[who].group;
-        let is_other = |at: usize| at != who && (group == NONE || self.slots[at].group != group);
-        self.grid.near(bounds, |at| !is_other(at) || found(at));
+        self.grid.near(bounds, |at| at == who || self.are_together(who, at) || found(at));
     }
 
-    /// True where a path from now on meets no wall, nobody else's path and no ground that an outsider holds.
+    fn are_together(&self, a: usize, b: usize) -> bool {
+        self.slots[a].group != NONE && self.slots[a].group == self.slots[b].group
+    }
+
+    /// True where a path from now on meets no wall, nobody else's path and no ground that an outsider holds. Those of its group
+    /// count where one is not too deep in them as it is.
     ///
     /// - `ago_s`: how long ago now is for the others (s).
     pub fn is_clear(&self, who: usize, path: &Path, ago_s: f32) -> bool {
-        self.meets_none(who, &Moving { nodes: &path.nodes, elapsed_s: 0.0 }, ago_s, 0.0)
+        let own = Moving { nodes: &path.nodes, elapsed_s: 0.0 };
+        let is_deep = || !self.is_apart(who, &self.path(who), 0.0, ROUNDING_M);
+        self.meets_none(who, &own, ago_s, 0.0) && (self.is_apart(who, &own, ago_s, 0.0) || is_deep())
     }
 
-    /// As [`Reservations::is_clear`], for a path that is under way; nobody may come nearer than `room_m` (m).
+    /// True where a path leads no deeper into those of the same group than it may, by more than `slack_m` (m).
+    fn is_apart(&self, who: usize, own: &Moving<'_>, ago_s: f32, slack_m: f32) -> bool {
+        let mut apart = true;
+        if self.slots[who].group != NONE && !own.nodes.is_empty() {
+            self.grid.near(&bounds(own.nodes), |at| {
+                if at != who && self.are_together(who, at) {
+                    let other = self.path(at);
+                    apart = !own
+                        .meets(&Moving { elapsed_s: other.elapsed_s - ago_s, ..other }, -self.group_depth_m - slack_m);
+                }
+                apart
+            });
+        }
+        apart
+    }
+
+    /// As [`Reservations::is_clear`], for a path that is under way; nobody may come nearer than `room_m`, but of its own group (m).
     pub fn meets_none(&self, who: usize, own: &Moving<'_>, ago_s: f32, room_m: f32) -> bool {
         let bounds = bounds(own.nodes);
         if self.walls.iter().any(|(wall, around)| around.meets(&bounds) && own.meets_rod(wall)) {
@@ -181,6 +214,30 @@ pub fn bounds(nodes: &[PathNode]) -> Bounds {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn members_of_a_group_may_come_into_each_others_discs_as_far_as_it_allows() {
+        let at = |x: f32| Path { nodes: vec![PathNode::new(0.0, Vec2::new(x, 0.0), 0.3)], velocity: Vec2::ZERO };
+        let mut book = Reservations::with_capacity(3, 1);
+        book.set_group_depth(0.1);
+        [(0, Some(7)), (1, Some(7)), (2, None)].into_iter().for_each(|(who, group)| book.set_group(who, group));
+        book.set(0, &at(0.0), 0.0);
+        assert!(book.is_clear(1, &at(0.51), 0.0) && !book.is_clear(1, &at(0.49), 0.0));
+        assert!(book.is_clear(2, &at(0.61), 0.0) && !book.is_clear(2, &at(0.59), 0.0));
+        let mut seen = 0;
+        book.near(1, &Bounds::about(Vec2::ZERO, 1.0), |_| {
+            seen += 1;
+            true
+        });
+        assert_eq!(seen, 0, "they do not turn aside for each other");
+        // One who is too deep in another may go on.
+        book.set(1, &at(0.2), 0.0);
+        assert!(book.is_clear(1, &at(0.3), 0.0));
+        book.remove(1);
+        // Deeper than they are wide, they take no notice.
+        book.set_group_depth(10.0);
+        assert!(book.is_clear(1, &at(0.0), 0.0));
+    }
 
     proptest! {
         /// Against a list of all paths, while paths come, change and go.

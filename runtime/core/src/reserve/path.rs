@@ -60,7 +60,8 @@ impl Moving<'_> {
         self.at(self.after(self.elapsed_s), self.elapsed_s)
     }
 
-    /// True where the discs of the two come nearer to each other than `room_m` at any time from now on (m).
+    /// True where the discs of the two come nearer to each other than `room_m`, or deeper into each other than `-room_m`, at any
+    /// time from now on (m).
     pub fn meets(&self, other: &Moving<'_>, room_m: f32) -> bool {
         let (mut i, mut j) = (self.after(self.elapsed_s), other.after(other.elapsed_s));
         let (mut p, mut q) = (self.at(i, self.elapsed_s), other.at(j, other.elapsed_s));
@@ -69,7 +70,7 @@ impl Moving<'_> {
             let left = |m: &Moving<'_>, k: usize| m.nodes.get(k + 1).map_or(f32::INFINITY, |n| n.time_s - m.elapsed_s);
             let (to_p, to_q) = (left(self, i), left(other, j));
             let until_s = to_p.min(to_q);
-            let reach = self.nodes[i].radius_m + other.nodes[j].radius_m + room_m;
+            let reach = (self.nodes[i].radius_m + other.nodes[j].radius_m + room_m).max(0.0);
             if until_s == f32::INFINITY {
                 return p.distance_squared(q) < reach * reach;
             }

@@ -15,7 +15,7 @@ pub(super) type Fault = (String, String);
 const MAX_BEHAVIOURS: usize = throng_core::characters::MAX_GOALS;
 
 /// Keys of a group that some kinds of motion have, and which.
-const KEYS: [(&str, &[Motion]); 21] = {
+const KEYS: [(&str, &[Motion]); 22] = {
     use Motion::{Blend, None as Bare, Patches, Policy, Sparring};
     [
         ("place", &[Bare, Blend, Policy, Sparring]),
@@ -35,6 +35,7 @@ const KEYS: [(&str, &[Motion]); 21] = {
         ("bodies", &[Blend]),
         ("behaviours", &[Policy, Sparring]),
         ("temperature", &[Policy, Sparring]),
+        ("stagger_force", &[Sparring]),
         ("target", &[Policy]),
         ("world", &[Patches]),
         ("world_config", &[Patches]),
@@ -217,6 +218,7 @@ fn chosen(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault
     }
     check_limit(&at("temperature"), group.temperature, &limits::TEMPERATURE)?;
     check_numbers(&[
+        (&at("stagger_force"), group.stagger_force.unwrap_or_default(), 0.0, 10.0),
         (&at("target.height_m"), group.target.height_m, -10.0, 10.0),
         (&at("target.radius_m"), group.target.radius_m, 0.01, 1.0),
     ])?;

@@ -80,6 +80,10 @@ pub struct GroupConfig {
     /// Of `policy` and `sparring`: choose at random among the best few actions; 0 always takes the best (0 to 1000).
     #[serde(default)]
     pub temperature: f64,
+    /// Of `sparring`: force of blows to head and trunk, of the strongest of their kind, from which who is struck steps away with
+    /// them; 0.95 by default, above 1 nobody does (0 to 10).
+    #[serde(default)]
+    pub stagger_force: Option<f64>,
     /// Of `policy`: the target of each.
     #[serde(default)]
     pub target: StruckTargetConfig,

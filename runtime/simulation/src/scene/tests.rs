@@ -85,6 +85,7 @@ fn faults_name_line_key_and_what_was_expected() {
         (agents("temperature = 1.0\n"), ["square.toml:6:1", "\"policy\" or \"sparring\""]),
         (boxers("sparring", 3, ""), ["`groups[0].count`", "even"]),
         (boxers("sparring", 2, "target = {}\n"), ["square.toml:6:1", "\"policy\""]),
+        (boxers("sparring", 2, "stagger_force = 11.0\n"), ["`groups[0].stagger_force`", "found 11"]),
         (boxers("sparring", 2, "temperature = nan\n"), ["`groups[0].temperature`", "found NaN"]),
         (
             boxers("policy", 2, "place = { grid = { distance_m = -1.0 } }\n"),

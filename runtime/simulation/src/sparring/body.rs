@@ -84,6 +84,10 @@ pub const NUM_CAPSULES: usize = 15;
 /// The first of them are the core: head, neck, chest, waist, pelvis.
 pub const NUM_CORE: usize = 5;
 
+/// The waist, and the left forearm.
+const WAIST: usize = 3;
+const FOREARM: usize = 6;
+
 /// A capsule between two points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
@@ -172,6 +176,11 @@ impl Body {
         self.limbs[capsule].joint
     }
 
+    /// Radius of a forearm (m).
+    pub(super) fn forearm_radius(&self) -> f32 {
+        self.limbs[FOREARM].radius
+    }
+
     /// The capsules of a pose in the world.
     pub fn capsules(&self, pose: &Posed<'_>) -> [Capsule; NUM_CAPSULES] {
         std::array::from_fn(|i| self.capsule(i, pose))
@@ -180,6 +189,16 @@ impl Body {
     /// The capsules of its core in the world.
     pub fn core(&self, pose: &Posed<'_>) -> [Capsule; NUM_CORE] {
         std::array::from_fn(|i| self.capsule(i, pose))
+    }
+
+    /// What arms stop at, in the world: the core, and the whole spine between pelvis and neck.
+    pub(super) fn obstacles(&self, pose: &Posed<'_>) -> [Capsule; NUM_CORE + 1] {
+        let mut all = [self.capsule(WAIST, pose); NUM_CORE + 1];
+        all[..NUM_CORE].copy_from_slice(&self.core(pose));
+        let [hips, chest, neck] = [Joint::Hips, Joint::Chest, Joint::Neck].map(|j| pose.point(j, Vec3::ZERO));
+        all[WAIST].ends = [hips, chest];
+        all[NUM_CORE].ends = [chest, neck];
+        all
     }
 
     /// Middle of the head in the world (m).

@@ -5,10 +5,12 @@ use super::config::{NO_THREAT_S, SparringConfig};
 use super::landing::{Landing, meet};
 use super::pair::Pair;
 use super::snapshot;
+use super::stagger::{StepsAway, staggers};
 use super::tally::{Outcome, Tally};
+use super::touch::{ArmShape, Touch, arm_shapes};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind, run_each};
+use throng_base::{Error, Hash128, Id, Inline, Result, Run, SnapshotKind, run_each};
 use throng_core::characters::{Blow, Characters, MAX_BLOWS, MotionSet, Order, PolicyCharacters, SampleJob, Spawn};
 use throng_core::{Adopted, Bodies, Bundle, Cast, Joint, Mat3x4, NUM_JOINTS, Planar, Status};
 
@@ -26,6 +28,8 @@ pub struct Sparring {
     events: Vec<(Id, Landing)>,
     /// Time from a choice to its first blow (s).
     pub(super) lead_s: f32,
+    arms: [ArmShape; 2],
+    steps_away: StepsAway,
 }
 
 /// What the next steps depend on, beside the characters.
@@ -38,6 +42,8 @@ pub(super) struct State {
     /// The opponent's next blow, for each character: x, seconds, z.
     pub threats: Vec<Vec3>,
     pub pairs: Vec<Pair>,
+    /// The arms of each pair.
+    pub touches: Vec<Touch>,
     pub tallies: Vec<Tally>,
     pub seconds: f64,
 }
@@ -71,12 +77,16 @@ impl Sparring {
             aims: Vec::with_capacity(n),
             threats: Vec::with_capacity(n),
             pairs: Vec::with_capacity(num_pairs),
+            touches: Vec::with_capacity(num_pairs),
             tallies: Vec::with_capacity(n),
             seconds: 0.0,
         };
         let events = Vec::with_capacity(if bundle.hits().is_empty() { 0 } else { n * MAX_BLOWS });
         let lead_s = usual_lead_s(boxers.motion_set());
-        Ok(Self { body: Body::new(bundle.skeleton(), &config.body), config, boxers, state, events, lead_s })
+        let body = Body::new(bundle.skeleton(), &config.body);
+        let arms = arm_shapes(bundle.skeleton(), &body);
+        let steps_away = StepsAway::new(boxers.motion_set())?;
+        Ok(Self { body, config, boxers, state, events, lead_s, arms, steps_away })
     }
 
     /// Who spars, row by row as in [`Cast::bodies`].
@@ -175,6 +185,29 @@ impl Sparring {
         f
     }
 
+    /// Moves arms out of the other's body in the poses of a step; none for poses that are shown again.
+    fn touch(&mut self, dt_s: Option<f32>, run: &dyn Run) {
+        let (body, arms, config) = (&self.body, &self.arms, &self.config.touch);
+        let (roots, model, locals) = self.boxers.poses_mut();
+        let mut locals = locals.chunks_mut(2 * PART * NUM_JOINTS);
+        let poses = roots.chunks(2 * PART).zip(model.chunks_mut(2 * PART * NUM_JOINTS));
+        let parts = self.state.touches.chunks_mut(PART).zip(poses);
+        let parts = parts.map(|part| (part, locals.next().unwrap_or_default()));
+        run_each(run, parts, |((touches, (roots, model)), locals)| {
+            let mut locals = locals.chunks_mut(NUM_JOINTS);
+            let pairs = roots.chunks_exact(2).zip(model.chunks_exact_mut(2 * NUM_JOINTS));
+            for (touch, (roots, model)) in touches.iter_mut().zip(pairs) {
+                if let Some(dt_s) = dt_s {
+                    let poses = [0, 1].map(|k| Posed::new(&model[k * NUM_JOINTS..], roots[k]));
+                    touch.settle(body, arms, &poses, config, dt_s);
+                }
+                for (k, model) in model.chunks_exact_mut(NUM_JOINTS).enumerate() {
+                    touch.apply(k, roots[k], model, locals.next().unwrap_or_default());
+                }
+            }
+        });
+    }
+
     /// Lets blows land and bodies part, after all have been observed.
     fn resolve(&mut self, dt_s: f32) -> Result<()> {
         self.state.seconds += f64::from(dt_s);
@@ -191,14 +224,36 @@ impl Sparring {
                 let displacement = blow.direction * (blow.speed_mps * self.config.push_m_per_mps);
                 self.boxers.push(landing.opponent, landing.joint, displacement)?;
                 self.events.push((id, landing));
+                self.stagger(&landing)?;
             }
         }
         for (i, pair) in self.state.pairs.iter().enumerate() {
+            let heads = [self.state.heads[2 * i + 1], self.state.heads[2 * i]];
+            if let Some(by) = self.config.separation.lean(heads, dt_s) {
+                self.boxers.push(self.boxers.ids()[2 * i], Joint::Head, -by)?;
+                self.boxers.push(self.boxers.ids()[2 * i + 1], Joint::Head, by)?;
+            }
             for (k, by) in pair.part(dt_s).into_iter().flatten().enumerate() {
                 self.boxers.shift(self.boxers.ids()[2 * i + k], by)?;
             }
         }
         Ok(())
+    }
+
+    /// Lets who is struck hard step away, where there is ground.
+    fn stagger(&mut self, landing: &Landing) -> Result<()> {
+        let (blow, config) = (&landing.blow, &self.config.stagger);
+        if blow.force < config.force || !staggers(landing.part) {
+            return Ok(());
+        }
+        let (c, characters) = (self.boxers.row(landing.opponent)?, self.boxers.characters());
+        match self.steps_away.best(config, characters.pose(c), characters.root(c), blow.direction) {
+            Some(segment) => match self.boxers.play(landing.opponent, segment) {
+                Err(Error::Occupied { .. }) => Ok(()),
+                played => played,
+            },
+            None => Ok(()),
+        }
     }
 
     /// Where a blow meets the opponent.
@@ -221,7 +276,7 @@ impl Sparring {
     }
 
     fn snapshot_kind(&self) -> SnapshotKind {
-        SnapshotKind { what: "sparring", tag: *b"SPAR", version: 3, setup: self.config.hash() }
+        SnapshotKind { what: "sparring", tag: *b"SPAR", version: 4, setup: self.config.hash() }
     }
 }
 
@@ -248,6 +303,7 @@ impl Cast for Sparring {
         self.state.aims.extend([other, own]);
         self.state.threats.extend([NO_THREAT; 2]);
         self.state.pairs.push(Pair::default());
+        self.state.touches.push(Touch::default());
         self.state.tallies.extend([Tally::default(); 2]);
         Ok(first)
     }
@@ -263,6 +319,7 @@ impl Cast for Sparring {
             self.state.tallies.swap_remove(row);
         }
         self.state.pairs.swap_remove(first / 2);
+        self.state.touches.swap_remove(first / 2);
         Ok(())
     }
 
@@ -271,6 +328,7 @@ impl Cast for Sparring {
         let row = self.boxers.row(id)?;
         let old = self.characters().root(row);
         self.boxers.place(id, root)?;
+        self.state.touches[row / 2].forget(row % 2);
         let moved =
             |p: Vec3| root.rotation() * (old.rotation().inverse() * (p - old.translation())) + root.translation();
         for at in [&mut self.state.heads[row ^ 1], &mut self.state.aims[row ^ 1]] {
@@ -284,10 +342,9 @@ impl Cast for Sparring {
     }
 
     fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
-        /// Pairs of one part.
-        const PART: usize = 64;
         self.boxers.aim_all(&self.state.aims, &self.state.threats)?;
         self.boxers.step(dt_s, run)?;
+        self.touch(Some(dt_s), run);
         let (s, boxers, body, config) = (&mut self.state, &self.boxers, &self.body, &self.config);
         let lead_s = self.lead_s;
         let places = s.heads.chunks_mut(2 * PART).zip(s.aims.chunks_mut(2 * PART));
@@ -323,6 +380,7 @@ impl Cast for Sparring {
 
     fn load(&mut self, bytes: &[u8]) -> Result<()> {
         self.state = snapshot::load(self.snapshot_kind(), &mut self.boxers, bytes)?;
+        self.touch(None, &Inline);
         self.events.clear();
         Ok(())
     }
@@ -336,10 +394,16 @@ impl Cast for Sparring {
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
         let adopted = self.boxers.adopt(new)?;
         self.body = Body::new(new.skeleton(), &self.config.body);
+        self.arms = arm_shapes(new.skeleton(), &self.body);
+        self.state.touches.fill(Touch::default());
         self.lead_s = usual_lead_s(self.boxers.motion_set());
+        self.steps_away = StepsAway::new(self.boxers.motion_set())?;
         Ok(adopted)
     }
 }
+
+/// Pairs of one part of a step.
+const PART: usize = 64;
 
 /// What a character sees whose opponent strikes at nothing.
 const NO_THREAT: Vec3 = Vec3::new(0.0, NO_THREAT_S, 0.0);

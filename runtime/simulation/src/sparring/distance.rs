@@ -3,8 +3,11 @@
 use super::body::Capsule;
 use glam::Vec3;
 
-/// The nearest points of two segments (Ericson, *Real-Time Collision Detection*, 2005, section 5.1.9) (m).
-pub(crate) fn nearest_points([p1, q1]: [Vec3; 2], [p2, q2]: [Vec3; 2]) -> [Vec3; 2] {
+/// The nearest points of two segments, on the first and on the second (m).
+///
+/// # Source
+/// Ericson, *Real-Time Collision Detection*, 2005, section 5.1.9.
+pub fn nearest_points([p1, q1]: [Vec3; 2], [p2, q2]: [Vec3; 2]) -> [Vec3; 2] {
     let (d1, d2, r) = (q1 - p1, q2 - p2, p1 - p2);
     let (a, e, f) = (d1.length_squared().max(1e-12), d2.length_squared().max(1e-12), d2.dot(r));
     let (b, c) = (d1.dot(d2), d1.dot(r));

@@ -12,14 +12,17 @@ mod landing;
 mod pair;
 mod practice;
 mod snapshot;
+mod stagger;
 mod tally;
 mod target;
 #[cfg(test)]
 mod tests;
+mod touch;
 
 pub use body::{Body, BodyShape, Capsule, NUM_CAPSULES, NUM_CORE, Part, Posed};
 pub use bout::{Sparring, SparringFigures};
-pub use config::{NO_THREAT_S, SeparationConfig, SparringConfig};
+pub use config::{NO_THREAT_S, SeparationConfig, SparringConfig, StaggerConfig, TouchConfig};
+pub use distance::nearest_points;
 pub use landing::Landing;
 pub use practice::{PracticeConfig, PracticeFigures, TargetHit, TargetPractice};
 pub use tally::Tally;

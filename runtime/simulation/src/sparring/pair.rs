@@ -57,8 +57,9 @@ impl Pair {
         }
         let way = poses[1].root() - poses[0].root();
         self.apart = way.try_normalize().unwrap_or(Vec2::Y);
-        let wanted =
-            if config.enabled { ((overlap + config.margin_m) / PART_S).min(config.max_speed_mps) } else { 0.0 };
+        let [a, b] = poses.map(|p| body.head(p));
+        let nearer_m = (overlap + config.margin_m).max(config.heads_m - a.distance(b));
+        let wanted = if config.enabled { (nearer_m / PART_S).min(config.max_speed_mps) } else { 0.0 };
         let adapt = 1.0 - maths::exp(-dt_s / ADAPT_S);
         self.speed_mps += (wanted - self.speed_mps) * adapt;
         for (share, c) in self.shares.iter_mut().zip(contacts) {
@@ -72,6 +73,16 @@ impl Pair {
         const SLOWEST_MPS: f32 = 1e-3;
         let by = self.apart * (0.5 * self.speed_mps * dt_s);
         (self.speed_mps > SLOWEST_MPS).then(|| [-by * self.shares[0], by * self.shares[1]])
+    }
+}
+
+impl SeparationConfig {
+    /// How far the second of two heads that are too near each other leans away in a step, and the first one the other way
+    /// (m).
+    pub(super) fn lean(&self, heads: [Vec3; 2], dt_s: f32) -> Option<Vec3> {
+        let nearer_m = self.heads_m - heads[0].distance(heads[1]);
+        let away = (heads[1] - heads[0]).with_y(0.0).normalize_or_zero();
+        (self.enabled && nearer_m > 0.0 && dt_s > 0.0).then(|| away * (nearer_m * self.lean_per_s * dt_s))
     }
 }
 

@@ -3,6 +3,7 @@
 use super::pair::Pair;
 use super::tally::Tally;
 use super::target::StruckTarget;
+use super::touch::Touch;
 use super::{bout, practice};
 use crate::kind::refused;
 use glam::Vec3;
@@ -19,9 +20,12 @@ pub(super) trait Remembered: Serialize + DeserializeOwned {
 
 impl Remembered for bout::State {
     fn may_be(&self, n: usize) -> bool {
-        [self.heads.len(), self.aims.len(), self.threats.len(), 2 * self.pairs.len(), self.tallies.len()] == [n; 5]
+        let of_pairs = [self.pairs.len(), self.touches.len()];
+        [self.heads.len(), self.aims.len(), self.threats.len(), self.tallies.len()] == [n; 4]
+            && of_pairs.iter().all(|num| 2 * num == n)
             && self.heads.iter().chain(&self.aims).chain(&self.threats).all(may_be_aim)
             && self.pairs.iter().all(Pair::may_be)
+            && self.touches.iter().all(Touch::may_be)
             && Tally::may_be(&self.tallies)
             && (0.0..1e9).contains(&self.seconds)
     }
@@ -37,7 +41,7 @@ impl Remembered for practice::State {
     }
 }
 
-/// Appends both (about 780 bytes a character).
+/// Appends both (about 900 bytes a character).
 pub(super) fn save(kind: SnapshotKind, characters: &PolicyCharacters, state: &impl Remembered, out: &mut Vec<u8>) {
     let mut bytes = Bytes::default();
     characters.save(&mut bytes.0);

@@ -14,7 +14,7 @@ use super::Characters;
 use super::block::Block;
 use super::motion_set::MotionSet;
 use super::pace;
-use crate::reserve::{Held, Moving, Outsider, Path, Reservations, Rod};
+use crate::reserve::{Held, Moving, Outsider, Path, ROUNDING_M, Reservations, Rod};
 use crate::stops::BODY_RADIUS_M;
 use glam::Vec2;
 use std::cmp::Reverse;
@@ -33,25 +33,25 @@ pub struct AvoidConfig {
     pub horizon_s: f32,
     /// Room that is left between bodies where there is a choice (m, 0 to 10).
     pub room_m: f32,
-    /// Characters 2i and 2i + 1 take no notice of each other, as opponents do.
-    pub pairs: bool,
+    /// How far characters 2i and 2i + 1 may come into each other's discs, who do not turn aside for each other, as opponents
+    /// do; none where they make way as anybody (m, 0 to 10).
+    pub pairs_m: Option<f32>,
 }
 
 impl Default for AvoidConfig {
     fn default() -> Self {
-        Self { horizon_s: 2.0, room_m: 0.1, pairs: false }
+        Self { horizon_s: 2.0, room_m: 0.1, pairs_m: None }
     }
 }
 
 impl AvoidConfig {
     pub(super) fn check(&self) -> Result<()> {
         check("avoid.horizon_s", None, self.horizon_s, (0.0..=20.0).contains(&self.horizon_s), "between 0 and 20")?;
-        check("avoid.room_m", None, self.room_m, (0.0..=10.0).contains(&self.room_m), "between 0 and 10")
+        check("avoid.room_m", None, self.room_m, (0.0..=10.0).contains(&self.room_m), "between 0 and 10")?;
+        let pairs_m = self.pairs_m.unwrap_or(0.0);
+        check("avoid.pairs_m", None, pairs_m, (0.0..=10.0).contains(&pairs_m), "between 0 and 10")
     }
 }
-
-/// Paths that touched when they were taken may be found this deep in each other later (m).
-const ROUNDING_M: f32 = 0.002;
 
 /// The reservations of characters, and memory to work with.
 ///
@@ -66,7 +66,7 @@ pub(crate) struct Avoiding {
     /// Speed of those who walk (m/s).
     speed_mps: f32,
     turns: steer::Turns,
-    /// See [`AvoidConfig::pairs`].
+    /// See [`AvoidConfig::pairs_m`].
     pairs: bool,
     /// Paths follow from the state no more, as somebody was moved.
     is_stale: bool,
@@ -77,13 +77,15 @@ impl Avoiding {
     pub fn new(motion_set: &MotionSet, config: &AvoidConfig, capacity: usize) -> Self {
         let room = path::most_nodes(motion_set);
         let path = Path { nodes: Vec::with_capacity(room), ..Path::default() };
+        let mut book = Reservations::with_capacity(capacity, room);
+        book.set_group_depth(config.pairs_m.unwrap_or(0.0));
         Self {
-            book: Reservations::with_capacity(capacity, room),
+            book,
             due: BinaryHeap::with_capacity(capacity),
             path,
             speed_mps: walking_speed(motion_set),
             turns: steer::turns(),
-            pairs: config.pairs,
+            pairs: config.pairs_m.is_some(),
             is_stale: true,
         }
     }

@@ -140,3 +140,30 @@ fn bodies_overlap_as_far_as_their_capsules_do() {
     assert_eq!(overlap(chest + 0.01, 0.0), 0.0);
     assert_eq!(overlap(0.0, 9.0), 0.0);
 }
+
+#[test]
+fn heads_that_are_too_near_part_and_lean_away() {
+    let (skeleton, pose) = (Skeleton::default(), rest_pose());
+    let body = Body::new(&skeleton, &BodyShape::default());
+    let (config, dt) = (SeparationConfig::default(), 1.0 / 60.0);
+    let speed = |distance: f32, config: &SeparationConfig| {
+        let poses = [Planar::IDENTITY, Planar::new(0.0, distance, 0.0)].map(|r| Posed::new(&pose, r));
+        let mut pair = pair::Pair::default();
+        (0..60).for_each(|_| pair.observe(&body, [&poses[0], &poses[1]], [Contacts::LEFT; 2], config, dt));
+        pair.part(dt).map_or(0.0, |[first, second]| (second.y - first.y) / dt)
+    };
+    // Bodies are apart, heads nearer than they should be by 5 cm: gone within a quarter of a second.
+    assert!((speed(config.heads_m - 0.05, &config) - 0.2).abs() < 0.02, "{}", speed(config.heads_m - 0.05, &config));
+    assert_eq!(speed(config.heads_m + 0.05, &config), 0.0);
+    assert_eq!(speed(config.heads_m - 0.05, &SeparationConfig { heads_m: 0.0, ..config }), 0.0);
+
+    let heads = |distance: f32| [Vec3::Y * 1.6, Vec3::new(distance, 1.5, 0.0)];
+    let by = config.lean(heads(0.4), dt).unwrap();
+    let nearer = config.heads_m - 0.4f32.hypot(0.1);
+    assert!(
+        by.distance(Vec3::X * (nearer * config.lean_per_s * dt)) < 1e-6,
+        "over the ground, away from the other: {by}"
+    );
+    assert_eq!(config.lean(heads(0.6), dt), None);
+    assert_eq!(config.lean(heads(0.4), 0.0), None);
+}

@@ -14,7 +14,7 @@ fn striking() -> Bundle {
 }
 
 /// Tables of one blow, ten frames after the start, that is aimed at the head of an opponent at a distance.
-fn aimed(distance: f32) -> Bundle {
+fn aimed(distance: f32, direction: Vec3) -> Bundle {
     let tables = striking();
     let mut pair = spar(&tables, config(), &facing(1, distance)).unwrap();
     pair.step(0.0, &Inline).unwrap();
@@ -24,7 +24,7 @@ fn aimed(distance: f32) -> Bundle {
     let local = root.rotation().inverse() * (pair.heads()[0] - root.translation());
     let (segment, _) = pair.characters().segment(0);
     let frame = tables.graph().segments[segment as usize].start + 10;
-    tables_with(&[hit(frame, local, Vec3::new(0.8, 0.0, 0.6))])
+    tables_with(&[hit(frame, local, direction)])
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn aims_lead_the_head_by_what_its_owner_is_about_to_do() {
 
 #[test]
 fn a_blow_at_the_head_lands_there_and_pushes_it() {
-    let tables = aimed(3.0);
+    let tables = aimed(3.0, Vec3::new(0.8, 0.0, 0.6));
     let separation = SeparationConfig { enabled: false, ..SeparationConfig::default() };
     let config = SparringConfig { separation, ..config() };
     let mut s = spar(&tables, config, &facing(1, 3.0)).unwrap();
@@ -141,6 +141,34 @@ fn a_blow_at_the_head_lands_there_and_pushes_it() {
     assert!(!first.is_blocked() && first.depth_m > 0.1, "right in the middle: {}", first.depth_m);
     let asked = 6.0 * s.config().push_m_per_mps;
     assert!(pushed > 0.6 * asked && pushed < 1.3 * asked, "{pushed} of {asked}");
+}
+
+#[test]
+fn who_is_struck_hard_steps_away_with_the_blow() {
+    // A blow from behind, as all motion leads ahead.
+    let tables = aimed(3.0, -Vec3::Z);
+    let struck = |force: f32| {
+        let config = SparringConfig { stagger: StaggerConfig { force, alike_m: 1.0 }, ..config() };
+        let mut s = spar(&tables, config, &facing(1, 3.0)).unwrap();
+        s.step(0.0, &Inline).unwrap();
+        for _ in 0..60 {
+            let before = s.characters().segment(1);
+            s.step(DT, &Inline).unwrap();
+            let landed = s.events().iter().find(|(id, l)| *id == Id::first(0) && !l.is_blocked());
+            if let Some((_, landing)) = landed {
+                let to = Planar::new(landing.blow.direction.x, landing.blow.direction.z, 0.0);
+                return Some((before, s.characters().segment(1), to, s.characters().root(1)));
+            }
+        }
+        None
+    };
+    let (before, after, along, root) = struck(0.5).expect("a blow lands");
+    assert_eq!(after.1, 0.0, "it begins an action: {before:?} {after:?}");
+    let way = tables.graph().segments[after.0 as usize].displacement();
+    let way = root.rotation() * Vec3::new(way.x, 0.0, way.z);
+    assert!(way.normalize().dot(along.translation()) > 0.5, "{way} along {along:?}");
+    let (before, after, ..) = struck(1.1).expect("the same blow");
+    assert!(after.0 == before.0 && after.1 > before.1, "it goes on: {before:?} {after:?}");
 }
 
 #[test]
@@ -210,7 +238,8 @@ fn restored_pairs_repeat_what_followed_bit_by_bit() {
     (0..4).for_each(|_| s.step(DT, &Inline).unwrap());
     let mut kept = Vec::new();
     s.save(&mut kept);
-    assert!(kept.len() < 14 * 830, "{}", kept.len());
+    assert!(kept.len() < 14 * 960, "{}", kept.len());
+    let posed = s.characters().model_matrices().to_vec();
     let run = |s: &mut Sparring| {
         let step = |_| {
             s.step(DT, &Inline).unwrap();
@@ -222,6 +251,9 @@ fn restored_pairs_repeat_what_followed_bit_by_bit() {
     assert!(first.iter().any(|f| !f.1.is_empty()));
     s.load(&kept).unwrap();
     assert!(s.events().is_empty());
+    let off = |(a, b): (&Mat3x4, &Mat3x4)| a.translation().distance(b.translation());
+    let shown = s.characters().model_matrices();
+    assert!(shown.iter().zip(&posed).map(off).all(|m| m < 1e-4), "arms are shown where they were");
     assert!(first == run(&mut s));
     let refused = |config, n| spar(&tables, config, &facing(n, 1.2)).unwrap().load(&kept).unwrap_err();
     assert!(matches!(refused(config(), 6), Error::Snapshot { .. }), "other pairs");

@@ -1,0 +1,194 @@
+//! How opponents touch: arms in bodies and heads, heads too near each other, how fast elbows turn.
+
+use crate::matching::runs;
+use crate::quality::clip_joints;
+use crate::run::TouchFigures;
+use glam::Vec3;
+use throng_runtime::sparring::{Part, Sparring, nearest_points};
+use throng_runtime::{Bundle, Cast, Joint, NUM_JOINTS};
+
+/// Forearms nearer to a spine than this are in the body (m).
+const IN_BODY_M: f32 = 0.1;
+/// Wrists nearer to the middle of a head than this are in it (m).
+const IN_HEAD_M: f32 = 0.08;
+/// Heads nearer to each other than this are too near to strike (m).
+const CLOSE_M: f32 = 0.45;
+/// A wrist may be in a head this long after its blow landed there (s).
+const LANDING_S: f32 = 0.1;
+/// Bins of rates of elbows, and their width (rad/s).
+const BINS: usize = 4000;
+const BIN_RADPS: f32 = 0.02;
+
+const SPINE: [Joint; 5] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck];
+const ARMS: [[Joint; 3]; 2] = [
+    [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand],
+    [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
+];
+
+/// Measures from step to step how opponents touch.
+#[derive(Default)]
+pub struct TouchMeter {
+    /// By number.
+    boxers: Vec<Option<Boxer>>,
+    arms_in_bodies: u64,
+    wrists_in_heads: u64,
+    close_s: f64,
+    head_distance_sum: f64,
+    /// Time of all pairs (s).
+    pair_s: f64,
+    elbows: Rates,
+}
+
+/// What is remembered of one from step to step.
+#[derive(Clone, Copy, Default)]
+struct Boxer {
+    in_body: [bool; 2],
+    in_head: [bool; 2],
+    /// Time since a blow of each hand landed on the other's head (s).
+    landed_s: [f32; 2],
+    elbows: [f32; 2],
+}
+
+impl TouchMeter {
+    /// Looks at all pairs after a step.
+    ///
+    /// - `first_number`: of the first of them, where more than these are looked at.
+    pub fn observe(&mut self, sparring: &Sparring, first_number: usize, dt_s: f32) {
+        let num = 2 * sparring.num_pairs();
+        self.boxers.resize(self.boxers.len().max(first_number + num), None);
+        let landed = |row: usize, hand: Joint| {
+            let on_head = |part: Part| matches!(part, Part::Head | Part::Neck);
+            sparring
+                .events()
+                .iter()
+                .any(|(_, l)| l.blow.character as usize == row && l.blow.joint == hand && on_head(l.part))
+        };
+        for first in (0..num).step_by(2) {
+            let rows = [first, first + 1];
+            let joints = rows.map(|row| sparring.characters().joint_positions(row));
+            let heads = rows.map(|row| sparring.heads()[row ^ 1]);
+            let apart = heads[0].distance(heads[1]);
+            self.pair_s += f64::from(dt_s);
+            self.head_distance_sum += f64::from(apart * dt_s);
+            self.close_s += if apart < CLOSE_M { f64::from(dt_s) } else { 0.0 };
+            for k in 0..2 {
+                let before = self.boxers[first_number + rows[k]];
+                let mut now = Boxer { landed_s: [f32::MAX; 2], ..before.unwrap_or_default() };
+                for (a, arm) in ARMS.into_iter().enumerate() {
+                    let [shoulder, elbow, wrist] = arm.map(|j| joints[k][j.index()]);
+                    now.landed_s[a] = match before {
+                        _ if landed(rows[k], arm[2]) => 0.0,
+                        Some(b) => b.landed_s[a] + dt_s,
+                        None => f32::MAX,
+                    };
+                    now.in_body[a] = spine_distance([elbow, wrist], &joints[k ^ 1]) < IN_BODY_M;
+                    let in_head = wrist.distance(heads[k ^ 1]) < IN_HEAD_M;
+                    now.in_head[a] = in_head && now.landed_s[a] > LANDING_S;
+                    now.elbows[a] = (shoulder - elbow).angle_between(wrist - elbow);
+                    if let Some(b) = before.filter(|_| dt_s > 0.0) {
+                        self.arms_in_bodies += u64::from(now.in_body[a] && !b.in_body[a]);
+                        self.wrists_in_heads += u64::from(now.in_head[a] && !b.in_head[a]);
+                        self.elbows.add((now.elbows[a] - b.elbows[a]).abs() / dt_s);
+                    }
+                }
+                self.boxers[first_number + rows[k]] = Some(now);
+            }
+        }
+    }
+
+    /// What was measured; nothing where nobody spars.
+    ///
+    /// - `bundle`: with the clips that they spar by.
+    pub fn figures(&self, bundle: &Bundle) -> Option<TouchFigures> {
+        let boxer_minutes = 2.0 * self.pair_s / 60.0;
+        let source = source_elbows(bundle);
+        let over = |here: f32, source: f32| f64::from(here) / f64::from(source).max(1e-6);
+        (self.pair_s > 0.0).then(|| TouchFigures {
+            arms_in_bodies_per_minute: self.arms_in_bodies as f64 / boxer_minutes,
+            wrists_in_heads_per_minute: self.wrists_in_heads as f64 / boxer_minutes,
+            heads_close_fraction: self.close_s / self.pair_s,
+            head_distance_mean_m: self.head_distance_sum / self.pair_s,
+            elbow_rate_max_ratio: over(self.elbows.quantile(1.0), source.quantile(1.0)),
+            elbow_rate_p999_ratio: over(self.elbows.quantile(0.999), source.quantile(0.999)),
+        })
+    }
+}
+
+/// How fast the elbows of a bundle's clips turn.
+fn source_elbows(bundle: &Bundle) -> Rates {
+    let (mut rates, rate_hz) = (Rates::default(), bundle.meta().rate_hz as f32);
+    for run in runs(bundle) {
+        let mut before: Option<[f32; 2]> = None;
+        for frame in run {
+            let joints = clip_joints(bundle, frame).map(|joint| joint.0);
+            let now = ARMS.map(|arm| {
+                let [shoulder, elbow, wrist] = arm.map(|j| joints[j.index()]);
+                (shoulder - elbow).angle_between(wrist - elbow)
+            });
+            if let Some(before) = before.replace(now) {
+                (0..2).for_each(|a| rates.add((now[a] - before[a]).abs() * rate_hz));
+            }
+        }
+    }
+    rates
+}
+
+/// Distance between a forearm and a spine (m).
+fn spine_distance(forearm: [Vec3; 2], joints: &[Vec3; NUM_JOINTS]) -> f32 {
+    let link = |w: &[Joint]| [joints[w[0].index()], joints[w[1].index()]];
+    let distance = |link: [Vec3; 2]| {
+        let [p, q] = nearest_points(forearm, link);
+        p.distance(q)
+    };
+    SPINE.windows(2).map(|w| distance(link(w))).fold(f32::INFINITY, f32::min)
+}
+
+/// A histogram of rates.
+#[derive(Default)]
+struct Rates {
+    bins: Vec<u64>,
+    most: f32,
+}
+
+impl Rates {
+    fn add(&mut self, rate: f32) {
+        self.bins.resize(BINS, 0);
+        self.bins[((rate / BIN_RADPS) as usize).min(BINS - 1)] += 1;
+        self.most = self.most.max(rate);
+    }
+
+    /// The rate below which a share of them lies (rad/s).
+    fn quantile(&self, share: f64) -> f32 {
+        let mut left = (self.bins.iter().sum::<u64>() as f64 * share).ceil() as u64;
+        let bin = self.bins.iter().position(|n| {
+            let is_here = *n >= left;
+            left = left.saturating_sub(*n);
+            is_here
+        });
+        bin.map_or(0.0, |bin| (bin + 1) as f32 * BIN_RADPS).min(self.most)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_of_the_rates() {
+        let mut rates = Rates::default();
+        (1..=1000).for_each(|i| rates.add(i as f32 * 0.01));
+        assert!((rates.quantile(0.5) - 5.0).abs() < 0.03, "{}", rates.quantile(0.5));
+        assert_eq!(rates.quantile(1.0), 10.0);
+        assert_eq!(Rates::default().quantile(0.5), 0.0);
+    }
+
+    #[test]
+    fn forearms_are_as_far_from_a_spine_as_they_are() {
+        let joints = throng_runtime::skeleton::Skeleton::default().rest_positions();
+        let chest = joints[Joint::Chest.index()];
+        let [a, b] = [chest + Vec3::new(-0.2, 0.0, 0.3), chest + Vec3::new(0.2, 0.0, 0.3)];
+        let off = spine_distance([a, b], &joints);
+        assert!((off - 0.3).abs() < 0.02, "{off}");
+        assert!(spine_distance([chest, b], &joints) < 1e-6);
+    }
+}

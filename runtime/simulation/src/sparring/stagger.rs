@@ -1,0 +1,88 @@
+//! Who is struck hard steps away with the blow: the action that leads there and begins most like its pose.
+
+use super::config::{StaggerConfig, within};
+use glam::{Vec2, Vec3};
+use throng_base::Result;
+use throng_core::characters::{MotionSet, SampleJob};
+use throng_core::skeleton::{Joint, NUM_JOINTS};
+use throng_core::{Mat3x4, Planar};
+
+/// Joints that poses are compared by.
+const LOOKS: [Joint; 6] =
+    [Joint::Head, Joint::Hips, Joint::LeftHand, Joint::RightHand, Joint::LeftFoot, Joint::RightFoot];
+/// Actions that lead less or more far are no steps away (m).
+const WAY_M: [f32; 2] = [0.2, 0.9];
+/// A step away leads at most this far aside of the blow: the cosine.
+const ASIDE: f32 = 0.5;
+/// What a step straight along the blow may look less alike than one aside (m).
+const STRAIGHT_M: f32 = 0.2;
+
+impl StaggerConfig {
+    pub(super) fn check(&self) -> Result<()> {
+        within("stagger.force", self.force, 0.0, 10.0, "between 0 and 10")?;
+        within("stagger.alike_m", self.alike_m, 0.0, 1.0, "between 0 and 1")
+    }
+}
+
+/// An action that leads away.
+#[derive(Clone, Copy, Debug)]
+struct StepAway {
+    segment: u32,
+    /// Where it leads, of unit length.
+    direction: Vec2,
+    /// Where it begins, from the planar root (m).
+    looks: [Vec3; LOOKS.len()],
+}
+
+/// All actions that lead away, without a blow.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct StepsAway(Vec<StepAway>);
+
+impl StepsAway {
+    /// # Errors
+    /// As [`SampleJob::run`].
+    pub fn new(motion_set: &MotionSet) -> Result<Self> {
+        let mut steps = Vec::new();
+        for (i, segment) in motion_set.graph().segments.iter().enumerate() {
+            let [x, z, _] = segment.displacement;
+            let way = Vec2::new(x, z);
+            if !(WAY_M[0]..WAY_M[1]).contains(&way.length()) || motion_set.hits_of(i as u32).next().is_some() {
+                continue;
+            }
+            let mut pose = [Mat3x4::default(); NUM_JOINTS];
+            let (frames, ratios) = (&[segment.start], &[0.0]);
+            SampleJob { motion_set, frames, ratios, matrices: &mut pose }.run()?;
+            let looks = LOOKS.map(|j| pose[j.index()].translation());
+            steps.push(StepAway { segment: i as u32, direction: way.normalize(), looks });
+        }
+        Ok(Self(steps))
+    }
+
+    /// The action of one who is struck; none where no action leads there from a pose like this one.
+    ///
+    /// - `direction`: of the blow, in the world.
+    pub fn best(&self, config: &StaggerConfig, pose: &[Mat3x4], root: Planar, direction: Vec3) -> Option<u32> {
+        let local = root.rotation().inverse() * direction;
+        let along = Vec2::new(local.x, local.z).try_normalize()?;
+        let looks = LOOKS.map(|j| pose[j.index()].translation());
+        let mut best: Option<(f32, u32)> = None;
+        for step in &self.0 {
+            let straight = step.direction.dot(along);
+            if straight < ASIDE {
+                continue;
+            }
+            let off = looks.iter().zip(&step.looks).map(|(a, b)| a.distance(*b)).sum::<f32>() / LOOKS.len() as f32;
+            let cost = off + STRAIGHT_M * (1.0 - straight);
+            if off <= config.alike_m && best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, step.segment));
+            }
+        }
+        best.map(|(_, segment)| segment)
+    }
+}
+
+/// True of a part that makes who is struck there step away.
+pub(crate) fn staggers(part: super::Part) -> bool {
+    use super::Part::*;
+    matches!(part, Head | Neck | Trunk)
+}

@@ -1,0 +1,196 @@
+//! Arms that stop at the other's body.
+
+use super::super::touch::{ArmShape, Touch, arm_shapes};
+use super::*;
+use throng_core::pose::LocalTransform;
+
+const DT: f32 = 1.0 / 60.0;
+const LEFT: [Joint; 3] = [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand];
+
+fn shapes() -> (Body, [ArmShape; 2]) {
+    let skeleton = Skeleton::default();
+    let body = Body::new(&skeleton, &BodyShape::default());
+    let arms = arm_shapes(&skeleton, &body);
+    (body, arms)
+}
+
+/// The rest pose with the left arm on its way straight ahead from a guard: 0 with the fist at the shoulder, 1 stretched out.
+fn punch(way: f32) -> [Mat3x4; NUM_JOINTS] {
+    let mut pose = rest_pose();
+    let shoulder = pose[LEFT[0].index()].translation();
+    let lengths = [1, 2].map(|i| Skeleton::default().offsets[LEFT[i].index()].length());
+    // The upper arm swings from straight down to straight ahead, the forearm points ahead.
+    let (sin, cos) = (way * std::f32::consts::FRAC_PI_2).sin_cos();
+    let elbow = shoulder + Vec3::new(0.0, -cos, sin) * lengths[0];
+    let wrist = elbow + Vec3::new(0.0, cos, sin).lerp(Vec3::Z, way).normalize() * lengths[1];
+    let along = |from: Vec3, to: Vec3| Quat::from_rotation_arc(Vec3::X, (to - from).normalize());
+    let turns = [along(shoulder, elbow), along(elbow, wrist), along(elbow, wrist)];
+    for ((joint, turn), at) in LEFT.into_iter().zip(turns).zip([shoulder, elbow, wrist]) {
+        pose[joint.index()] = Mat3x4::from_rotation_translation(turn, at);
+    }
+    pose
+}
+
+/// One step of two, and their poses after it.
+fn step(
+    touch: &mut Touch,
+    poses: [&[Mat3x4; NUM_JOINTS]; 2],
+    roots: [Planar; 2],
+    config: &TouchConfig,
+) -> [[Mat3x4; NUM_JOINTS]; 2] {
+    let (body, arms) = shapes();
+    touch.settle(&body, &arms, &[0, 1].map(|k| Posed::new(poses[k], roots[k])), config, DT);
+    [0, 1].map(|k| {
+        let mut pose = *poses[k];
+        touch.apply(k, roots[k], &mut pose, &mut []);
+        pose
+    })
+}
+
+/// How deep the axis of any forearm of the first is in the core of the second, beyond what flesh gives (m).
+fn depth(poses: &[[Mat3x4; NUM_JOINTS]; 2], roots: [Planar; 2]) -> f32 {
+    let (body, _) = shapes();
+    let [own, other] = [0, 1].map(|k| Posed::new(&poses[k], roots[k]));
+    let obstacles = body.obstacles(&other);
+    let forearms = [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]];
+    let mut deepest = f32::NEG_INFINITY;
+    for ends in forearms.map(|f| f.map(|j| own.point(j, Vec3::ZERO))) {
+        for o in &obstacles {
+            let [p, q] = nearest_points(ends, o.ends);
+            deepest = deepest.max(o.radius + body.forearm_radius() - config().touch.give_m - p.distance(q));
+        }
+    }
+    deepest
+}
+
+fn lengths(pose: &[Mat3x4; NUM_JOINTS]) -> [f32; 2] {
+    let [shoulder, elbow, wrist] = LEFT.map(|j| pose[j.index()].translation());
+    [shoulder.distance(elbow), elbow.distance(wrist)]
+}
+
+#[test]
+fn arms_leave_the_body_that_they_are_in_and_nothing_else_moves() {
+    let (rest, config) = (rest_pose(), config().touch);
+    // Side by side: arms that stretch to the sides are in the other's trunk.
+    let roots = [Planar::new(1.0, 2.0, 0.8), Planar::new(1.0, 2.0, 0.8).compose(Planar::new(0.65, 0.1, 0.4))];
+    assert!(depth(&[rest; 2], roots) > 0.03, "{}", depth(&[rest; 2], roots));
+    let mut touch = Touch::default();
+    let mut posed = [rest; 2];
+    for _ in 0..60 {
+        posed = step(&mut touch, [&rest; 2], roots, &config);
+    }
+    assert!(depth(&posed, roots) < 0.01, "{}", depth(&posed, roots));
+    for (a, b) in lengths(&posed[0]).into_iter().zip(lengths(&rest)) {
+        assert!((a - b).abs() < 1e-4, "{a} {b}");
+    }
+    let fist = |pose: &[Mat3x4; NUM_JOINTS]| {
+        pose[Joint::LeftForearm.index()].rotation().inverse() * pose[Joint::LeftHand.index()].rotation()
+    };
+    assert!(fist(&posed[0]).angle_between(fist(&rest)) < 1e-3, "the hand follows the forearm");
+    let arms = [
+        Joint::LeftUpperArm,
+        Joint::LeftForearm,
+        Joint::LeftHand,
+        Joint::RightUpperArm,
+        Joint::RightForearm,
+        Joint::RightHand,
+    ];
+    for j in Joint::ALL.into_iter().filter(|j| !arms.contains(j)) {
+        assert_eq!(posed[0][j.index()], rest[j.index()], "{j:?}");
+    }
+    let off = TouchConfig { enabled: false, ..config };
+    assert!(step(&mut Touch::default(), [&rest; 2], roots, &off) == [rest; 2]);
+}
+
+#[test]
+fn a_fast_fist_stops_on_its_side_of_the_head() {
+    let rest = rest_pose();
+    // The other one's head is before the left shoulder, nearer than the arm is long; the fist is there within five steps.
+    let shoulder = rest[LEFT[0].index()].translation();
+    for distance in [0.35, 0.4, 0.45] {
+        let roots = [Planar::IDENTITY, Planar::new(shoulder.x, distance, std::f32::consts::PI)];
+        let raised = |mut pose: [Mat3x4; NUM_JOINTS]| {
+            // Heads as high as shoulders, so that a level fist meets one.
+            pose.iter_mut().for_each(|m| m.rows[1][3] -= 0.25);
+            pose
+        };
+        let (low, mut touch) = (raised(rest), Touch::default());
+        let mut most = 0.0f32;
+        for i in 0..=40 {
+            let posed = step(&mut touch, [&punch((i as f32 / 5.0).min(1.0)), &low], roots, &config().touch);
+            let wrist = posed[0][LEFT[2].index()].translation();
+            assert!(wrist.z < distance, "{wrist} at {distance}");
+            most = most.max(depth(&posed, roots));
+        }
+        assert!(most < 0.06, "{most} at {distance}");
+        assert!(depth(&[punch(1.0), low], roots) > 0.1, "it would go through");
+    }
+}
+
+#[test]
+fn arms_come_and_go_without_a_jump() {
+    let (arm, rest, config) = (punch(0.6), punch(0.0), config().touch);
+    let mut touch = Touch::default();
+    let mut last: Option<[Mat3x4; NUM_JOINTS]> = None;
+    let mut touched = false;
+    for i in 0..240 {
+        // The other one comes at 1 m/s and goes again.
+        let z = 1.4 - 0.9 * (1.0 - (i as f32 / 120.0 - 1.0).abs()).clamp(0.0, 1.0);
+        let roots = [Planar::IDENTITY, Planar::new(0.15, z, std::f32::consts::PI)];
+        let posed = step(&mut touch, [&arm, &rest], roots, &config)[0];
+        touched |= posed != arm;
+        if let Some(last) = last {
+            for j in LEFT {
+                let moved = posed[j.index()].translation().distance(last[j.index()].translation());
+                assert!(moved < 6.0 * DT, "{j:?} {moved} at {i}");
+            }
+            let angle = |pose: &[Mat3x4; NUM_JOINTS]| {
+                let [shoulder, elbow, wrist] = LEFT.map(|j| pose[j.index()].translation());
+                (shoulder - elbow).angle_between(wrist - elbow)
+            };
+            assert!((angle(&posed) - angle(&last)).abs() < config.elbow_radps * DT + 1e-3);
+        }
+        last = Some(posed);
+    }
+    assert!(touched);
+    for _ in 0..120 {
+        last = Some(step(&mut touch, [&arm, &rest], [Planar::IDENTITY, Planar::new(0.0, 1.4, 3.1)], &config)[0]);
+    }
+    assert!(last == Some(arm), "free arms are where their motion has them, to the last bit");
+}
+
+#[test]
+fn two_guards_meet_half_way() {
+    let (arm, config) = (punch(0.5), config().touch);
+    let roots = [Planar::IDENTITY, Planar::new(0.0, 0.75, std::f32::consts::PI)];
+    // Left arms of two who face each other pass each other; shift the second so that they meet.
+    let shoulder = arm[LEFT[0].index()].translation().x;
+    let roots = [roots[0], Planar::new(2.0 * shoulder, roots[1].z, roots[1].heading)];
+    let mut touch = Touch::default();
+    let posed = (0..30).map(|_| step(&mut touch, [&arm, &arm], roots, &config)).last().unwrap();
+    let [own, other] = [0, 1].map(|k| Posed::new(&posed[k], roots[k]));
+    let ends = |p: &Posed<'_>| [LEFT[1], LEFT[2]].map(|j| p.point(j, Vec3::ZERO));
+    let [p, q] = nearest_points(ends(&own), ends(&other));
+    assert!(p.distance(q) > 0.06, "{}", p.distance(q));
+    let moved = |k: usize| posed[k][LEFT[2].index()].translation().distance(arm[LEFT[2].index()].translation());
+    assert!(moved(0) > 0.01 && (moved(0) - moved(1)).abs() < 0.05, "{} {}", moved(0), moved(1));
+}
+
+#[test]
+fn local_transforms_build_the_displaced_pose() {
+    let rest = rest_pose();
+    let roots = [Planar::IDENTITY, Planar::new(0.65, 0.1, 0.4)];
+    let (body, arms) = shapes();
+    let mut touch = Touch::default();
+    touch.settle(&body, &arms, &roots.map(|root| Posed::new(&rest, root)), &config().touch, DT);
+    let mut locals = [LocalTransform { rotation: [0.0, 0.0, 0.0, 1.0], ..LocalTransform::default() }; NUM_JOINTS];
+    let mut posed = rest;
+    touch.apply(0, roots[0], &mut posed, &mut locals);
+    assert!(posed != rest);
+    let local = |j: Joint| Quat::from_array(locals[j.index()].rotation);
+    let upper = posed[Joint::LeftClavicle.index()].rotation() * local(LEFT[0]);
+    let lower = upper * local(LEFT[1]);
+    assert!(upper.angle_between(posed[LEFT[0].index()].rotation()) < 1e-3);
+    assert!(lower.angle_between(posed[LEFT[1].index()].rotation()) < 1e-3);
+    assert_eq!(local(LEFT[2]), Quat::IDENTITY, "the hand keeps its turn against the forearm");
+}
