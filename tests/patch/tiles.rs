@@ -220,10 +220,10 @@ fn nobody_sits_where_there_is_no_seat() {
     }
     let patches = built(&clips, &groups, &panel(), &with_tile(TileConfig::of("panel"))).unwrap();
     assert!(seats.len() > 1000 && !patches.patches[0].links.is_empty());
-    // Those who move while they are low, and so do not sit, may be part of a way.
+    // Those who move while they are low, and so do not sit, may be part of a way, but not for a second.
     let seated = |l: &LinkRecord| seats.range(l.frame..l.frame + u32::from(l.num_frames)).count();
     let longest = patches.patches[0].links.iter().map(seated).max();
-    assert!(longest < Some(10), "{longest:?}");
+    assert!(longest < Some(30), "{longest:?}");
 }
 
 #[test]

@@ -2,10 +2,28 @@
 
 use crate::matching::runs;
 use crate::quality::clip_joints;
-use crate::run::TouchFigures;
 use glam::Vec3;
+use serde::Serialize;
 use throng_runtime::sparring::{Part, Sparring, nearest_points};
 use throng_runtime::{Bundle, Cast, Joint, NUM_JOINTS};
+
+/// What was measured of opponents: whether their arms stop at each other.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct TouchFigures {
+    /// Times that a forearm came within 10 cm of the opponent's spine, a minute and boxer.
+    pub arms_in_bodies_per_minute: f64,
+    /// Times that a wrist came within 8 cm of the middle of the opponent's head, a minute and boxer; not within 0.1 s after
+    /// its blow landed there.
+    pub wrists_in_heads_per_minute: f64,
+    /// Share of the time that heads of opponents were less than 0.45 m apart.
+    pub heads_close_fraction: f64,
+    /// Distance between heads of opponents, mean over time and pairs (m).
+    pub head_distance_mean_m: f64,
+    /// Fastest turn of an elbow over that of the clips.
+    pub elbow_rate_max_ratio: f64,
+    /// 99.9th percentile of the turn of elbows over that of the clips.
+    pub elbow_rate_p999_ratio: f64,
+}
 
 /// Forearms nearer to a spine than this are in the body (m).
 const IN_BODY_M: f32 = 0.1;

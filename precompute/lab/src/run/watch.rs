@@ -3,11 +3,11 @@
 mod agents;
 mod world;
 
-use super::figures::{BlowFigures, Figures, PathFigures, TouchFigures};
+use super::figures::{BlowFigures, Figures, PathFigures};
 use super::report::LOOK_HZ;
 use crate::overlap::{OverlapMeter, Present};
 use crate::slip::SlipMeter;
-use crate::touch::TouchMeter;
+use crate::touch::{TouchFigures, TouchMeter};
 use glam::{Vec2, Vec3};
 use throng_motion::error::BuildError;
 use throng_runtime::blend::HeightField;

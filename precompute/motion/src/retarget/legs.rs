@@ -74,7 +74,8 @@ impl<'a> Legs<'a> {
         }
         let (a, b) = (upper.length(), lower.length());
         let (Some(along), Some(to)) = ((upper + lower).try_normalize(), (goal - hip).try_normalize()) else { return };
-        let distance = goal.distance(hip).clamp((a - b).abs() + NEAR, a + b);
+        // Of bones shorter than NEAR, the least distance is above the greatest one.
+        let distance = goal.distance(hip).min(a + b).max((a - b).abs() + NEAR);
         let ahead = upper.reject_from_normalized(along).try_normalize();
         let ahead =
             ahead.unwrap_or_else(|| (model[thigh] * Vec3::Z).reject_from_normalized(along).normalize_or(Vec3::Z));
@@ -94,4 +95,25 @@ impl<'a> Legs<'a> {
 fn ramp(value: f32, (from, to): (f32, f32)) -> f32 {
     let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bones_without_length_do_no_harm() {
+        for (thigh, shin) in [(0.0, 0.0), (0.45, 0.0), (0.0, 0.45), (4e-6, 4e-6), (0.4, 5e-6), (5e-6, 0.4)] {
+            let mut target = Skeleton::default();
+            for side in LEGS {
+                target.offsets[side[1].index()] = Vec3::NEG_Y * thigh;
+                target.offsets[side[2].index()] = Vec3::NEG_Y * shin;
+            }
+            let legs = Legs::new(&Skeleton::default(), &target, 1.0, [true; 2]);
+            let pose: RolePose = Skeleton::default().rest_positions().map(|p| (p + Vec3::X * 0.1, Quat::IDENTITY));
+            let mut model = [Quat::from_rotation_x(0.3); NUM_JOINTS];
+            legs.reach(&mut model, Vec3::Y, &pose);
+            assert!(model.iter().all(|q| q.is_finite() && q.is_normalized()), "{thigh} {shin}");
+        }
+    }
 }

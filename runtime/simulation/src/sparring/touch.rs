@@ -30,6 +30,8 @@ const ROUNDS: usize = 6;
 const REACH_M: f32 = 1.3;
 /// Arms that are displaced by less are where their motion has them (m).
 const AT_REST_M: f32 = 1e-4;
+/// Bones of arms are taken to be at least this long (m).
+const LEAST_M: f32 = 1e-3;
 /// Elbows that are less off the straight line bend outwards and down (m).
 const SOFT_ELBOW_M: f32 = 0.02;
 
@@ -115,7 +117,7 @@ pub(crate) fn arm_shapes(skeleton: &Skeleton, body: &Body) -> [ArmShape; 2] {
     ARMS.map(|[_, elbow, wrist]| {
         let radius = body.forearm_radius();
         let fist = throng_core::hits::striking_offset(skeleton, wrist).length();
-        let lengths = [elbow, wrist].map(|j| skeleton.offsets[j.index()].length());
+        let lengths = [elbow, wrist].map(|j| skeleton.offsets[j.index()].length().max(LEAST_M));
         ArmShape { lengths, hand_m: (fist - radius).max(0.0), radius }
     })
 }
@@ -306,12 +308,16 @@ fn elbow_angle([shoulder, elbow, wrist]: [Vec3; 3]) -> f32 {
     maths::atan2(upper.cross(lower).length(), upper.dot(lower))
 }
 
-/// The turn from one direction to another; none where either has no length.
+/// The turn from one direction to another; none where either has no length. Small turns are exact, other than glam's,
+/// which leaves out those below 0.7 mrad.
 fn arc(from: Vec3, to: Vec3) -> Quat {
-    match (from.try_normalize(), to.try_normalize()) {
-        (Some(from), Some(to)) => Quat::from_rotation_arc(from, to),
-        _ => Quat::IDENTITY,
+    let (Some(from), Some(to)) = (from.try_normalize(), to.try_normalize()) else { return Quat::IDENTITY };
+    let w = 1.0 + from.dot(to);
+    if w < 1e-3 {
+        return Quat::from_rotation_arc(from, to);
     }
+    let axis = from.cross(to);
+    Quat::from_xyzw(axis.x, axis.y, axis.z, w).normalize()
 }
 
 /// What arms stop at: the other's upper arms, then the core.
@@ -443,9 +449,9 @@ fn depth(a: [Vec3; 2], b: [Vec3; 2], allowed_m: f32) -> Option<(Vec3, Vec3, Vec3
 fn reach(shoulder: Vec3, [elbow, wrist]: [Vec3; 2], shape: &ArmShape, out: Vec3) -> [Vec3; 2] {
     let [l1, l2] = shape.lengths;
     let way = wrist - shoulder;
-    let distance = way.length().max(1e-4);
-    let direction = way / distance;
-    let d = distance.clamp((l1 - l2).abs() + 1e-3, (l1 + l2) * 0.9995);
+    let direction = way.normalize_or(Vec3::NEG_Y);
+    // Of bones shorter than that, the least distance is above the greatest one.
+    let d = way.length().min((l1 + l2) * 0.9995).max((l1 - l2).abs() + 1e-3);
     let across = |v: Vec3| v - direction * v.dot(direction);
     let pole = across(elbow - shoulder);
     let soft = (SOFT_ELBOW_M - pole.length()).max(0.0);

@@ -194,3 +194,43 @@ fn local_transforms_build_the_displaced_pose() {
     assert!(lower.angle_between(posed[LEFT[1].index()].rotation()) < 1e-3);
     assert_eq!(local(LEFT[2]), Quat::IDENTITY, "the hand keeps its turn against the forearm");
 }
+
+#[test]
+fn rotations_of_displaced_arms_lead_to_where_the_joints_are() {
+    let rest = rest_pose();
+    let (body, arms) = shapes();
+    // From hardly touched to far in.
+    for x in (0..60).map(|i| 0.5 + 0.005 * i as f32) {
+        let roots = [Planar::IDENTITY, Planar::new(x, 0.1, 0.4)];
+        let mut touch = Touch::default();
+        touch.settle(&body, &arms, &roots.map(|root| Posed::new(&rest, root)), &config().touch, DT);
+        let mut posed = rest;
+        touch.apply(0, roots[0], &mut posed, &mut []);
+        for pair in LEFT.windows(2) {
+            let [parent, child] = [0, 1].map(|i| pair[i].index());
+            let turned = posed[parent].translation() + posed[parent].rotation() * Skeleton::default().offsets[child];
+            let off = turned.distance(posed[child].translation());
+            assert!(off < 2e-5, "{:?} is {off} m off at {x}", pair[1]);
+        }
+    }
+}
+
+#[test]
+fn arms_without_length_do_no_harm() {
+    let mut skeleton = Skeleton::default();
+    for (upper, lower) in [(0.0, 0.0), (0.0, 0.3), (0.3, 0.0), (1e-5, 1e-5), (1e-3, 900.0)] {
+        for (joint, length) in [(LEFT[1], upper), (LEFT[2], lower)] {
+            skeleton.offsets[joint.index()] = Vec3::X * length;
+        }
+        let body = Body::new(&skeleton, &BodyShape::default());
+        let arms = arm_shapes(&skeleton, &body);
+        let (pose, roots) = (punch(0.7), [Planar::IDENTITY, Planar::new(0.0, 0.4, std::f32::consts::PI)]);
+        let mut touch = Touch::default();
+        for _ in 0..3 {
+            touch.settle(&body, &arms, &roots.map(|root| Posed::new(&pose, root)), &config().touch, DT);
+            let mut posed = pose;
+            touch.apply(0, roots[0], &mut posed, &mut []);
+            assert!(posed.iter().all(|m| m.translation().is_finite()), "{upper} {lower}");
+        }
+    }
+}
