@@ -29,7 +29,7 @@ runtime() { # TARGET RUNNER...
     local target=$1
     shift
     cargo build -q -p throng-simulation --example state_hashes ${FEATURES:-} --target "$target"
-    "$@" "$root/target/$target/debug/examples/state_hashes${SUFFIX:-}"
+    "$@" "$root/target/$target/debug/examples/state_hashes${SUFFIX:-}" all 300 "$out/made"
 }
 # The same here, once.
 runtime_here() {
@@ -37,7 +37,9 @@ runtime_here() {
     host=$(rustc -vV | sed -n 's/^host: //p')
     [ -s "$out/runtime.txt" ] || runtime "$host" env > "$out/runtime.txt"
 }
-rm -f "$out/runtime.txt"
+# Bundles are made here for all: what is compared is the runtime.
+rm -rf "$out/runtime.txt" "$out/made"
+mkdir -p "$out/made"
 has_target() { rustc --print sysroot | xargs -I{} test -d "{}/lib/rustlib/$1/lib"; }
 
 first=

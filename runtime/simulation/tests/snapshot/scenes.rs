@@ -2,10 +2,25 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use throng_core::characters::made_up::tables_with;
+use throng_core::characters::made_up;
+use throng_core::format::AlignedBytes;
 use throng_core::{Bundle, HitRecord, Joint};
 use throng_simulation::{CompiledScene, Scene};
 use throng_world::{PathCosts, WorldGraph, made_up_floor as made_up_world};
+
+/// Where bundles are read from, and left where they are not there: those of one machine serve others, as baking rounds
+/// otherwise elsewhere. None where everybody makes their own.
+pub static MADE: OnceLock<PathBuf> = OnceLock::new();
+
+fn made(name: &str, make: impl FnOnce() -> Vec<u8>) -> Vec<u8> {
+    let Some(folder) = MADE.get() else { return make() };
+    let path = folder.join(name);
+    std::fs::read(&path).unwrap_or_else(|_| {
+        let bytes = make();
+        std::fs::write(&path, &bytes).expect("a file");
+        bytes
+    })
+}
 
 /// Boxers who strike in the first half of every segment, ever further ahead of them; `further` tells bundles apart (m).
 pub fn boxing(further: f32) -> Bundle {
@@ -21,7 +36,8 @@ pub fn boxing(further: f32) -> Bundle {
     };
     let starts = [0, 20, 60, 80];
     let hits: Vec<_> = starts.iter().flat_map(|f| (0..5).map(move |k| hit(f + 1 + 2 * k, k))).collect();
-    tables_with(&hits)
+    let bytes = made(&format!("boxing-{further}.throng"), || made_up::bytes(&hits, false));
+    Bundle::from_bytes(AlignedBytes::from_slice(&bytes)).expect("a sound bundle")
 }
 
 /// A bundle of motion patches and worlds of them, in a folder that is there while the tests run.
@@ -33,16 +49,19 @@ fn folder() -> &'static Path {
         let folder = tempfile::tempdir_in(at).expect("a temporary folder");
         let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).expect("a file");
         let tables = made_up_world::tables();
-        write("floor.throng", &made_up_world::bundle("made up"));
+        write("floor.throng", &made("floor.throng", || made_up_world::bundle("made up")));
         for (name, rows) in [
             ("floor.world", ["#####", "#b##b", "###b#", "#####"]),
             ("other.world", ["#####", "#b#b##", "#####", "####"]),
         ] {
-            let world = made_up_world::world(&tables, &rows);
-            let graph = WorldGraph::new(tables.patches(), &world.view()).expect("a graph");
-            let mut bytes = Vec::new();
-            world.write(&PathCosts::bake(&graph).expect("path costs"), &mut bytes).expect("a world");
-            write(name, &bytes);
+            let stitched = made(name, || {
+                let world = made_up_world::world(&tables, &rows);
+                let graph = WorldGraph::new(tables.patches(), &world.view()).expect("a graph");
+                let mut bytes = Vec::new();
+                world.write(&PathCosts::bake(&graph).expect("path costs"), &mut bytes).expect("a world");
+                bytes
+            });
+            write(name, &stitched);
         }
         folder
     });

@@ -50,7 +50,11 @@ pub(super) fn nothing_left(unit: &Unit, source: &Source, region: &Region, graph:
     let minutes = source.minutes();
     BuildError::Stage {
         stage: "patch",
-        message: format!("the tile `{}` cannot be made from {minutes:.1} min of motion: {message}", unit.name),
+        message: format!(
+            "the tile `{}` cannot be made from {minutes:.1} min of motion: {message}{}",
+            unit.name,
+            if graph.must_rest { ", and further tiles do not make up for it" } else { "" }
+        ),
         help,
     }
 }
