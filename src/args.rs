@@ -88,17 +88,11 @@ pub struct CacheArgs {
     #[arg(long, value_name = "DIR", default_value = Cache::FOLDER)]
     cache: PathBuf,
     /// Most that the folder may keep, in GB; what was not used for longest makes room.
-    #[arg(long, value_name = "GB", default_value_t = Cache::LIMIT_BYTES as f64 / 1e9, value_parser = parse_gb)]
+    #[arg(long, value_name = "GB", default_value_t = Cache::LIMIT_BYTES as f64 / 1e9, value_parser = Cache::parse_gb)]
     cache_limit: f64,
     /// Run every stage, and keep nothing.
     #[arg(long)]
     no_cache: bool,
-}
-
-/// A number of gigabytes that a disk may have.
-fn parse_gb(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|gb| (0.0..=1e6).contains(gb));
-    number.ok_or_else(|| format!("expected 0 to 1000000 (GB), found `{text}`"))
 }
 
 impl CacheArgs {

@@ -83,6 +83,15 @@ impl Cache {
     /// Bytes that a cache keeps at most unless something else is said.
     pub const LIMIT_BYTES: u64 = 5_000_000_000;
 
+    /// Reads a size that a disk may have (GB, 0 to 1 000 000).
+    ///
+    /// # Errors
+    /// What was expected and what was found.
+    pub fn parse_gb(text: &str) -> Result<f64, String> {
+        let number = text.parse::<f64>().ok().filter(|gb| (0.0..=1e6).contains(gb));
+        number.ok_or_else(|| format!("expected 0 to 1000000 (GB), found `{text}`"))
+    }
+
     /// Keeps outputs in a folder, which is made when it is first needed, up to [`Cache::LIMIT_BYTES`].
     pub fn in_folder(folder: impl Into<PathBuf>) -> Self {
         Self { folder: Some(folder.into()), limit_bytes: Self::LIMIT_BYTES }

@@ -5,8 +5,8 @@ use serde::{Serialize, de::DeserializeOwned};
 use throng_base::{Comm, out_of_step, share};
 use throng_motion::error::BuildError;
 
-/// What is made of each of `count` things, in their order. Every rank makes some: things are dealt out like cards, as those
-/// that cost much often lie together.
+/// What is made of each of `count` things, in their order. Of N ranks each makes every N-th thing, as those that cost much
+/// often lie together.
 ///
 /// - `work`: makes what it is given the numbers of.
 ///
