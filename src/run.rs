@@ -324,6 +324,14 @@ pub fn figures(r: &Figures) -> Vec<(&'static str, String)> {
             let measured = flow.flow_per_m_s.map_or_else(few, |f| format!("{f:.2} persons/(m s)"));
             rows.push(("gate", format!("{} crossed, {measured}; people: {low} to {high}", flow.crossed)));
         }
+        if let Some(t) = &c.things {
+            let off = format!(
+                "palms off by {:.0} mm (95 %), {:.0} mm at worst",
+                1e3 * t.hand_off_p95_m,
+                1e3 * t.hand_off_max_m
+            );
+            rows.push(("things", format!("{} taken, {} put down; {off}", t.things_taken, t.things_put)));
+        }
         if let Some(informed) = c.informed {
             rows.push(("news", format!("{informed} know")));
         }

@@ -23,11 +23,14 @@ pub struct ActivityConfig {
     pub clips: Vec<String>,
     /// Tag of the range within it that goes on until the activity is to end.
     pub looped: String,
+    /// Tags of the ranges in which the left hand and the right hand hold a thing. A range that lasts to the end leaves it in
+    /// the hand.
+    pub held: [String; 2],
 }
 
 impl Default for ActivityConfig {
     fn default() -> Self {
-        Self { clips: Vec::new(), looped: "loop".into() }
+        Self { clips: Vec::new(), looped: "loop".into(), held: ["left_hand".into(), "right_hand".into()] }
     }
 }
 
@@ -42,6 +45,8 @@ pub struct ActivityReport {
     pub duration_s: f64,
     /// Length of the part that goes on until it is to end (s).
     pub looped_s: Option<f64>,
+    /// From when to when the left and the right hand hold a thing (s).
+    pub held_s: [Option<[f64; 2]>; 2],
     /// The body sits or kneels in the middle of it.
     pub is_seated: bool,
 }
@@ -55,6 +60,7 @@ impl ActivityReport {
             tag: activity.tag.clone(),
             duration_s: seconds(activity.num_frames - 1),
             looped_s: activity.looped.map(|[_, count]| seconds(count)),
+            held_s: activity.held.map(|held| held.map(|[first, count]| [seconds(first), seconds(first + count)])),
             is_seated: activity.is_seated,
         }
     }
@@ -70,7 +76,13 @@ pub fn find(clips: &ClipSet, config: &BTreeMap<String, ActivityConfig>) -> Resul
     let of_tag = |(tag, config): (&String, &ActivityConfig)| {
         of_tag(clips, tag, config).map_err(|why| BuildError::key(format!("activities.{tag}"), why))
     };
-    Ok(config.iter().map(of_tag).collect::<Result<Vec<_>, _>>()?.concat())
+    let mut found = config.iter().map(of_tag).collect::<Result<Vec<_>, _>>()?.concat();
+    // A clip that shows several things.
+    let names: Vec<String> = found.iter().map(|a| a.name.clone()).collect();
+    for a in found.iter_mut().filter(|a| names.iter().filter(|n| **n == a.name).count() > 1) {
+        a.name = format!("{}:{}", a.tag, a.name);
+    }
+    Ok(found)
 }
 
 fn of_tag(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Result<Vec<ActivityMeta>, String> {
@@ -82,7 +94,7 @@ fn of_tag(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Result<Vec<Act
             let name = if alone { clip.name.clone() } else { format!("{}:{}-{}", clip.name, range.start, range.end) };
             let name = if config.clips.is_empty() { name } else { format!("{tag}:{name}") };
             check(clip, range).map_err(|why| format!("`{name}`: {why}"))?;
-            found.push(activity((name, tag), (number, clip), range, &config.looped));
+            found.push(activity((name, tag), (number, clip), range, config));
         }
     }
     if found.is_empty() {
@@ -126,10 +138,15 @@ fn activity(
     (name, tag): (String, &str),
     (number, clip): (u32, &Clip),
     range: &FrameRange,
-    looped: &str,
+    config: &ActivityConfig,
 ) -> ActivityMeta {
     let is_within = |r: &FrameRange| range.start <= r.start && r.end < range.end && r.len() > 1;
-    let looped = clip.tags.iter().find(|t| t.name == looped && is_within(&t.range)).map(|t| t.range.clone());
+    let looped = clip.tags.iter().find(|t| t.name == config.looped && is_within(&t.range)).map(|t| t.range.clone());
+    let held = config.held.each_ref().map(|tag| {
+        let parts = clip.tags.iter().filter(|t| t.name == *tag);
+        let mut parts = parts.map(|t| t.range.start.max(range.start)..t.range.end.min(range.end));
+        parts.find(|part| !part.is_empty()).map(|part| [(part.start - range.start) as u32, part.len() as u32])
+    });
     let middle = looped.as_ref().map_or((range.start + range.end) / 2, |l| (l.start + l.end) / 2);
     let height = |frame: usize| clip.root_positions[frame].y;
     ActivityMeta {
@@ -139,6 +156,7 @@ fn activity(
         first_frame: range.start as u32,
         num_frames: range.len() as u32,
         looped: looped.map(|l| [(l.start - range.start) as u32, l.len() as u32]),
+        held,
         is_seated: height(middle) < SEATED * height(range.start),
     }
 }
@@ -187,6 +205,24 @@ mod tests {
             assert_eq!(activity.looped.map(|l| (l[0] + activity.first_frame) as usize), looped);
         }
         assert!(["chat", "greet", "sit"].iter().all(|t| found.iter().any(|a| a.tag == *t)));
+    }
+
+    #[test]
+    fn tagged_hands_hold_a_thing_from_the_grasp_on_or_until_it_is_let_go() {
+        let (clips, default) = (people(), ActivityConfig::default());
+        let config = ["take", "put"].map(|t| (t.to_owned(), default.clone())).into();
+        let found = find(&clips, &config).unwrap();
+        for (tag, stays) in [("take", true), ("put", false)] {
+            let of_tag: Vec<_> = found.iter().filter(|a| a.tag == tag).collect();
+            assert!((0..2).all(|side| of_tag.iter().any(|a| a.held[side].is_some())), "{tag}: both hands");
+            for a in of_tag {
+                let held = a.held.iter().flatten().collect::<Vec<_>>();
+                let [first, count] = *held[0];
+                assert_eq!((held.len(), first + count == a.num_frames, first == 0), (1, stays, !stays), "{}", a.name);
+            }
+        }
+        let own = ActivityConfig { held: ["none".into(), "other".into()], ..default };
+        assert!(find(&clips, &asked("take", own)).unwrap().iter().all(|a| a.held == [None; 2]));
     }
 
     #[test]

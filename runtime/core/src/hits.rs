@@ -12,7 +12,7 @@ pub const KIND_KICK: u32 = 1;
 pub const KIND_NAMES: [&str; 2] = ["punch", "kick"];
 
 /// Distance from the wrist to the tip of the fist, as a share of the forearm's length.
-const FIST_PER_FOREARM: f32 = 0.35;
+pub const FIST_PER_FOREARM: f32 = 0.35;
 
 /// One effective hit. Places are as seen from the planar root of its frame: +X left, Y above the ground, +Z ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

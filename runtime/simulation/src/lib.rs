@@ -23,4 +23,4 @@ pub use compile::{CompiledScene, OpenWorld};
 pub use kind::{Kind, Tick};
 pub use pedestrians::Pedestrians;
 pub use scene::{Motion, Scene};
-pub use simulation::{Event, Group, Happened, Simulation};
+pub use simulation::{Event, Group, Happened, Simulation, Thing};

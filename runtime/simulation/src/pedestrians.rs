@@ -18,7 +18,7 @@ use throng_crowd::{Agent, Crowd, CrowdError, Go, Id};
 const EVENTS: usize = 4;
 
 /// Both parts have a hash of their setup.
-const KIND: SnapshotKind = SnapshotKind { what: "pedestrians", tag: *b"PEDS", version: 1, setup: 0 };
+const KIND: SnapshotKind = SnapshotKind { what: "pedestrians", tag: *b"PEDS", version: 2, setup: 0 };
 
 /// All that time changes.
 #[derive(Serialize, Deserialize)]

@@ -1,6 +1,6 @@
 //! The simulation: one clock, one order of events, one snapshot.
 
-use crate::agents::{Agents, Disc};
+use crate::agents::{Agents, Disc, Handled};
 use crate::boxing::{Bouts, Practice};
 use crate::casts::GroupCast;
 use crate::compile::CompiledScene;
@@ -10,7 +10,7 @@ use crate::scenario::Minds;
 use crate::scene::{Motion, Scene, SpaceConfig};
 use crate::sparring::Part;
 use crate::wander::Wanderers;
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 use std::ops::Range;
 use std::time::Instant;
 use throng_base::ground::{Held, Outsiders};
@@ -63,6 +63,21 @@ pub struct Event {
     pub who: usize,
     /// What.
     pub happened: Happened,
+}
+
+/// A thing of a scene, which hands take and put down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thing<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its lengths along x, y and z (m).
+    pub size: Vec3,
+    /// Where its middle is (m).
+    pub at: Vec3,
+    /// How it is turned.
+    pub turn: Quat,
+    /// The character that has it in hand.
+    pub keeper: Option<usize>,
 }
 
 /// What happened to a character.
@@ -427,6 +442,28 @@ impl Simulation {
             GroupCast::Air(agents) => agents.minds(),
             _ => None,
         })
+    }
+
+    /// Things of the scene, in its order, where they are now.
+    pub fn things(&self) -> impl Iterator<Item = Thing<'_>> + '_ {
+        let agents = self.casts.iter().zip(&self.firsts).find_map(|(cast, first)| match cast {
+            GroupCast::Ground(agents) => Some((agents, *first)),
+            _ => None,
+        });
+        let now = agents.into_iter().flat_map(|(agents, first)| agents.things().map(move |t| (t, first)));
+        now.zip(&self.scene().things).map(|((thing, first), config)| Thing {
+            name: &config.name,
+            size: Vec3::from_array(config.size_m),
+            at: thing.0,
+            turn: thing.1,
+            keeper: thing.2.map(|agent| first + agent),
+        })
+    }
+
+    /// What hands have done with things so far.
+    pub fn handled(&self) -> Handled {
+        let of = |cast: &GroupCast| if let GroupCast::Ground(agents) = cast { Some(agents.handled()) } else { None };
+        self.casts.iter().find_map(of).unwrap_or_default()
     }
 
     /// Lets an event of the scene happen now.

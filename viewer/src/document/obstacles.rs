@@ -5,27 +5,27 @@ use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::TAU;
 use throng_precompute::run::SeenObstacle;
 
-/// Height of what stands on the ground, which has none of its own (m).
-const HEIGHT_M: f32 = 0.35;
+/// Height of doors (m).
+pub const DOOR_M: f32 = 0.35;
 /// Half the thickness of walls without any (m).
 const THIN_M: f32 = 0.04;
 /// Corners of a round.
 const AROUND: usize = 40;
 
-/// One mesh of all that stands and hides what is behind it.
-pub fn mesh_of(obstacles: &[SeenObstacle], in_the_air: bool) -> SolidMesh {
+/// One mesh of all that stands and hides what is behind it, each with its height on the ground (m).
+pub fn mesh_of<'a>(obstacles: impl IntoIterator<Item = (&'a SeenObstacle, f32)>, in_the_air: bool) -> SolidMesh {
     let mut mesh = SolidMesh::default();
-    for obstacle in obstacles {
+    for (obstacle, height) in obstacles {
         match obstacle {
             SeenObstacle::Ball { centre, radius } if in_the_air => mesh.add_bar(*centre, *centre, *radius),
-            SeenObstacle::Ball { centre, radius } => prism(&mut mesh, &round(*centre, *radius)),
+            SeenObstacle::Ball { centre, radius } => prism(&mut mesh, &round(*centre, *radius), height),
             SeenObstacle::Wall { from, to, radius } if in_the_air => {
                 mesh.add_bar(*from, *to, radius.max(THIN_M));
             }
-            SeenObstacle::Wall { from, to, radius } => wall(&mut mesh, *from, *to, radius.max(THIN_M)),
-            SeenObstacle::Polygon(corners) => prism(&mut mesh, corners),
+            SeenObstacle::Wall { from, to, radius } => wall(&mut mesh, [*from, *to], radius.max(THIN_M), height),
+            SeenObstacle::Polygon(corners) => prism(&mut mesh, corners, height),
             SeenObstacle::Box(low, high) if !in_the_air => {
-                let top = Vec3::new(high.x, low.y + HEIGHT_M, high.z);
+                let top = Vec3::new(high.x, low.y + height, high.z);
                 mesh.add_box(0.5 * (*low + top), Quat::IDENTITY, 0.5 * (top - *low));
             }
             // Boxes in the air may surround all agents: only their edges are drawn. What moves is drawn where it is.
@@ -44,16 +44,16 @@ fn round(centre: Vec3, radius: f32) -> Vec<Vec3> {
 }
 
 /// A wall along a line, with square ends that reach as far as its round ones.
-fn wall(mesh: &mut SolidMesh, from: Vec3, to: Vec3, radius: f32) {
+fn wall(mesh: &mut SolidMesh, [from, to]: [Vec3; 2], radius: f32, height: f32) {
     let along = to - from;
     let turn = Quat::from_rotation_y(along.x.atan2(along.z));
-    let half = Vec3::new(radius, 0.5 * HEIGHT_M, 0.5 * along.length() + radius);
+    let half = Vec3::new(radius, 0.5 * height, 0.5 * along.length() + radius);
     mesh.add_box(0.5 * (from + to) + Vec3::Y * half.y, turn, half);
 }
 
 /// What stands on a polygon.
-fn prism(mesh: &mut SolidMesh, corners: &[Vec3]) {
-    let up = Vec3::Y * HEIGHT_M;
+fn prism(mesh: &mut SolidMesh, corners: &[Vec3], height: f32) {
+    let up = Vec3::Y * height;
     for (i, &a) in corners.iter().enumerate() {
         let b = corners[(i + 1) % corners.len()];
         mesh.add_triangle([a, b, b + up]);

@@ -1,11 +1,11 @@
 //! A scene: its file, its bundles and worlds, and its run.
 
-use super::obstacles::mesh_of;
+use super::obstacles::{DOOR_M, mesh_of};
 use super::world::unit_mesh;
 use crate::bundle::OpenBundle;
 use crate::render::{Ray, SolidMesh, upright};
 use crate::run::{Chooser, SceneRun};
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -81,6 +81,8 @@ pub struct Standing {
     pub in_the_air: bool,
     /// Doors, in the order of the scene file.
     pub doors: Vec<StandingDoor>,
+    /// Numbers of the meshes of things, in the order of the scene file.
+    pub things: Vec<u32>,
 }
 
 /// A door, which is in the way while it is closed.
@@ -422,7 +424,9 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
             add_fields(&mut hills, wanderers.ground(), paths.centre.into(), 0.5 * paths.area_m + BEYOND_M);
         }
     }
-    let mut meshes = vec![mesh_of(&out.obstacles, out.in_the_air)];
+    // Those in the air have none.
+    let heights = compiled.scene().environment.heights_m().chain(std::iter::repeat(DOOR_M));
+    let mut meshes = vec![mesh_of(out.obstacles.iter().zip(heights), out.in_the_air)];
     meshes.extend(hills);
     let mut seen: Vec<&Path> = Vec::new();
     for g in 0..compiled.scene().groups.len() {
@@ -446,8 +450,14 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
     for door in doors {
         if let SeenObstacle::Wall { from, to, .. } = door {
             out.doors.push(StandingDoor { mesh: meshes.len() as u32, ends: [from, to] });
-            meshes.push(mesh_of(&[door], false));
+            meshes.push(mesh_of([(&door, DOOR_M)], false));
         }
+    }
+    for thing in run.simulation().things() {
+        out.things.push(meshes.len() as u32);
+        let mut mesh = SolidMesh::default();
+        mesh.add_box(Vec3::ZERO, Quat::IDENTITY, 0.5 * thing.size);
+        meshes.push(mesh);
     }
     out.meshes = meshes.into();
     Ok(out)

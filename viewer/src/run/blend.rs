@@ -191,7 +191,7 @@ impl BlendRun {
                 heading: Some(self.place.heading),
                 turning_rate: Some(turning),
                 style,
-                look_at: None,
+                ..Control::default()
             };
             person.walkers.order(person.id, control)?;
             person.walkers.step(dt_s, &Inline)?;

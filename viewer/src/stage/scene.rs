@@ -34,6 +34,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, scene: &SceneDocument, pa
     let brush = Brush::new(model, scene, palette, dark);
     standing(out, scene.standing(), &brush);
     doors(out, scene.standing(), simulation, &brush);
+    things(out, scene.standing(), simulation, &brush);
     obstacles::lay_out(&mut out.shapes, scene.standing(), simulation.time_s(), &brush);
     agents::boards(&mut out.shapes, simulation, &model.selection.scene, &brush);
     for (g, group) in simulation.groups().iter().enumerate() {
@@ -163,6 +164,13 @@ fn doors(out: &mut Layout, standing: &Standing, simulation: &Simulation, brush: 
             out.solids.instances.push(SolidInstance::upright(door.mesh, Placement::IDENTITY, colour));
         }
     }
+}
+
+/// Things, where they lie or are held.
+fn things(out: &mut Layout, standing: &Standing, simulation: &Simulation, brush: &Brush<'_>) {
+    let colour = Rgba::hex(if brush.dark { 0x6fb3e0 } else { 0x1f6fa8 });
+    let all = simulation.things().zip(&standing.things);
+    out.solids.instances.extend(all.map(|(t, &mesh)| SolidInstance { mesh, at: t.at, turn: t.turn, colour }));
 }
 
 /// The character whose disc or place a ray meets, or nearly so.

@@ -103,6 +103,19 @@ pub struct PathFigures {
     pub below_ground_max_m: f64,
 }
 
+/// What hands did with things of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct ThingFigures {
+    /// Things that were taken.
+    pub things_taken: u32,
+    /// Things that were put down.
+    pub things_put: u32,
+    /// How far palms were from things as they closed around them, 95th percentile, rounded up to 10 mm (m).
+    pub hand_off_p95_m: f32,
+    /// The same at worst, 0.32 for all that is farther (m).
+    pub hand_off_max_m: f32,
+}
+
 /// What was measured of agents. Keys about time and events are of all of them together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct AgentFigures {
@@ -147,6 +160,9 @@ pub struct AgentFigures {
     /// Agents that know of a happening, where the scene has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub informed: Option<usize>,
+    /// What hands did with things, where the scene has any.
+    #[serde(flatten)]
+    pub things: Option<ThingFigures>,
     /// Order of lanes in the last quarter of the time that groups met: 0 as mixed as by chance, 1 all agents in lanes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lane_order: Option<f64>,

@@ -17,7 +17,7 @@ pub(crate) mod watch;
 
 pub use clock::running_s;
 pub use ensure::{Cached, ensure, ensure_bundle, ensure_motion, ensure_world, is_complete, is_motion, motion_name};
-pub use figures::{AgentFigures, BlowFigures, Figures, InhabitedFigures, PathFigures};
+pub use figures::{AgentFigures, BlowFigures, Figures, InhabitedFigures, PathFigures, ThingFigures};
 pub use meter::{Flow, HUMAN_FLOW_PER_M_S, OverlapMeter, ProgressMeter, Sight};
 pub use news::News;
 pub use own::{OWN_SCENES, own_scene};

@@ -57,7 +57,7 @@ fn walk_style(
             heading: Some(heading),
             turning_rate: None,
             style: values,
-            look_at: None,
+            ..Control::default()
         }
     };
     let mut walkers = Walkers::with_capacity(space, &[], WalkersConfig::default(), 1).map_err(wrong)?;

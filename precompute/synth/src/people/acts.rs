@@ -33,6 +33,19 @@ pub enum Act {
     Queue(Rest),
     /// Throws the arms up.
     Cheer,
+    /// Takes a thing that lies before him.
+    Take(Side, Height),
+    /// Puts a thing that he holds before him.
+    Put(Side, Height),
+}
+
+/// How high a thing lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Height {
+    /// On a table.
+    Table,
+    /// On a shelf, as high as the chest.
+    Shelf,
 }
 
 /// What hands do meanwhile.
@@ -62,6 +75,10 @@ const GIVEN: HandPose = HandPose { reach: 0.22, ..held([0.045, -0.3, 0.45], [0.3
 /// Over a counter, palm down and palm up.
 const OVER: HandPose = HandPose { reach: 0.2, ..held([0.12, -0.3, 0.46], [0.5, -1.0, -0.2], 0.7) };
 const UNDER: HandPose = HandPose { reach: 0.15, ..held([0.12, -0.34, 0.43], [0.5, -1.0, -0.2], -0.9) };
+/// Around a thing on a table, and on a shelf; carried beside the hip.
+const ON_TABLE: HandPose = HandPose { reach: 0.2, ..held([0.15, -0.52, 0.4], [0.7, -0.8, -0.4], 0.25) };
+const ON_SHELF: HandPose = HandPose { reach: 0.25, ..held([0.14, -0.28, 0.46], [0.7, -1.0, -0.2], 0.2) };
+const CARRIED: HandPose = held([0.2, -0.42, 0.16], [0.5, -1.0, -0.5], 0.4);
 /// At a bag or a pocket.
 const POCKET: HandPose = held([0.2, -0.48, 0.1], [0.6, -0.6, -0.8], 0.9);
 /// Clasped before the belly.
@@ -73,7 +90,7 @@ const UP: HandPose = HandPose { shrug: 0.25, ..held([0.34, 0.38, 0.1], [1.0, -0.
 
 impl Act {
     /// All acts, in the order in which clips are made.
-    pub const LIST: [Self; 23] = [
+    pub const LIST: [Self; 31] = [
         Self::Wave(Side::Right),
         Self::Handshake,
         Self::Look(Rest::Chin(Side::Right)),
@@ -97,6 +114,14 @@ impl Act {
         Self::Chat(0.2),
         Self::Queue(Rest::Clasp),
         Self::Nod(Side::Left),
+        Self::Take(Side::Right, Height::Table),
+        Self::Put(Side::Right, Height::Table),
+        Self::Take(Side::Left, Height::Table),
+        Self::Put(Side::Left, Height::Table),
+        Self::Take(Side::Right, Height::Shelf),
+        Self::Put(Side::Right, Height::Shelf),
+        Self::Take(Side::Left, Height::Shelf),
+        Self::Put(Side::Left, Height::Shelf),
     ];
 
     /// What it is called.
@@ -110,6 +135,8 @@ impl Act {
             Self::Sit => "sit",
             Self::Queue(_) => "queue",
             Self::Cheer => "cheer",
+            Self::Take(..) => "take",
+            Self::Put(..) => "put",
         }
     }
 
@@ -131,6 +158,8 @@ impl Act {
             Self::Sit => sit(s, rng),
             Self::Queue(rest) => stand(s, rest, 10.0, false, rng),
             Self::Cheer => cheer(s, rng),
+            Self::Take(side, height) => handle(s, side, height, true, rng),
+            Self::Put(side, height) => handle(s, side, height, false, rng),
         };
         let end = s.now();
         s.tags.push((self.tag(), 0.5 * BEFORE_S, end + 0.3));
@@ -221,6 +250,32 @@ fn buy(s: &mut Script, side: Side, rng: &mut impl Rng) -> Looped {
     s.hand(other, take + 1.0, 0.1, on(other, UNDER));
     s.look(take + 1.3, 0.3, 0.0, 0.12, 0.0);
     end(s, take + 1.0, 0.9);
+    None
+}
+
+/// Takes a thing, or puts it down. The tag of the hand goes from the grasp to the end of what is shown, or from its begin to
+/// where the thing is let go.
+fn handle(s: &mut Script, side: Side, height: Height, takes: bool, rng: &mut impl Rng) -> Looped {
+    let begin = 0.5 * BEFORE_S;
+    let from = s.now();
+    let (around, lean, down) = match height {
+        Height::Table => (ON_TABLE, 0.36, 0.35),
+        Height::Shelf => (ON_SHELF, 0.04, 0.1),
+    };
+    let body = around.body + DVec3::new(0.0, s.vary(0.02, rng), s.vary(0.02, rng));
+    let around = on(side, HandPose { body, ..around });
+    s.look(from + 0.4, 0.4, -0.08 * side.sign(), down, 0.0);
+    s.pose(from + 0.85, 0.85, chest(-0.1 * side.sign(), lean));
+    s.hand(side, from + 0.85, 0.8, around);
+    let grasp = from + 0.95;
+    s.hand(side, grasp, 0.1, around);
+    s.look(grasp + 0.5, 0.45, 0.0, 0.0, 0.0);
+    if takes {
+        s.hand(side, grasp + 0.6, 0.55, on(side, CARRIED));
+    }
+    end(s, grasp + if takes { 0.65 } else { 0.1 }, 0.8);
+    let tag = ["left_hand", "right_hand"][side.index()];
+    s.tags.push(if takes { (tag, grasp, s.now() + 0.3) } else { (tag, begin, grasp) });
     None
 }
 

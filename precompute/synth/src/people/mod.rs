@@ -1,5 +1,5 @@
 //! What people do when they stand: greeting, shaking hands, looking at things, buying, chatting, sitting down, waiting in a
-//! queue and cheering, one clip each.
+//! queue, cheering, taking things and putting them down, one clip each.
 //!
 //! `acts` writes each as a script, in the words of the office (`super::office`), which also poses the body.
 
@@ -14,11 +14,12 @@ use throng_core::Skeleton;
 use throng_motion::clip::ClipSet;
 
 /// Length of the list as `throng synth` makes it (min).
-pub const MINUTES: f64 = 3.5;
+pub const MINUTES: f64 = 4.7;
 
 /// Makes the `people` set, on the default skeleton, with the true contacts. Every clip begins and ends standing at ease
 /// and has two tags: what it shows (`greet`, `handshake`, `look`, `buy`, `chat`, `sit`, `queue`, `cheer`), and `loop` for
-/// the part that may go on, where there is one. As many are made as fill `minutes`, in the order of the list, again from
+/// the part that may go on, where there is one. Who takes (`take`) or puts down a thing (`put`) has a tag for the hand in which
+/// it is: `left_hand` or `right_hand`. As many are made as fill `minutes`, in the order of the list, again from
 /// its beginning when it has come to its end.
 ///
 /// - returns clips such as `people_greet_00`; on the chair of the office's desk where somebody sits.

@@ -3,6 +3,7 @@
 use super::{Posture, channel};
 use crate::contacts::Contacts;
 use crate::format::{ActivityMeta, ClipRecord, FrameRow, RotationCode, Table};
+use crate::hits::striking_offset;
 use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use glam::{Quat, Vec3};
@@ -30,6 +31,8 @@ pub struct Activity {
     pub duration_s: f32,
     /// Begin and end of the part that goes on until the activity is to end (s).
     pub looped_s: Option<[f32; 2]>,
+    /// From when to when the left and the right hand hold a thing; to infinity where it stays in the hand (s).
+    pub held_s: [Option<[f32; 2]>; 2],
     /// The body sits in the middle of it: it stands up before it walks away.
     pub is_seated: bool,
 }
@@ -67,6 +70,10 @@ impl ActivitySet {
         rate_hz: f32,
     ) -> Self {
         let seconds = |frames: u32| frames as f32 / rate_hz;
+        let held = |a: &ActivityMeta, [first, count]: [u32; 2]| {
+            let stays = first + count == a.num_frames;
+            [seconds(first), if stays { f32::INFINITY } else { seconds(first + count) }]
+        };
         let activity = |a: &ActivityMeta| Activity {
             name: a.name.clone(),
             tag: a.tag.clone(),
@@ -74,6 +81,7 @@ impl ActivitySet {
             num_frames: a.num_frames as usize,
             duration_s: seconds(a.num_frames - 1),
             looped_s: a.looped.map(|[first, count]| [seconds(first), seconds(first + count)]),
+            held_s: a.held.map(|h| h.map(|h| held(a, h))),
             is_seated: a.is_seated,
         };
         Self {
@@ -109,6 +117,21 @@ impl ActivitySet {
         let found = (0..).map(ActivityId).zip(self.all()).find(|(_, a)| a.name == name);
         let known = || self.all().iter().map(|a| a.name.clone()).collect();
         found.map(|(id, _)| id).ok_or_else(|| Error::Unknown { what: "activity", name: name.into(), known: known() })
+    }
+
+    /// Where a hand is at a time of an activity, as seen from where the root stood when it began: the palm, beyond the wrist
+    /// along the forearm (m).
+    ///
+    /// - `side`: 0 left, 1 right.
+    pub fn hand(&self, activity: &Activity, side: usize, seconds: f32) -> Vec3 {
+        let sample = self.sample(activity, seconds);
+        let mut joint = [Joint::LeftHand, Joint::RightHand][side];
+        let mut point = striking_offset(&self.skeleton, joint);
+        while let Some(parent) = joint.parent() {
+            point = sample.rotations[joint.index()] * point + self.skeleton.offsets[joint.index()];
+            joint = parent;
+        }
+        sample.rotations[0] * point + sample.hips
     }
 
     /// The body of an activity at a time (s, clamped to it).

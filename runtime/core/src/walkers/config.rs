@@ -83,6 +83,19 @@ pub struct Control {
     /// A point in the world that head and neck turn to, and the chest a little, while it lies within 70 degrees to the
     /// sides and 35 degrees up and down of where the body faces (m).
     pub look_at: Option<Vec3>,
+    /// What the left and the right hand reach for.
+    pub hands: [Option<Reach>; 2],
+}
+
+/// Where a palm is taken, by turning upper arm and forearm; the hand keeps its direction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reach {
+    /// In the world, or as seen from the root (m).
+    pub to: Vec3,
+    /// How far it is taken there (0 to 1).
+    pub share: f32,
+    /// `to` is as seen from the root, on the ground below the hips.
+    pub from_root: bool,
 }
 
 impl Control {
@@ -124,6 +137,10 @@ impl Control {
             ("look_at z", look_at.z),
         ] {
             moderate(what, Some(who), got)?;
+        }
+        for reach in self.hands.iter().flatten() {
+            reach.to.to_array().into_iter().try_for_each(|got| moderate("place of a hand", Some(who), got))?;
+            check("share of a reach", Some(who), reach.share, (0.0..=1.0).contains(&reach.share), "between 0 and 1")?;
         }
         self.style.iter().try_for_each(|&got| moderate("style", Some(who), got))
     }

@@ -24,7 +24,7 @@ use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use block::Block;
 use body::LaneBody;
 pub use cast::WalkerEvent;
-pub use config::{Control, WalkerStart, WalkersConfig};
+pub use config::{Control, Reach, WalkerStart, WalkersConfig};
 use gaze::Gaze;
 use glam::Vec3;
 use perform::Acting;

@@ -1,13 +1,15 @@
 //! Reaching: hips low enough for both legs, then legs and arms by analytic inverse kinematics.
 
-use super::block::Foot;
+use super::Control;
+use super::block::{Block, Foot};
 use super::body::{ARMS, LEGS, LaneBody};
 use super::feet::{Bearing, Sole};
 use super::spring::Spring;
+use crate::hits::FIST_PER_FOREARM;
 use crate::pose::{Lane, ModelPose, bend, load};
 use crate::skeleton::NUM_JOINTS;
-use glam::Vec3;
-use throng_base::simd::{Functions, Lanes, Q, V};
+use glam::{Vec2, Vec3};
+use throng_base::simd::{Functions, LANES, Lanes, Q, V};
 
 /// Share of a leg's length past which it gives way softly, and what it never passes.
 const SOFT: f32 = 0.97;
@@ -160,6 +162,49 @@ pub(crate) fn reach_hand<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, touch
         pose.positions[j] = V::select_lt(zero, touch, pose.positions[j], position);
         let (new, v) = (pose.rotations[j], V::select_lt(zero, touch, pose.rotations[j].v, rotation.v));
         pose.rotations[j] = Q::new(v, F::select_lt(zero, touch, new.w, rotation.w));
+    }
+}
+
+/// What the hands of eight characters are taken to.
+pub(crate) struct Hands {
+    /// x, y, z of each palm, left and right, in model space (m).
+    to: [[Lane; 3]; 2],
+    share: [Lane; 2],
+}
+
+impl Hands {
+    /// Of the characters of a block; none where no hand reaches for anything.
+    pub fn of(controls: &[Control], block: &Block) -> Option<Self> {
+        if controls.iter().all(|c| c.hands == [None; 2]) {
+            return None;
+        }
+        let mut out = Self { to: [[[0.0; LANES]; 3]; 2], share: [[0.0; LANES]; 2] };
+        for (lane, control) in controls.iter().enumerate() {
+            for (side, reach) in control.hands.iter().enumerate() {
+                let Some(reach) = reach else { continue };
+                let mut to = reach.to;
+                if reach.from_root {
+                    to.y += block.base[lane];
+                } else {
+                    let flat = block.root(lane).inverse_transform_point(Vec2::new(to.x, to.z));
+                    (to.x, to.z) = (flat.x, flat.y);
+                }
+                out.share[side][lane] = reach.share;
+                to.to_array().into_iter().zip(&mut out.to[side]).for_each(|(v, lanes)| lanes[lane] = v);
+            }
+        }
+        Some(out)
+    }
+
+    /// Bends arms so that palms lie there.
+    #[inline(always)]
+    pub fn reach<F: Lanes>(&self, body: &LaneBody, pose: &mut ModelPose<F>) {
+        for side in 0..2 {
+            let hand = ARMS[side][2].index();
+            let palm = pose.rotations[hand].rotate(load(&body.offsets[hand]) * F::splat(FIST_PER_FOREARM));
+            let [x, y, z] = self.to[side].each_ref().map(|v| F::load(v));
+            reach_hand(body, side, V::new(x, y, z) - palm, F::load(&self.share[side]), pose);
+        }
     }
 }
 

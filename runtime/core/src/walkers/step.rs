@@ -10,7 +10,7 @@ use super::feet::{Bearing, Sole, Tread, about_y, ball_share, tread};
 use super::footing::{self, Footing, Over};
 use super::gaze::Eyes;
 use super::perform::Stage;
-use super::reach::{lower, reach_foot, reach_hand, slow_knee, stretched, tiptoe};
+use super::reach::{Hands, lower, reach_foot, reach_hand, slow_knee, stretched, tiptoe};
 use super::spring::Spring;
 use super::steer::Steering;
 use super::{Act, Control, WalkersConfig};
@@ -161,7 +161,10 @@ impl Work for Blend<'_, '_> {
                 let share = act.lay(self.tick, look_at, (block, body, lane), &mut postures[lane]);
                 [importance[0][lane], importance[1][lane]] = both.map(|of| of + (1.0 - of) * share);
             }
-            let model = retarget::<F>(block, body, &postures, &importance, self.tick);
+            let mut model = retarget::<F>(block, body, &postures, &importance, self.tick);
+            if let Some(hands) = Hands::of(&controls[from..from + count], block) {
+                hands.reach(body, &mut model);
+            }
             let joints = from * NUM_JOINTS..(from + count) * NUM_JOINTS;
             write_matrices(&model, &mut matrices[joints.clone()]);
             if let Some(locals) = locals.get_mut(joints) {

@@ -1,18 +1,19 @@
 //! Bodies of the agents of a scene, blended from example motions.
 
 use super::stage::{Outside, Shown};
+use super::things::{Grasps, grasps};
 use super::troop::{SavedTroop, Troop};
 use super::{Agents, plan};
 use crate::compile::CompiledScene;
 use crate::kind::{Tick, refused};
 use crate::wander::skeletons;
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use std::ops::Range;
 use std::sync::Arc;
 use throng_base::Result;
 use throng_base::maths;
 use throng_core::blend::ActivityId;
-use throng_core::walkers::Performance;
-use throng_core::walkers::{Walkers, WalkersConfig};
+use throng_core::walkers::{Performance, Performing, Reach, Walkers, WalkersConfig};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{Id, Space};
 
@@ -108,17 +109,23 @@ impl Followers {
         let troop = &mut self.troops[t];
         let ahead = shown.faces.map(|faces| (faces - at).xz());
         troop.look(row, ahead, shown.faces);
+        troop.stand(row, shown.stands.map(|at| at.xz()));
         let is_new = std::mem::replace(&mut self.told[agent - self.first], shown) != shown;
         let Some(motion) = shown.motion else {
             return if is_new { troop.perform(row, None) } else { Ok(()) };
         };
+        let heading = ahead.filter(|a| a.length_squared() > 1e-4).map(|a| maths::atan2(a.x, a.y));
+        if let Some(activity) = shown.once {
+            // Who still walked when it was told has not begun.
+            let begins = is_new || !troop.is_performing(row) && outside.things.is_awaited(agent as u32);
+            return if begins { troop.perform(row, Some(Performance { activity, heading })) } else { Ok(()) };
+        }
         let all = &self.activities[t][usize::from(motion)];
         if all.is_empty() || !is_new && (troop.is_performing(row) || troop.is_once(all[0])) {
             return Ok(());
         }
         // Another one for each, and for each time.
         let turn = agent + (outside.crowd.now() * 0.37) as usize;
-        let heading = ahead.filter(|a| a.length_squared() > 1e-4).map(|a| maths::atan2(a.x, a.y));
         troop.perform(row, Some(Performance { activity: all[turn % all.len()], heading }))
     }
 
@@ -144,6 +151,42 @@ impl Followers {
         }
         self.told.copy_from_slice(&shown[self.first..self.first + self.count]);
         Ok(())
+    }
+
+    /// Numbers of the agents whose bodies they are.
+    pub fn agents(&self) -> Range<usize> {
+        self.first..self.first + self.count
+    }
+
+    /// Of each troop and each tag of motion: how hands take things and put them down.
+    pub fn grasps(&self) -> Vec<Vec<Grasps>> {
+        let of_troop = |(troop, tags): (&Troop, &Vec<Vec<ActivityId>>)| {
+            let set = troop.walkers().space().activities();
+            tags.iter().map(|activities| grasps(set, activities)).collect()
+        };
+        self.troops.iter().zip(&self.activities).map(of_troop).collect()
+    }
+
+    /// True where an agent has entered: its body is there.
+    pub fn is_there(&self, agent: usize) -> bool {
+        (agent - self.first) / self.troops.len() < self.walkers_of(agent).0.len()
+    }
+
+    /// What the body of an agent performs.
+    pub fn performing(&self, agent: usize) -> Option<Performing> {
+        let (walkers, w) = self.walkers_of(agent);
+        walkers.performing(w)
+    }
+
+    /// Hands reach for nothing any more.
+    pub fn free_hands(&mut self) {
+        self.troops.iter_mut().for_each(Troop::free_hands);
+    }
+
+    /// Lets a hand of an agent's body reach for something in the next step: 0 left, 1 right.
+    pub fn reach(&mut self, agent: usize, side: usize, reach: Reach) {
+        let num = self.troops.len();
+        self.troops[agent % num].reach((agent - self.first) / num, side, reach);
     }
 
     /// True where the body of an agent is among them.

@@ -6,10 +6,12 @@ mod message;
 mod places;
 mod snapshot;
 mod stage;
+mod things;
 pub(crate) mod troop;
 mod ways;
 
 pub use layout::Layout;
+pub use things::Handled;
 
 use crate::compile::CompiledScene;
 use crate::kind::{Kind, Tick};
@@ -17,7 +19,7 @@ use crate::scenario::{Minds, Stage};
 use crate::scene::Motion;
 use crate::{Event, Happened};
 use followers::Followers;
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 use stage::Outside;
 use std::sync::Arc;
 use std::time::Instant;
@@ -71,6 +73,7 @@ impl<V: Space> Agents<V> {
         for (g, group) in scene.groups.iter().enumerate() {
             if group.is_of_agents() && group.motion == Motion::Blend {
                 let bodies = Followers::new(compiled, g, &agents)?;
+                agents.outside.things.know(&bodies);
                 agents.followers.push(bodies);
             }
         }
@@ -225,7 +228,9 @@ impl<V: Space> Kind for Agents<V> {
         self.outside.agents_told.clone_from(&self.outside.agent_of);
         done?;
         let begin = self.spent.is_some().then(Instant::now);
+        self.outside.things.direct(&mut self.followers, tick.dt_s);
         self.followers.iter_mut().try_for_each(|f| f.step(&self.outside, tick))?;
+        self.move_things(tick.dt_s);
         if let (Some(spent), Some(begin)) = (&mut self.spent, begin) {
             spent.bodies_s += begin.elapsed().as_secs_f64();
         }
@@ -350,6 +355,26 @@ impl<V: Space> Agents<V> {
         let (centre, radius) = (in_world(at), self.layout().setup.agents[agent].radius);
         let root = Planar { x: centre.x, z: centre.z, heading: maths::atan2(ahead.x, ahead.y) };
         Some(Disc { root, centre, velocity: in_world(velocity), radius, knows: self.knows(agent) > 0 })
+    }
+
+    /// Things go where the hands are in which they are.
+    fn move_things(&mut self, dt_s: f32) {
+        if !self.outside.things.all.is_empty() {
+            let mut things = std::mem::take(&mut self.outside.things);
+            things.follow(&self.followers, |agent| self.disc(agent as usize).map(|d| d.root), dt_s);
+            self.outside.things = things;
+        }
+    }
+
+    /// Things of the scene, in its order: where they are (m), how they are turned, and the agent that has them in hand.
+    pub fn things(&self) -> impl ExactSizeIterator<Item = (Vec3, Quat, Option<usize>)> + '_ {
+        let all = self.outside.things.all.iter();
+        all.map(|t| (t.at, Quat::from_array(t.turn), t.keeper.map(|agent| agent as usize)))
+    }
+
+    /// What hands have done so far.
+    pub fn handled(&self) -> Handled {
+        self.outside.things.handled
     }
 
     /// The bodies among which that of an agent is.

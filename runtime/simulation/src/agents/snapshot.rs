@@ -2,13 +2,14 @@
 
 use super::Agents;
 use super::stage::Shown;
+use super::things::{Handled, Thing};
 use super::troop::SavedTroop;
 use crate::kind::refused;
 use serde::{Deserialize, Serialize};
 use throng_base::{Bytes, Id, Result, SnapshotKind};
 use throng_crowd::Space;
 
-const KIND: SnapshotKind = SnapshotKind { what: "agents", tag: *b"AGNT", version: 2, setup: 0 };
+const KIND: SnapshotKind = SnapshotKind { what: "agents", tag: *b"AGNT", version: 3, setup: 0 };
 
 /// All that time changes. Names are those of [`super::stage::Outside`] and its layout.
 #[derive(Serialize, Deserialize)]
@@ -20,6 +21,8 @@ struct Saved<V> {
     sent: Vec<u32>,
     told: Vec<Option<u16>>,
     shown: Vec<Shown>,
+    things: Vec<Thing>,
+    handled: Handled,
     ways: Vec<Vec<V>>,
     arrivals: Vec<f32>,
     minds: Option<Bytes>,
@@ -40,6 +43,8 @@ impl<V: Space> Agents<V> {
             sent: outside.sent.clone(),
             told: outside.told.clone(),
             shown: outside.shown.clone(),
+            things: outside.things.all.clone(),
+            handled: outside.things.handled,
             ways: outside.layout.ways.clone(),
             arrivals: outside.layout.arrivals.clone(),
             minds: self.minds.as_ref().map(|minds| {
@@ -78,6 +83,8 @@ impl<V: Space> Agents<V> {
         (outside.ids, outside.agent_of) = (saved.ids, saved.agent_of);
         outside.agents_told.clone_from(&outside.agent_of);
         (outside.sent, outside.told, outside.shown) = (saved.sent, saved.told, saved.shown);
+        (outside.things.all, outside.things.handled) = (saved.things, saved.handled);
+        outside.things.reaches = true;
         (outside.layout.ways, outside.layout.arrivals) = (saved.ways, saved.arrivals);
         outside.newcomers.clear();
         Ok(())
@@ -96,9 +103,10 @@ impl<V: Space> Agents<V> {
         if saved.told.iter().flatten().any(|&h| usize::from(h) >= happenings) {
             return Err("somebody knows of what has not happened");
         }
+        self.outside.things.check(&saved.things, n)?;
         let is_way = |way: &Vec<V>| !way.is_empty() && way.iter().all(|at| at.is_finite());
         let has_room = saved.sent.iter().all(|&sent| sent < u32::MAX / 64);
-        let is_seen = saved.shown.iter().all(|s| s.faces.is_none_or(|f| f.is_finite()));
+        let is_seen = saved.shown.iter().all(|s| [s.faces, s.stands].iter().flatten().all(|f| f.is_finite()));
         let are_agents = saved.agent_of.iter().all(|&a| (a as usize) < n);
         match saved.ways.iter().all(is_way)
             && saved.arrivals.iter().all(|a| a.is_finite())

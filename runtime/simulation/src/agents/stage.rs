@@ -1,12 +1,14 @@
 //! The crowd as the minds of its agents see it, and how they act in it.
 
 use super::layout::Layout;
-use crate::scenario::{Signal, Stage};
+use super::things::Things;
+use crate::scenario::{Handling, Signal, Stage};
 use crate::scene::GoalConfig;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 use throng_base::Result;
+use throng_core::blend::ActivityId;
 use throng_crowd::{
     AtEnd, Crowd, CrowdError, Event, EventKind, Go, Id, InterestAt, PersonalInterest, Route, Sense, Space,
 };
@@ -31,6 +33,7 @@ pub(crate) struct Outside<V> {
     pub told: Vec<Option<u16>>,
     /// Of each agent: what its body does.
     pub shown: Vec<Shown>,
+    pub things: Things,
     /// Agents who have entered since bodies looked last.
     pub newcomers: Vec<u32>,
     /// Somebody lives by more than a goal.
@@ -46,6 +49,10 @@ pub(crate) struct Shown {
     pub motion: Option<u16>,
     /// What it faces (m).
     pub faces: Option<Vec3>,
+    /// What it shows once, in place of motion of the tag again and again: it takes a thing, or puts it down.
+    pub once: Option<ActivityId>,
+    /// Where the body stands meanwhile, whatever moves its disc about (m).
+    pub stands: Option<Vec3>,
 }
 
 impl<V: Space> Outside<V> {
@@ -78,6 +85,7 @@ impl<V: Space> Outside<V> {
             sent: vec![0; num],
             told: vec![None; num],
             shown: vec![Shown::default(); num],
+            things: Things::new(&layout.scene.things),
             newcomers: Vec::with_capacity(num),
             is_minded: false,
             ways_s: None,
@@ -212,7 +220,39 @@ impl<V: Space> Stage for Outside<V> {
     }
 
     fn show(&mut self, agent: u32, motion: Option<u16>, faces: Option<Vec3>) {
-        self.shown[agent as usize] = Shown { motion, faces };
+        self.shown[agent as usize] = Shown { motion, faces, ..Shown::default() };
+    }
+
+    fn thing_at(&self, thing: u16) -> Vec3 {
+        self.things.all[usize::from(thing)].at
+    }
+
+    fn has_in_hand(&self, agent: u32, thing: u16) -> bool {
+        self.things.all[usize::from(thing)].keeper == Some(agent)
+    }
+
+    fn stance(&self, agent: u32, motion: Option<u16>, handling: Handling, side: u32) -> Option<(Vec3, f32)> {
+        let from = self.position(agent).unwrap_or_default();
+        self.things.stance(agent, motion, handling, (from, side))
+    }
+
+    fn handle(&mut self, agent: u32, motion: Option<u16>, handling: Handling) {
+        let from = self.position(agent).unwrap_or_default();
+        let (once, faces) = self.things.begin(agent, motion, handling, from);
+        self.shown[agent as usize] =
+            Shown { motion: motion.filter(|_| once.is_some()), faces, once, stands: once.map(|_| from) };
+    }
+
+    fn settle(&mut self, agent: u32, thing: u16, is_done: bool) -> bool {
+        self.things.settle(agent, thing, is_done)
+    }
+
+    fn is_over(&self, agent: u32, thing: u16) -> bool {
+        self.things.is_over(agent, thing)
+    }
+
+    fn let_go(&mut self, thing: u16) {
+        self.things.let_go(thing);
     }
 
     fn set_open(&mut self, door: u16, open: bool) -> Result<bool> {

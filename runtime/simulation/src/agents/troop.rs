@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_base::{Bytes, Error, Result, Run, run_each};
 use throng_core::blend::ActivityId;
-use throng_core::walkers::{Control, Performance, WalkerStart, Walkers};
+use throng_core::walkers::{Control, Performance, Reach, WalkerStart, Walkers};
 use throng_core::{Bodies, Cast, Planar};
 use throng_crowd::{Crowd, Id};
 
@@ -14,6 +14,8 @@ use throng_crowd::{Crowd, Id};
 const SLOW_MPS: f32 = 0.3;
 /// Height at which people look at each other and at pictures (m).
 const EYES_M: f32 = 1.55;
+/// Time in which half of the way back to its disc is made by a body that stood still (s).
+const BACK_HALF_LIFE_S: f32 = 0.15;
 
 /// Bodies of one blend space, row by row as their walkers.
 #[derive(Clone, Debug)]
@@ -22,6 +24,17 @@ pub(crate) struct Troop {
     /// Whose bodies they are.
     pub agents: Vec<Id>,
     controls: Vec<Control>,
+    /// Where bodies stand that do not follow their discs.
+    still: Vec<Still>,
+}
+
+/// A body that stands still while its disc is moved about a little, and what is left of the way back to it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Still {
+    /// Where it stands, x and z (m).
+    at: Option<Vec2>,
+    /// How far it is from the middle of its disc (m).
+    off: Vec2,
 }
 
 /// What the next steps of a troop depend on, beside the crowd and whose bodies they are.
@@ -29,6 +42,7 @@ pub(crate) struct Troop {
 pub(crate) struct SavedTroop {
     /// What bodies were told last.
     controls: Vec<Control>,
+    still: Vec<Still>,
     walkers: Bytes,
 }
 
@@ -36,7 +50,12 @@ impl Troop {
     /// Nobody yet; takes all memory that walkers of this capacity need.
     pub fn new(walkers: Walkers) -> Self {
         let room = walkers.capacity();
-        Self { walkers, agents: Vec::with_capacity(room), controls: Vec::with_capacity(room) }
+        Self {
+            walkers,
+            agents: Vec::with_capacity(room),
+            controls: Vec::with_capacity(room),
+            still: Vec::with_capacity(room),
+        }
     }
 
     /// Gives an agent a body where it is now. It faces the way that the agent moves, or `ahead` where it is slow.
@@ -56,6 +75,7 @@ impl Troop {
         self.walkers.spawn(WalkerStart { body, root: Planar { x: at.x, z: at.y, heading }, phase })?;
         self.agents.push(agent);
         self.controls.push(standing(at, heading));
+        self.still.push(Still::default());
         Ok(())
     }
 
@@ -64,12 +84,14 @@ impl Troop {
         self.walkers.despawn(self.walkers.bodies().ids[row])?;
         self.agents.swap_remove(row);
         self.controls.swap_remove(row);
+        self.still.swap_remove(row);
         Ok(())
     }
 
     /// Puts the body of a row elsewhere (row < number of bodies).
     pub fn place(&mut self, row: usize, root: Planar) -> Result<()> {
         self.controls[row] = standing(Vec2::new(root.x, root.z), root.heading);
+        self.still[row] = Still::default();
         self.walkers.place(self.walkers.bodies().ids[row], root)
     }
 
@@ -80,6 +102,21 @@ impl Troop {
             self.controls[row].heading = Some(maths::atan2(ahead.x, ahead.y));
         }
         self.controls[row].look_at = at.map(|at| at + Vec3::Y * EYES_M);
+    }
+
+    /// Lets the body of a row stand still at a place (x, z), or follow its disc again (row < number of bodies).
+    pub fn stand(&mut self, row: usize, at: Option<Vec2>) {
+        self.still[row].at = at;
+    }
+
+    /// Hands reach for nothing any more.
+    pub fn free_hands(&mut self) {
+        self.controls.iter_mut().for_each(|c| c.hands = [None; 2]);
+    }
+
+    /// Lets a hand of the body of a row reach for something: 0 left, 1 right (row < number of bodies).
+    pub fn reach(&mut self, row: usize, side: usize, reach: Reach) {
+        self.controls[row].hands[side] = Some(reach);
     }
 
     /// Lets the body of a row perform an activity (row < number of bodies).
@@ -101,9 +138,13 @@ impl Troop {
     /// Moves all bodies on, to where their agents are now.
     pub fn step(&mut self, crowd: &Crowd, dt_s: f32, run: &dyn Run) -> Result<()> {
         let now = crowd.now();
-        let parts = self.agents.chunks(PART).zip(self.controls.chunks_mut(PART));
-        run_each(run, parts, |(agents, controls)| {
-            agents.iter().zip(controls).for_each(|(&agent, control)| steer(crowd, agent, now, control));
+        let told = self.controls.chunks_mut(PART).zip(self.still.chunks_mut(PART));
+        let keep = maths::exp2(-dt_s / BACK_HALF_LIFE_S);
+        run_each(run, self.agents.chunks(PART).zip(told), |(agents, (controls, still))| {
+            for ((&agent, control), still) in agents.iter().zip(controls).zip(still) {
+                steer(crowd, agent, now, control);
+                still.lead(control, keep);
+            }
         });
         for (row, &control) in self.controls.iter().enumerate() {
             self.walkers.order(self.walkers.bodies().ids[row], control)?;
@@ -130,7 +171,7 @@ impl Troop {
     pub fn saved(&self) -> SavedTroop {
         let mut walkers = Bytes::default();
         self.walkers.save(&mut walkers.0);
-        SavedTroop { controls: self.controls.clone(), walkers }
+        SavedTroop { controls: self.controls.clone(), still: self.still.clone(), walkers }
     }
 
     /// Goes back to what was saved, of the agents that it has.
@@ -138,8 +179,12 @@ impl Troop {
     /// # Errors
     /// [`Error::Snapshot`]; a part may have been loaded then.
     pub fn load(&mut self, saved: &SavedTroop) -> Result<()> {
-        let SavedTroop { controls, walkers } = saved;
+        let SavedTroop { controls, still, walkers } = saved;
         let mut told = self.agents.iter().zip(controls);
+        let is_finite = |s: &Still| s.off.is_finite() && s.at.is_none_or(Vec2::is_finite);
+        if still.len() != controls.len() || !still.iter().all(is_finite) {
+            return Err(refused("bodies", "they stand where none can"));
+        }
         if controls.len() != self.agents.len() || !told.all(|(&id, c)| c.check(id).is_ok()) {
             return Err(refused("bodies", "they are told what cannot be"));
         }
@@ -149,7 +194,23 @@ impl Troop {
         }
         // The vector keeps its capacity.
         self.controls.clone_from(controls);
+        self.still.clone_from(still);
         Ok(())
+    }
+}
+
+impl Still {
+    /// Displaces what a body is told.
+    ///
+    /// - `keep`: share of the way back that is left after a step.
+    fn lead(&mut self, control: &mut Control, keep: f32) {
+        let Some(disc) = control.position else { return };
+        if let Some(at) = self.at {
+            (self.off, control.velocity) = (at - disc, Vec2::ZERO);
+        } else {
+            self.off *= if self.off.length_squared() < 1e-8 { 0.0 } else { keep };
+        }
+        control.position = Some(disc + self.off);
     }
 }
 

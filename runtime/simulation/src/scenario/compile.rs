@@ -87,6 +87,7 @@ impl<'a> Compiler<'a> {
             events: names("events", events)?,
             values: Names(scene.values.keys().cloned().collect()),
             doors: names("environment.doors", scene.environment.doors.iter().map(|d| &d.name).collect())?,
+            things: names("things", scene.things.iter().map(|t| &t.name).collect())?,
             how: Names(How::NAMES.iter().map(|h| (*h).to_string()).collect()),
             has_other: false,
             has_place: false,
@@ -119,6 +120,7 @@ impl<'a> Compiler<'a> {
             events: Vec::new(),
             places: Vec::new(),
             slots: Vec::new(),
+            things: scene.things.iter().map(|t| Vec3::from_array(t.at)).collect(),
             rules: Vec::new(),
             rules_of: Vec::new(),
             rule_order: Vec::new(),
@@ -748,6 +750,10 @@ impl<'a> Compiler<'a> {
             }
         }
         match words[0].1 {
+            Word::Take | Word::Put => {
+                let Operand::Number(thing) = said[0] else { return wrong(key, "expected the name of a thing") };
+                claims = if words[0].1 == Word::Take { Claims::Take(thing) } else { Claims::Put(thing) };
+            }
             Word::Slot if matches!(said[0], Operand::Spot(_)) => claims = Claims::Slot,
             Word::Queue => {
                 let is_queue =
@@ -805,6 +811,9 @@ impl<'a> Compiler<'a> {
                 }
             }
             (Word::Target | Word::Slot | Word::Queue, _) => return expected("a point, or the name of a place"),
+            (Word::Rest, WordConfig::Point(at)) if at.len() == 3 => Operand::Point(point(at).to_array()),
+            (Word::Rest, _) => return expected("a point of three numbers: x, y up, z"),
+            (Word::Take | Word::Put, WordConfig::Text(name)) => Operand::Number(self.name(Sort::Thing, name, key)?),
             (Word::Place, WordConfig::Text(name)) => Operand::Number(self.name(Sort::Place, name, key)?),
             (Word::Event, WordConfig::Text(name)) => Operand::Number(self.name(Sort::Event, name, key)?),
             (Word::Door, WordConfig::Text(name)) => Operand::Number(self.name(Sort::Door, name, key)?),

@@ -17,6 +17,7 @@ const SLOT_M: f32 = 0.15;
 impl Minds {
     /// Begins a behaviour that is about an event.
     pub(super) fn start(&mut self, stage: &mut impl Stage, agent: u32, actions: u32, context: Context) -> Result<()> {
+        self.settle(stage, agent, false);
         let mind = &mut self.minds[agent as usize];
         (mind.context, mind.begun) = (context, mind.begun.wrapping_add(1));
         self.enter_action(stage, agent, actions)
@@ -24,6 +25,7 @@ impl Minds {
 
     /// The action of an agent is over.
     pub(super) fn next_action(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
+        self.settle(stage, agent, true);
         let mind = self.minds[agent as usize];
         if let Action::Primitive { .. } = self.action(mind.action) {
             // What was asked for a while is over.
@@ -101,6 +103,10 @@ impl Minds {
         };
         let context = mind.context;
         let mut said = self.said(stage, agent, context, &words);
+        if matches!(claims, Claims::Take(_) | Claims::Put(_)) {
+            self.release(stage, agent)?;
+            return self.fetch(stage, agent, claims, &said);
+        }
         if claims == Claims::Nothing {
             self.release(stage, agent)?;
             if let Some(place) = self.place_of(&words[0], context) {
@@ -167,7 +173,7 @@ impl Minds {
         Ok(())
     }
 
-    fn stand_until(&mut self, agent: u32, stay_s: f64) -> Result<()> {
+    pub(super) fn stand_until(&mut self, agent: u32, stay_s: f64) -> Result<()> {
         let mind = &mut self.minds[agent as usize];
         (mind.phase, mind.until) = (Phase::Standing, self.now + stay_s);
         Ok(())
@@ -183,6 +189,9 @@ impl Minds {
         let mut said = self.said(stage, agent, mind.context, &words);
         if let Some(slot) = self.scenario.slots.get(mind.slot as usize) {
             (said.targets[0], said.facing) = (Some(slot.at), Some(slot.facing));
+        }
+        if matches!(claims, Claims::Take(_) | Claims::Put(_)) {
+            return self.use_hands(stage, agent, (claims, motion), &said);
         }
         if let Claims::Queue(into) = claims {
             stage.show(agent, motion, said.facing);

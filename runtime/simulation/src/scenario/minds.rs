@@ -89,6 +89,8 @@ pub struct Minds {
     pub(super) bonds: Vec<[(u32, f32); 4]>,
     /// Who holds each slot; [`NONE`] for nobody.
     pub(super) holders: Vec<u32>,
+    /// Who has each thing in hand, or goes to take it; [`NONE`] for nobody.
+    pub(super) keepers: Vec<u32>,
     pub(super) is_open: Vec<bool>,
     /// Doors that are to close, once nobody stands in them.
     pub(super) closing: Vec<f64>,
@@ -133,6 +135,7 @@ impl Minds {
             followed: vec![f64::NEG_INFINITY; num * scenario.num_pauses],
             bonds: vec![[(NONE, 0.0); 4]; if scenario.befriends() { num } else { 0 }],
             holders: vec![NONE; scenario.slots.len()],
+            keepers: vec![NONE; scenario.things.len()],
             is_open: doors.to_vec(),
             closing: vec![f64::INFINITY; doors.len()],
             due: vec![f64::INFINITY; num_events],
@@ -251,7 +254,10 @@ impl Minds {
                 _ => self.push(agent, trigger::ARRIVES, Context::default()),
             },
             Signal::Left(agent) => self.leave(stage, agent)?,
-            Signal::Stuck(agent) => self.push(agent, trigger::STUCK, Context::default()),
+            Signal::Stuck(agent) => {
+                self.push(agent, trigger::STUCK, Context::default());
+                self.give_up(stage, agent)?;
+            }
             Signal::Timer(agent) => self.act_in_time(stage, agent)?,
         }
         self.finish(stage)
@@ -314,6 +320,7 @@ impl Minds {
 
     fn leave(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
         self.release(stage, agent)?;
+        self.let_go(stage, agent);
         let mind = &mut self.minds[agent as usize];
         (mind.is_there, mind.action, mind.phase) = (false, NONE, Phase::Idle);
         (mind.until, mind.again, mind.most) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);

@@ -125,6 +125,11 @@ impl<S: Stage> Perception for View<'_, S> {
                 let [first, last] = minds.scenario.groups[usize::from(group)].agents;
                 minds.minds[first as usize..last as usize].iter().filter(|m| m.is_there).count() as f64
             }
+            Load::Taken(thing) => f64::from(u8::from(minds.keepers[usize::from(thing)] != NONE)),
+            Load::Holds(who, thing) => {
+                let keeper = minds.keepers[usize::from(thing)];
+                f64::from(u8::from(keeper != NONE && self.who(who) == Some(keeper)))
+            }
             Load::Open(door) => f64::from(u8::from(minds.is_open[usize::from(door)])),
         }
     }

@@ -8,7 +8,7 @@ use crate::kind::refused;
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, SnapshotKind};
 
-const KIND: SnapshotKind = SnapshotKind { what: "minds", tag: *b"MIND", version: 3, setup: 0 };
+const KIND: SnapshotKind = SnapshotKind { what: "minds", tag: *b"MIND", version: 4, setup: 0 };
 
 /// All that time changes. Names are those of [`Minds`].
 #[derive(Serialize, Deserialize)]
@@ -20,6 +20,7 @@ struct Saved {
     followed: Vec<f64>,
     bonds: Vec<[(u32, f32); 4]>,
     holders: Vec<u32>,
+    keepers: Vec<u32>,
     is_open: Vec<bool>,
     closing: Vec<f64>,
     due: Vec<f64>,
@@ -43,6 +44,7 @@ impl Minds {
             followed: self.followed.clone(),
             bonds: self.bonds.clone(),
             holders: self.holders.clone(),
+            keepers: self.keepers.clone(),
             is_open: self.is_open.clone(),
             closing: self.closing.clone(),
             due: self.due.clone(),
@@ -69,6 +71,7 @@ impl Minds {
         (self.holders, self.is_open, self.closing) = (saved.holders, saved.is_open, saved.closing);
         (self.due, self.times, self.happened) = (saved.due, saved.times, saved.happened);
         (self.was_true, self.enters, self.entered) = (saved.was_true, saved.enters, saved.entered);
+        self.keepers = saved.keepers;
         (self.boards, self.ended) = (saved.boards, saved.ended);
         Ok(())
     }
@@ -83,6 +86,7 @@ impl Minds {
             (saved.followed.len(), self.followed.len()),
             (saved.bonds.len(), self.bonds.len()),
             (saved.holders.len(), self.holders.len()),
+            (saved.keepers.len(), self.keepers.len()),
             (saved.is_open.len(), self.is_open.len()),
             (saved.closing.len(), self.closing.len()),
             (saved.due.len(), self.due.len()),
@@ -153,7 +157,8 @@ impl Minds {
         let feelings = saved.feelings.iter().all(|f| f.value.is_finite() && f.rate.is_finite() && is_time(f.since));
         let entered =
             saved.entered.iter().zip(&scenario.groups).all(|(e, g)| g.there <= *e && *e <= g.agents[1] - g.agents[0]);
-        match (0u32..).zip(&saved.holders).all(is_held) && learnt && bonds && feelings && entered {
+        let kept = saved.keepers.iter().all(|k| is_agent(*k));
+        match (0u32..).zip(&saved.holders).all(is_held) && kept && learnt && bonds && feelings && entered {
             true => Ok(()),
             false => Err("somebody holds, feels or has learnt what cannot be"),
         }

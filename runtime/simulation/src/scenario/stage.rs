@@ -1,7 +1,19 @@
 //! What minds ask of the crowd that they live in.
 
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 use throng_base::Result;
+
+/// What hands do with a thing.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Handling {
+    /// Its number in the scene.
+    pub thing: u16,
+    /// It is put down; else it is taken.
+    pub puts: bool,
+    /// Where it lies, or is to lie (m).
+    pub at: Vec3,
+}
 
 /// The world as minds see it, and how they act in it. Agents are numbered as in the scene.
 pub trait Stage {
@@ -51,6 +63,32 @@ pub trait Stage {
 
     /// What the body of an agent does from now on: motion of a tag, facing a place.
     fn show(&mut self, agent: u32, motion: Option<u16>, faces: Option<Vec3>);
+
+    /// Where a thing is (m).
+    fn thing_at(&self, thing: u16) -> Vec3;
+
+    /// True where an agent has a thing in hand.
+    fn has_in_hand(&self, agent: u32, thing: u16) -> bool;
+
+    /// Where an agent stands to take a thing or to put it down with motion of a tag, and how near is there (m); `None` where
+    /// no hand is free.
+    ///
+    /// - `side`: from which side: 0 is the one from which the agent comes, others follow it to the left and to the right.
+    fn stance(&self, agent: u32, motion: Option<u16>, handling: Handling, side: u32) -> Option<(Vec3, f32)>;
+
+    /// Lets hands take a thing or put it down, in the course of motion of a tag.
+    fn handle(&mut self, agent: u32, motion: Option<u16>, handling: Handling);
+
+    /// True where an agent has taken a thing, or put it down, and the motion is over.
+    fn is_over(&self, agent: u32, thing: u16) -> bool;
+
+    /// What hands do with a thing ends. `is_done`: as it was meant, however far the motion is; else the thing stays where it is.
+    ///
+    /// - returns true where the agent has it in hand.
+    fn settle(&mut self, agent: u32, thing: u16, is_done: bool) -> bool;
+
+    /// A thing drops to the ground.
+    fn let_go(&mut self, thing: u16);
 
     /// Opens or closes a door.
     ///

@@ -65,6 +65,8 @@ pub struct Scenario {
     pub(super) events: Vec<EventTable>,
     pub(super) places: Vec<PlaceTable>,
     pub(super) slots: Vec<Slot>,
+    /// Where things lie at the start (m).
+    pub(super) things: Vec<Vec3>,
     pub(super) rules: Vec<Rule>,
     /// Of each trigger: its rules, first and last + 1 in `rule_order`.
     pub(super) rules_of: Vec<[u32; 2]>,
@@ -227,6 +229,9 @@ pub(super) enum Claims {
     Slot,
     /// And waits until a slot of this place is free, where one is named.
     Queue(Option<u16>),
+    /// No slot, but a thing, which is taken or put down.
+    Take(u16),
+    Put(u16),
 }
 
 /// Somebody, or a place.

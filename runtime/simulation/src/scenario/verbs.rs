@@ -23,6 +23,12 @@ pub enum Word {
     Event,
     /// Name of a door.
     Door,
+    /// Name of a thing that is taken.
+    Take,
+    /// Name of a thing that is put down.
+    Put,
+    /// Where a thing lies: x, y up, z (m).
+    Rest,
     /// Tag of motion of the bundle.
     Motion,
     /// Points of a way (m).
@@ -277,6 +283,10 @@ const BUILT_IN: &[Primitive] = &[
     primitive!("perform", [("perform", Word::Motion), FOR, ("facing", Word::Target)], None, |_, said| Deed {
         faces: said.targets[2],
         ..Deed::stay(said.amount(1, 3.0))
+    }),
+    primitive!("take", [("take", Word::Take), SPEED, FOR, MOTION], Some("take"), |_, said| to(said, 0.0, None)),
+    primitive!("put", [("put", Word::Put), SPEED, FOR, MOTION, ("on", Word::Rest)], Some("put"), |_, said| {
+        to(said, 0.0, None)
     }),
     primitive!("spurt", [("spurt", Word::Amount), SPEED], None, |sight, said| { pace(sight, said, 1.4) }),
     primitive!("slow_down", [("slow_down", Word::Amount), SPEED], None, |sight, said| pace(sight, said, 0.6)),

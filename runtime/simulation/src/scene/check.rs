@@ -85,6 +85,9 @@ pub(super) fn scene(scene: &Scene) -> Result<(), Fault> {
     for (i, site) in scene.places.iter().enumerate() {
         site.find_fault(&format!("places[{i}]"), dimensions)?;
     }
+    for (i, thing) in scene.things.iter().enumerate() {
+        thing.find_fault(&format!("things[{i}]"), dimensions)?;
+    }
     for (name, value) in &scene.values {
         value.find_fault(&format!("values.{name}"))?;
     }

@@ -28,6 +28,11 @@ pub struct EnvironmentConfig {
 }
 
 impl EnvironmentConfig {
+    /// Heights of what stands on the ground, part by part, as the crowd has it (m).
+    pub fn heights_m(&self) -> impl Iterator<Item = f32> + '_ {
+        self.on_ground().flat_map(|o| o.obstacles::<Vec2>().into_iter().map(|_| o.height_m))
+    }
+
     /// All that stands on the ground, as lines with a thickness (none in the air).
     pub(crate) fn walls(&self) -> Vec<Rod> {
         let rod = |from, to, radius_m| Rod { from, to, radius_m };

@@ -23,9 +23,9 @@ pub(crate) use obstacle::point;
 pub use obstacle::{BoxConfig, DiscConfig, MoverConfig, ObstacleConfig, PolygonConfig, WallConfig, WayPoint};
 pub use place::PlaceConfig;
 pub use story::{
-    ActionConfig, DoConfig, DoorConfig, EdgeConfig, EndConfig, EventConfig, GraphConfig, LevelConfig, QueueConfig,
-    RelationConfig, RuleConfig, SiteConfig, SlotConfig, SourceConfig, StateConfig, UnitsConfig, ValueConfig,
-    WordConfig,
+    ActionConfig, Carried, DoConfig, DoorConfig, EdgeConfig, EndConfig, EventConfig, GraphConfig, LevelConfig,
+    QueueConfig, RelationConfig, RuleConfig, SiteConfig, SlotConfig, SourceConfig, StateConfig, ThingConfig,
+    UnitsConfig, ValueConfig, WordConfig,
 };
 
 use serde::{Deserialize, Serialize};
@@ -73,6 +73,9 @@ pub struct Scene {
     /// Where agents come to: stores, pictures, guideposts, queues.
     #[serde(default)]
     pub places: Vec<SiteConfig>,
+    /// What people take, carry and put down.
+    #[serde(default)]
+    pub things: Vec<ThingConfig>,
     /// What agents feel, by name.
     #[serde(default)]
     pub values: BTreeMap<String, ValueConfig>,
@@ -244,6 +247,7 @@ impl Scene {
         self.environment.obstacles.iter_mut().filter(|o| o.grows).for_each(|o| o.stretch(by));
         self.happenings.iter_mut().for_each(|h| h.stretch(by));
         self.places.iter_mut().for_each(|p| p.stretch(by, false));
+        self.things.iter_mut().for_each(|t| t.stretch(by, false));
         self.environment.doors.iter_mut().for_each(|d| d.stretch(by));
         self.stretch_story(by, false);
     }
@@ -299,6 +303,7 @@ impl Scene {
             h.speed_mps.iter_mut().for_each(|s| *s *= INCH_M);
         }
         self.places.iter_mut().for_each(|p| p.stretch(INCH_M, true));
+        self.things.iter_mut().for_each(|t| t.stretch(INCH_M, true));
         inches(&mut self.agents.telling_m, AgentsConfig::default().telling_m);
         self.agents.cell_m *= INCH_M;
         if let Some(gate) = &mut self.measure.gate {

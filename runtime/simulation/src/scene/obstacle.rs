@@ -15,6 +15,9 @@ pub struct ObstacleConfig {
     /// Its lengths are stretched with the layout of a scene that grows.
     #[serde(default = "yes")]
     pub grows: bool,
+    /// How high it is drawn, on the ground; nobody walks over it, however low it is (m, 0.01 to 20).
+    #[serde(default = "height")]
+    pub height_m: f32,
     /// A disc on the ground, a ball in the air.
     #[serde(default)]
     pub disc: Option<DiscConfig>,
@@ -30,6 +33,10 @@ pub struct ObstacleConfig {
     /// A solid box along the axes.
     #[serde(default, rename = "box")]
     pub solid_box: Option<BoxConfig>,
+}
+
+fn height() -> f32 {
+    0.35
 }
 
 fn yes() -> bool {
@@ -114,6 +121,7 @@ impl ObstacleConfig {
         if num != 1 {
             return fault(key, format!("expected one of disc, mover, wall, polygon and box, found {num}"));
         }
+        check_numbers(&[(&format!("{key}.height_m"), self.height_m, 0.01, 20.0)])?;
         if let Some(d) = &self.disc {
             check_point(&format!("{key}.disc.centre"), &d.centre, dimensions)?;
             check_numbers(&[(&format!("{key}.disc.radius_m"), d.radius_m, 0.01, 1000.0)])?;

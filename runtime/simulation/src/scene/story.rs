@@ -75,6 +75,63 @@ fn queue_spacing() -> f32 {
     0.8
 }
 
+/// A thing that people of a scene take, carry and put down.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct ThingConfig {
+    /// Its name, once in the scene.
+    pub name: String,
+    /// Where its middle lies at the start: x, y up, z (m).
+    pub at: [f32; 3],
+    /// Its lengths along x, y and z, for pictures (m, 0.01 to 2).
+    #[serde(default = "thing_size")]
+    pub size_m: [f32; 3],
+    /// How it is carried.
+    #[serde(default)]
+    pub carried: Carried,
+}
+
+/// How a thing is carried.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Carried {
+    /// In a hand that swings as one walks: a bag, a stick.
+    Hanging,
+    /// Before the belly, upright: a cup, a tray.
+    #[default]
+    Level,
+}
+
+fn thing_size() -> [f32; 3] {
+    [0.08, 0.1, 0.08]
+}
+
+impl ThingConfig {
+    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
+        if dimensions != 2 {
+            return fault(key, "expected none in the air: hands take things on the ground");
+        }
+        check_point(&format!("{key}.at"), &self.at, 3)?;
+        check_numbers(&[(&format!("{key}.at[1]"), self.at[1], 0.0, 10.0)])?;
+        let sizes: Vec<_> = (0..3).map(|k| (format!("{key}.size_m[{k}]"), self.size_m[k])).collect();
+        sizes.iter().try_for_each(|(key, size)| check_numbers(&[(key, *size, 0.01, 2.0)]))
+    }
+
+    /// Heights and the thing itself stay, but where units are converted.
+    pub(super) fn stretch(&mut self, by: f32, also_size: bool) {
+        self.at[0] *= by;
+        self.at[2] *= by;
+        if also_size {
+            self.at[1] *= by;
+            if self.size_m != thing_size() {
+                self.size_m = self.size_m.map(|length| length * by);
+            }
+        }
+    }
+}
+
 /// A door: a wall that opens and closes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -351,7 +408,12 @@ pub(super) fn stretch_actions(actions: &mut [ActionConfig], by: f32, also_words:
     for (word, said) in actions.iter_mut().flatten() {
         match said {
             WordConfig::Number(number) if also_words && LENGTHS.contains(&word.as_str()) => *number *= f64::from(by),
-            WordConfig::Point(at) => scale(&mut [at], by),
+            WordConfig::Point(at) => {
+                let height = at.get(1).copied().filter(|_| word == "on" && !also_words);
+                scale(&mut [at], by);
+                // Tables do not grow with the layout.
+                at.iter_mut().skip(1).zip(height).for_each(|(y, height)| *y = height);
+            }
             WordConfig::Points(all) => all.iter_mut().for_each(|p| scale(&mut [p], by)),
             _ => {}
         }

@@ -1,11 +1,11 @@
 //! Watches agents: overlaps, progress, flow, lanes.
 
-use crate::run::figures::AgentFigures;
+use crate::run::figures::{AgentFigures, ThingFigures};
 use crate::run::meter::{GateMeter, LaneMeter, OverlapMeter, ProgressMeter, Sight};
 use glam::{Vec2, Vec3};
 use throng_runtime::Joint;
 use throng_runtime::crowd::{AtEnd, Counts, Space};
-use throng_runtime::simulation::agents::{self as crowd, plan};
+use throng_runtime::simulation::agents::{self as crowd, Handled, plan};
 use throng_runtime::simulation::scene::MeasureConfig;
 use throng_runtime::simulation::{GroupCast, Simulation};
 
@@ -208,6 +208,7 @@ impl<V: Space> AgentWatch<V> {
             desired_mps: speeds.sum::<f64>() / n as f64,
             arrived: self.progress.arrived(),
             informed: agents.minds().is_some_and(|m| m.has_events()).then(|| self.agents.iter().filter(knows).count()),
+            things: (agents.things().len() > 0).then(|| things(&agents.handled())),
             lane_order: self.lanes.as_ref().and_then(LaneMeter::last),
             flow: self.gate.as_ref().map(GateMeter::flow),
             hips_off_max_m: self.hips_off_max_m,
@@ -243,4 +244,14 @@ fn goes_along<V: Space>(agents: &crowd::Agents<V>, along: Vec2) -> Vec<bool> {
         sums[group] += (plan(way[way.len() - 1]) - plan(way[0])).dot(along);
     }
     sums.iter().map(|s| *s > 0.0).collect()
+}
+
+/// What hands did.
+fn things(handled: &Handled) -> ThingFigures {
+    ThingFigures {
+        things_taken: handled.taken,
+        things_put: handled.put,
+        hand_off_p95_m: handled.off_m(0.95),
+        hand_off_max_m: handled.off_m(1.0),
+    }
 }

@@ -67,6 +67,10 @@ pub enum Load {
     Count(u16),
     /// 1 where a door is open.
     Open(u16),
+    /// 1 where somebody has a thing in hand, or goes to take it.
+    Taken(u16),
+    /// 1 where it is this one.
+    Holds(Who, u16),
 }
 
 /// Who.

@@ -40,6 +40,7 @@ pub enum Sort {
     Event,
     How,
     Door,
+    Thing,
 }
 
 /// All names that expressions may use, and whether there is another one and a place.
@@ -52,6 +53,7 @@ pub struct Vocabulary {
     pub events: Names,
     pub values: Names,
     pub doors: Names,
+    pub things: Names,
     /// How one learns of an event.
     pub how: Names,
     /// Somebody is met, or tells.
@@ -102,6 +104,8 @@ const CALLS: &[(&str, &str)] = &[
     ("free", "free(\"a place\")"),
     ("held", "held(\"a place\")"),
     ("open", "open(\"a door\")"),
+    ("holds", "holds(me, \"a thing\")"),
+    ("taken", "taken(\"a thing\")"),
     ("size", "size(me.news)"),
     ("min", "min(a, b)"),
     ("max", "max(a, b)"),
@@ -134,6 +138,7 @@ impl Sort {
             Self::Event => "event",
             Self::How => "way of learning",
             Self::Door => "door",
+            Self::Thing => "thing",
         }
     }
 }
@@ -148,6 +153,7 @@ impl Vocabulary {
             Sort::Event => &self.events,
             Sort::How => &self.how,
             Sort::Door => &self.doors,
+            Sort::Thing => &self.things,
         }
     }
 
@@ -382,12 +388,13 @@ impl Compiler<'_> {
             Spot::Other => Ok(Who::Other),
             _ => Fault::new(node.at, "expected `me` or `other`"),
         };
-        let named = |sort: Sort| match &operands[0].tree {
-            Tree::Text(of) => {
-                self.names.number(sort, of).map(|n| n as u16).map_err(|why| Fault { at: operands[0].at + 1, why })
+        let named_at = |sort: Sort, of: usize| match &operands[of].tree {
+            Tree::Text(name) => {
+                self.names.number(sort, name).map(|n| n as u16).map_err(|why| Fault { at: operands[of].at + 1, why })
             }
-            _ => Fault::new(operands[0].at, format!("expected {} in quotes", Type::Name(sort).words())),
+            _ => Fault::new(operands[of].at, format!("expected {} in quotes", Type::Name(sort).words())),
         };
+        let named = |sort: Sort| named_at(sort, 0);
         let load = match name {
             "distance" => Load::Distance(self.spot(&operands[0])?, self.spot(&operands[1])?),
             "friendship" => {
@@ -400,6 +407,8 @@ impl Compiler<'_> {
             }
             "count" => Load::Count(named(Sort::Group)?),
             "open" => Load::Open(named(Sort::Door)?),
+            "taken" => Load::Taken(named(Sort::Thing)?),
+            "holds" => Load::Holds(who(self.spot(&operands[0])?, &operands[0])?, named_at(Sort::Thing, 1)?),
             "free" => Load::Place(Spot::Place(named(Sort::Place)?), PlaceAttribute::Free),
             "held" => Load::Place(Spot::Place(named(Sort::Place)?), PlaceAttribute::Held),
             "size" => {
@@ -411,7 +420,7 @@ impl Compiler<'_> {
             _ => return self.numeric(name, operands),
         };
         self.push(Op::Load(load), at)?;
-        Ok(if name == "open" { Type::Truth } else { Type::Number })
+        Ok(if ["open", "taken", "holds"].contains(&name) { Type::Truth } else { Type::Number })
     }
 
     fn choose(&mut self, operands: &[Node]) -> Result<Type, Fault> {

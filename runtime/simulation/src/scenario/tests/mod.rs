@@ -4,9 +4,10 @@ mod hand;
 mod language;
 mod plain;
 mod random;
+mod things;
 
 use super::minds::{Minds, Signal};
-use super::stage::Stage;
+use super::stage::{Handling, Stage};
 use super::verbs::Primitives;
 use super::{Explanation, Scenario};
 use crate::scene::Scene;
@@ -26,6 +27,9 @@ pub(super) struct Paper {
     pub timers: Vec<f64>,
     /// When agents that were sent somewhere arrive.
     pub arrivals: Vec<f64>,
+    /// What hands began to do, and what they hold.
+    pub handled: Vec<(u32, Handling)>,
+    pub in_hand: Vec<(u32, u16)>,
 }
 
 /// How long every way takes on paper (s).
@@ -35,7 +39,15 @@ impl Paper {
     pub fn new(num: usize) -> Self {
         let place = |i: usize| Some((Vec3::new(3.0 * i as f32, 0.0, 0.0), Vec3::ZERO));
         let never = vec![f64::INFINITY; num];
-        Self { now: 0.0, at: (0..num).map(place).collect(), log: Vec::new(), timers: never.clone(), arrivals: never }
+        Self {
+            now: 0.0,
+            at: (0..num).map(place).collect(),
+            log: Vec::new(),
+            timers: never.clone(),
+            arrivals: never,
+            handled: Vec::new(),
+            in_hand: Vec::new(),
+        }
     }
 
     pub fn note(&mut self, agent: u32, what: String) {
@@ -80,6 +92,33 @@ impl Stage for Paper {
     }
     fn show(&mut self, agent: u32, motion: Option<u16>, _: Option<Vec3>) {
         self.note(agent, format!("show {}", motion.is_some()));
+    }
+    fn thing_at(&self, thing: u16) -> Vec3 {
+        Vec3::new(f32::from(thing), 1.0, 9.0)
+    }
+    fn has_in_hand(&self, agent: u32, thing: u16) -> bool {
+        self.in_hand.contains(&(agent, thing))
+    }
+    fn stance(&self, _: u32, _: Option<u16>, handling: Handling, _: u32) -> Option<(Vec3, f32)> {
+        Some((handling.at.with_y(0.0), 0.15))
+    }
+    fn handle(&mut self, agent: u32, _: Option<u16>, handling: Handling) {
+        self.note(agent, format!("{} {}", if handling.puts { "puts" } else { "takes" }, handling.thing));
+        self.handled.push((agent, handling));
+    }
+    fn settle(&mut self, agent: u32, thing: u16, is_done: bool) -> bool {
+        let begun = self.handled.iter().position(|(a, h)| (*a, h.thing) == (agent, thing));
+        if let Some((_, handling)) = begun.map(|i| self.handled.remove(i)).filter(|_| is_done) {
+            self.in_hand.retain(|h| *h != (agent, thing));
+            self.in_hand.extend((!handling.puts).then_some((agent, thing)));
+        }
+        self.has_in_hand(agent, thing)
+    }
+    fn is_over(&self, _: u32, _: u16) -> bool {
+        false
+    }
+    fn let_go(&mut self, thing: u16) {
+        self.in_hand.retain(|h| h.1 != thing);
     }
     fn set_open(&mut self, door: u16, open: bool) -> Result<bool> {
         self.note(u32::from(door), format!("door {open}"));

@@ -1,0 +1,462 @@
+//! Things that agents take, carry and put down: where they are, in which hand, and what hands reach for meanwhile.
+
+use super::followers::Followers;
+use crate::scenario::Handling;
+use crate::scene::{Carried, ThingConfig};
+use glam::{Quat, Vec2, Vec3};
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+use throng_base::maths;
+use throng_core::blend::{ActivityId, ActivitySet};
+use throng_core::hits::FIST_PER_FOREARM;
+use throng_core::walkers::{Performing, Reach};
+use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar};
+
+/// How long before the grasp a hand begins to turn to the thing, and how long it leaves it afterwards (s).
+const NEARS_S: f32 = 0.45;
+const LEAVES_S: f32 = 0.5;
+/// Time in which a thing that was grasped beside the palm slides into it, or off it where it is put down (s).
+const EASE_S: f32 = 0.25;
+/// Time in which a forearm is raised to carry a thing level, or sinks again (s).
+const CARRY_S: f32 = 0.5;
+/// Where a thing is carried level: beside the middle, above the hips, before them (m).
+const LEVEL_M: [f32; 3] = [0.14, 0.14, 0.34];
+/// Height at which agents without bodies hold things, and how near they come to them (m).
+const HELD_M: f32 = 1.0;
+const BODILESS_REACH_M: f32 = 0.6;
+/// How near to its stand is there (m), and the share of the palm's distance at which one stands: arms fold more easily than they
+/// stretch.
+const STAND_M: f32 = 0.12;
+const NEARER: f32 = 0.97;
+/// Width of a bin of [`Handled::off`], and number of bins (m).
+const BIN_M: f32 = 0.01;
+const BINS: usize = 32;
+
+/// A thing of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Thing {
+    /// Where it is (m).
+    pub at: Vec3,
+    /// How it is turned (x, y, z, w).
+    pub turn: [f32; 4],
+    /// In whose hand it is.
+    pub keeper: Option<u32>,
+    /// Which hand: 0 left, 1 right. That of the last one where it is in none.
+    side: u8,
+    /// How it is turned as seen from the hand, or from the root where it is carried level; how it was turned in the hand where it
+    /// was put down.
+    grip: [f32; 4],
+    /// The hand has just closed around it.
+    is_new: bool,
+    /// How far it was from where it belongs, as seen from the palm, or from its place in the world (m); it fades.
+    off: Vec3,
+    /// Share of `off` that is left.
+    ease: f32,
+    /// Where it lies, where it is in no hand (m).
+    rest: Vec3,
+    /// What is being done with it, by whom.
+    handling: Option<(u32, Handling, Grasp)>,
+    /// What was being done is done, and its motion is over.
+    is_over: bool,
+    /// How far the forearm is raised for it (0 to 1).
+    raised: f32,
+}
+
+/// The motion by which a thing is taken or put down.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Grasp {
+    /// None for agents without a body, or without such motion: it is done at once.
+    activity: Option<ActivityId>,
+    side: u8,
+    /// When the hand closes or opens (s).
+    moment_s: f32,
+    /// Where the palm is then, as seen from the root (m).
+    palm: Vec3,
+}
+
+/// What hands have done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Handled {
+    /// Things that were taken.
+    pub taken: u32,
+    /// Things that were put down.
+    pub put: u32,
+    /// How far the palm was from the thing as it was taken: numbers in bins of 10 mm, the last one for all that is farther.
+    off: [u32; BINS],
+}
+
+impl Handled {
+    fn count(&mut self, off_m: f32) {
+        self.taken += 1;
+        self.off[((off_m / BIN_M) as usize).min(BINS - 1)] += 1;
+    }
+
+    /// How far palms were from things as they took them, at a share of all (0 to 1), rounded up to 10 mm (m); 0 where nothing
+    /// was taken.
+    pub fn off_m(&self, share: f64) -> f32 {
+        let wanted = (share * f64::from(self.taken)).ceil().max(1.0) as u32;
+        let mut sum = 0;
+        let bin = self.off.iter().position(|&n| {
+            sum += n;
+            sum >= wanted
+        });
+        bin.map_or(0.0, |bin| (bin + 1) as f32 * BIN_M)
+    }
+}
+
+/// Motion of a tag by which the bodies of a troop take things and put them down: (takes or puts, motion).
+pub(super) type Grasps = Vec<(bool, Grasp)>;
+
+/// Of each activity that says when a hand holds a thing: the moment and place of the grasp, and of letting go.
+pub(super) fn grasps(set: &ActivitySet, activities: &[ActivityId]) -> Grasps {
+    let mut out = Vec::new();
+    for &id in activities {
+        let Some(activity) = set.get(id) else { continue };
+        for (side, held) in activity.held_s.iter().enumerate() {
+            let Some([from, to]) = *held else { continue };
+            let grasp = |moment_s: f32| {
+                let palm = set.hand(activity, side, moment_s);
+                Grasp { activity: Some(id), side: side as u8, moment_s, palm }
+            };
+            out.extend((from > 0.0).then(|| (false, grasp(from))));
+            out.extend(to.is_finite().then(|| (true, grasp(to))));
+        }
+    }
+    out
+}
+
+/// All things of a scene, and what bodies can do with them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Things {
+    pub all: Vec<Thing>,
+    pub handled: Handled,
+    carried: Vec<Carried>,
+    /// Of each group with bodies: its agents, and of each of its troops and each tag of motion, its grasps.
+    bodies: Vec<(Range<usize>, Vec<Vec<Grasps>>)>,
+    /// Hands were told last to reach for something.
+    pub reaches: bool,
+}
+
+impl Things {
+    pub fn new(things: &[ThingConfig]) -> Self {
+        let thing = |config: &ThingConfig| {
+            let at = Vec3::from_array(config.at);
+            let (turn, grip) = (Quat::IDENTITY.to_array(), Quat::IDENTITY.to_array());
+            let (off, ease, raised) = (Vec3::ZERO, 0.0, 0.0);
+            Thing {
+                at,
+                turn,
+                keeper: None,
+                side: 1,
+                grip,
+                is_new: false,
+                off,
+                ease,
+                rest: at,
+                handling: None,
+                is_over: false,
+                raised,
+            }
+        };
+        Self {
+            all: things.iter().map(thing).collect(),
+            carried: things.iter().map(|t| t.carried).collect(),
+            ..Self::default()
+        }
+    }
+
+    /// Takes note of what bodies of a group can do.
+    pub(super) fn know(&mut self, followers: &Followers) {
+        if !self.all.is_empty() {
+            self.bodies.push((followers.agents(), followers.grasps()));
+        }
+    }
+
+    fn grasps_of(&self, agent: u32, motion: Option<u16>) -> &[(bool, Grasp)] {
+        let agent = agent as usize;
+        let found = self.bodies.iter().find(|(agents, _)| agents.contains(&agent));
+        let of_tag = found.zip(motion).and_then(|((_, troops), motion)| {
+            let tags = &troops[agent % troops.len()];
+            tags.get(usize::from(motion))
+        });
+        of_tag.map_or(&[], |grasps| grasps)
+    }
+
+    /// True where no thing is in a hand of an agent.
+    fn is_free(&self, agent: u32, side: u8) -> bool {
+        !self.all.iter().any(|t| t.keeper == Some(agent) && t.side == side)
+    }
+
+    /// The motion by which an agent takes a thing, or puts it down: the one whose palm is nearest in height. `None` where no
+    /// hand is free.
+    fn grasp(&self, agent: u32, motion: Option<u16>, handling: &Handling) -> Option<Grasp> {
+        let thing = &self.all[usize::from(handling.thing)];
+        let has_hand = |side: u8| if handling.puts { thing.side == side } else { self.is_free(agent, side) };
+        let fits = self.grasps_of(agent, motion).iter().filter(|(puts, g)| *puts == handling.puts && has_hand(g.side));
+        let height = |g: &Grasp| (g.palm.y - handling.at.y).abs();
+        let best = fits.map(|(_, g)| g).min_by(|a, b| height(a).total_cmp(&height(b)));
+        let bare = |side: u8| Grasp { activity: None, side, moment_s: 0.0, palm: Vec3::ZERO };
+        best.copied().or_else(|| [1, 0].into_iter().find(|side| has_hand(*side)).map(bare))
+    }
+
+    /// See [`crate::scenario::Stage::stance`].
+    pub fn stance(
+        &self,
+        agent: u32,
+        motion: Option<u16>,
+        handling: Handling,
+        (from, side): (Vec3, u32),
+    ) -> Option<(Vec3, f32)> {
+        let grasp = self.grasp(agent, motion, &handling)?;
+        let at = Vec3::new(handling.at.x, 0.0, handling.at.z);
+        let turns = if side % 2 == 1 { side.div_ceil(2) as f32 } else { -((side / 2) as f32) };
+        let heading = heading(at - from) + turns * std::f32::consts::FRAC_PI_4;
+        if grasp.activity.is_none() {
+            let way = maths::at_angle(std::f32::consts::FRAC_PI_2 - heading);
+            return Some((at - 0.9 * BODILESS_REACH_M * Vec3::new(way.x, 0.0, way.y), STAND_M));
+        }
+        let palm = Planar::new(0.0, 0.0, heading).transform_point(NEARER * Vec2::new(grasp.palm.x, grasp.palm.z));
+        Some((at - Vec3::new(palm.x, 0.0, palm.y), STAND_M))
+    }
+
+    /// An agent that stands in reach begins to take a thing, or to put it down.
+    ///
+    /// - returns the activity that shows it, and what the body faces (m).
+    pub fn begin(
+        &mut self,
+        agent: u32,
+        motion: Option<u16>,
+        handling: Handling,
+        from: Vec3,
+    ) -> (Option<ActivityId>, Option<Vec3>) {
+        let Some(grasp) = self.grasp(agent, motion, &handling) else { return (None, None) };
+        let to = handling.at - from;
+        let heading = heading(to) - heading_of(grasp.palm.x, grasp.palm.z);
+        let ahead = Planar::new(0.0, 0.0, heading).transform_point(Vec2::new(0.0, 2.0));
+        let faces = from + Vec3::new(ahead.x, 0.0, ahead.y);
+        let thing = &mut self.all[usize::from(handling.thing)];
+        (thing.handling, thing.is_over) = (Some((agent, handling, grasp)), false);
+        (grasp.activity, grasp.activity.map(|_| faces))
+    }
+
+    /// See [`crate::scenario::Stage::settle`].
+    pub fn settle(&mut self, agent: u32, thing: u16, is_done: bool) -> bool {
+        let thing = &mut self.all[usize::from(thing)];
+        if let Some((by, handling, grasp)) = thing.handling
+            && by == agent
+        {
+            thing.handling = None;
+            if is_done && thing.waits_for(agent, &handling) {
+                thing.change_hands(agent, &handling, grasp.side, &mut self.handled);
+            }
+        }
+        thing.keeper == Some(agent)
+    }
+
+    /// True where an agent has taken a thing, or put it down, and its hand is back.
+    pub fn is_over(&self, agent: u32, thing: u16) -> bool {
+        let thing = &self.all[usize::from(thing)];
+        thing.is_over && thing.handling.is_some_and(|h| h.0 == agent)
+    }
+
+    /// True where a hand of an agent has yet to close or to open.
+    pub fn is_awaited(&self, agent: u32) -> bool {
+        self.all.iter().any(|t| t.handling.is_some_and(|h| h.0 == agent && t.waits_for(agent, &h.1)))
+    }
+
+    /// A thing drops to the ground.
+    pub fn let_go(&mut self, thing: u16) {
+        let thing = &mut self.all[usize::from(thing)];
+        let to = Vec3::new(thing.at.x, 0.0, thing.at.z);
+        thing.put(to);
+    }
+
+    /// Tells the hands of all bodies what to reach for.
+    pub(super) fn direct(&mut self, followers: &mut [Followers], dt_s: f32) {
+        if self.all.is_empty() {
+            return;
+        }
+        if self.reaches {
+            followers.iter_mut().for_each(Followers::free_hands);
+        }
+        self.reaches = false;
+        for (thing, &carried) in self.all.iter_mut().zip(&self.carried) {
+            let by = thing.handling.map(|h| h.0).or(thing.keeper);
+            let Some((agent, body)) = by.and_then(|agent| {
+                let body = followers.iter_mut().find(|f| f.holds(agent as usize));
+                body.filter(|f| f.is_there(agent as usize)).map(|body| (agent as usize, body))
+            }) else {
+                thing.raised = 0.0;
+                continue;
+            };
+            let at_it = thing.handling.and_then(|(_, handling, grasp)| {
+                let seconds = begun(body.performing(agent), grasp)?;
+                let left = grasp.moment_s - seconds;
+                let near = if left > 0.0 { 1.0 - (left - 0.05) / NEARS_S } else { 1.0 + left / LEAVES_S };
+                Some((handling, smooth(near)))
+            });
+            let puts = at_it.is_some_and(|(handling, _)| handling.puts);
+            let lifts = carried == Carried::Level && thing.keeper.is_some() && !puts;
+            let change = if dt_s > 0.0 { dt_s / CARRY_S } else { 0.0 };
+            thing.raised = (thing.raised + if lifts { change } else { -change }).clamp(0.0, 1.0);
+            let (near, raised) = (at_it.map_or(0.0, |a| a.1), smooth(thing.raised));
+            if near + raised <= 0.0 {
+                continue;
+            }
+            let side = usize::from(thing.handling.map_or(thing.side, |h| h.2.side));
+            let hips = body.pose(agent)[Joint::Hips.index()].translation();
+            let [beside, above, before] = LEVEL_M;
+            let level = Vec3::new(if side == 0 { beside } else { -beside }, hips.y + above, before);
+            let reach = match at_it {
+                None => Reach { to: level, share: raised, from_root: true },
+                Some((handling, _)) => {
+                    let root = body.root(agent);
+                    let level = root.rotation() * level + root.translation();
+                    let to = (handling.at * near + level * raised) / (near + raised);
+                    Reach { to, share: (near + raised).min(1.0), from_root: false }
+                }
+            };
+            body.reach(agent, side, reach);
+            self.reaches = true;
+        }
+    }
+
+    /// Hands close and open, things follow them.
+    ///
+    /// - `bodiless`: where an agent without a body is, and where it looks.
+    pub(super) fn follow(&mut self, followers: &[Followers], bodiless: impl Fn(u32) -> Option<Planar>, dt_s: f32) {
+        let Self { all, handled, carried, .. } = self;
+        for (thing, &carried) in all.iter_mut().zip(carried.iter()) {
+            let hand_of = |agent: u32, side: u8| hand(followers, &bodiless, agent, side);
+            if let Some((agent, handling, grasp)) = thing.handling {
+                let performing =
+                    followers.iter().find(|f| f.holds(agent as usize)).and_then(|f| f.performing(agent as usize));
+                let seconds = begun(performing, grasp);
+                let is_due = grasp.activity.is_none() || seconds.is_some_and(|s| s >= grasp.moment_s);
+                if is_due && thing.waits_for(agent, &handling) {
+                    thing.change_hands(agent, &handling, grasp.side, handled);
+                }
+            }
+            if let Some((agent, handling, _)) = thing.handling {
+                thing.is_over = !thing.waits_for(agent, &handling)
+                    && followers.iter().all(|f| !f.holds(agent as usize) || f.performing(agent as usize).is_none());
+            }
+            thing.ease = (thing.ease - dt_s / EASE_S).max(0.0);
+            match thing.keeper.and_then(|agent| hand_of(agent, thing.side)) {
+                Some(hand) => {
+                    let holds = match carried {
+                        Carried::Hanging => hand.turn,
+                        Carried::Level => hand.root.rotation(),
+                    };
+                    if std::mem::take(&mut thing.is_new) {
+                        thing.grip = (holds.inverse() * Quat::from_array(thing.turn)).normalize().to_array();
+                        (thing.off, thing.ease) = (hand.turn.inverse() * (thing.at - hand.palm), 1.0);
+                        handled.count(thing.off.length());
+                    }
+                    thing.turn = (holds * Quat::from_array(thing.grip)).normalize().to_array();
+                    thing.at = hand.palm + hand.turn * (thing.off * smooth(thing.ease));
+                }
+                None if thing.keeper.is_none() && thing.ease > 0.0 => {
+                    thing.at = thing.rest + thing.off * smooth(thing.ease);
+                    let was = Quat::from_array(thing.grip);
+                    let upright = maths::rotation_y(throng_core::planar::twist_about_y(was));
+                    let was = if was.dot(upright) < 0.0 { -was } else { was };
+                    thing.turn = (upright + (was - upright) * smooth(thing.ease)).normalize().to_array();
+                }
+                None if thing.keeper.is_none() => thing.at = thing.rest,
+                None => {}
+            }
+        }
+    }
+
+    /// Why things cannot be those of a scene with so many agents.
+    pub fn check(&self, all: &[Thing], num_agents: usize) -> Result<(), &'static str> {
+        let is_unit = |q: &[f32; 4]| (Quat::from_array(*q).length() - 1.0).abs() < 1e-3;
+        let is_good = |(n, t): (usize, &Thing)| {
+            let agents = [t.keeper, t.handling.map(|h| h.0)];
+            let of_it = |h: &(u32, Handling, Grasp)| {
+                usize::from(h.1.thing) == n && h.1.at.is_finite() && h.2.side < 2 && h.2.palm.is_finite()
+            };
+            t.at.is_finite()
+                && t.rest.is_finite()
+                && t.off.is_finite()
+                && is_unit(&t.turn)
+                && is_unit(&t.grip)
+                && t.side < 2
+                && agents.iter().flatten().all(|&a| (a as usize) < num_agents)
+                && t.handling.is_none_or(|h| of_it(&h))
+                && [t.ease, t.raised].iter().all(|s| (0.0..=1.0).contains(s))
+        };
+        match all.len() == self.all.len() && all.iter().enumerate().all(is_good) {
+            true => Ok(()),
+            false => Err("a thing is where none can be"),
+        }
+    }
+}
+
+impl Thing {
+    /// The hand has not closed or opened yet.
+    fn waits_for(&self, agent: u32, handling: &Handling) -> bool {
+        handling.puts == (self.keeper == Some(agent))
+    }
+
+    /// A hand closes around it, or opens.
+    fn change_hands(&mut self, agent: u32, handling: &Handling, side: u8, handled: &mut Handled) {
+        if handling.puts {
+            handled.put += 1;
+            return self.put(handling.at);
+        }
+        (self.keeper, self.side, self.is_new) = (Some(agent), side, true);
+    }
+
+    fn put(&mut self, at: Vec3) {
+        (self.keeper, self.rest, self.off, self.ease) = (None, at, self.at - at, 1.0);
+        (self.grip, self.is_new) = (self.turn, false);
+    }
+}
+
+/// A hand in the world.
+struct Hand {
+    palm: Vec3,
+    turn: Quat,
+    root: Planar,
+}
+
+fn hand(followers: &[Followers], bodiless: &impl Fn(u32) -> Option<Planar>, agent: u32, side: u8) -> Option<Hand> {
+    let Some(body) = followers.iter().find(|f| f.holds(agent as usize)) else {
+        let root = bodiless(agent)?;
+        return Some(Hand { palm: root.translation() + Vec3::Y * HELD_M, turn: root.rotation(), root });
+    };
+    let (root, pose) = (body.root(agent as usize), body.pose(agent as usize));
+    let (palm, turn) = palm(pose, root, side);
+    Some(Hand { palm, turn, root })
+}
+
+/// Where a palm is in the world, and how the hand is turned: beyond the wrist, along the forearm.
+fn palm(pose: &[Mat3x4; NUM_JOINTS], root: Planar, side: u8) -> (Vec3, Quat) {
+    let [elbow, wrist] =
+        [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]][usize::from(side)];
+    let [forearm, hand] = [elbow, wrist].map(|j| &pose[j.index()]);
+    let along = forearm.rotation().inverse() * (hand.translation() - forearm.translation());
+    let palm = hand.translation() + hand.rotation() * (along * FIST_PER_FOREARM);
+    (root.rotation() * palm + root.translation(), root.rotation() * hand.rotation())
+}
+
+/// Time within the motion of a grasp, once it has begun (s).
+fn begun(performing: Option<Performing>, grasp: Grasp) -> Option<f32> {
+    let now = performing.filter(|p| Some(p.activity) == grasp.activity)?;
+    (now.part != throng_core::walkers::Part::Turn).then_some(now.seconds)
+}
+
+fn smooth(share: f32) -> f32 {
+    let s = share.clamp(0.0, 1.0);
+    s * s * (3.0 - 2.0 * s)
+}
+
+fn heading(way: Vec3) -> f32 {
+    heading_of(way.x, way.z)
+}
+
+fn heading_of(x: f32, z: f32) -> f32 {
+    maths::atan2(x, z)
+}

@@ -1,0 +1,159 @@
+//! People take things, carry them and put them down: hands meet things, things stay in hands and lie where they were put.
+
+mod common;
+
+use glam::Vec3;
+use std::path::Path;
+use std::sync::LazyLock;
+use throng_precompute::cache::Cache;
+use throng_precompute::config::BuildConfig;
+use throng_runtime::simulation::{Scene, Simulation};
+use throng_runtime::{Bundle, Joint};
+
+/// Walking in one manner, and what people do who stand.
+const CONFIG: &str = r#"
+name = "people"
+synth = { set = "locomotion", also = [{ set = "people" }] }
+behaviours = []
+resample = { mirror = false }
+annotate.ends.still = false
+graph.enabled = false
+[activities]
+take = {}
+put = {}
+[blend.ahead]
+axes = [{ kind = "speed" }, { kind = "gyration" }]
+examples = [{ clip = "idle_neutral", still = true }, { clip = "turn_neutral_*" }, { clip = "walk_neutral_*" }]
+"#;
+
+static BUNDLE: LazyLock<Bundle> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("people.throng");
+    let config = BuildConfig::parse(CONFIG, &folder.path().join("people.toml")).expect("a config");
+    common::build(&config, &out, &Cache::none());
+    Bundle::open(&out).expect("a bundle")
+});
+
+/// Three people in a room with two tables carry a thing to and fro, and another one that hangs from a hand.
+fn room(seed: u64, height: f32, depth: f32) -> Simulation {
+    let text = format!(
+        r#"
+seed = {seed}
+bundle = "people.throng"
+[[groups]]
+name = "people"
+motion = "blend"
+spaces = ["ahead"]
+count = 3
+place = {{ block = {{ from = [-1.5, -1.0], to = [1.5, 1.0] }} }}
+speed_mps = [0.8, 1.4]
+graph = "life"
+[[environment.obstacles]]
+polygon = {{ corners = [[-3.5, -2.0], [-2.9, -2.0], [-2.9, 2.0], [-3.5, 2.0]] }}
+[[environment.obstacles]]
+polygon = {{ corners = [[2.9, -2.0], [3.5, -2.0], [3.5, 2.0], [2.9, 2.0]] }}
+[[things]]
+name = "cup"
+at = [{near}, {height}, 0.4]
+[[things]]
+name = "bag"
+at = [{far}, {height}, -0.7]
+carried = "hanging"
+[graphs.life]
+level = "social"
+start = "stroll"
+edges = [
+    {{ from = "stroll", to = "cup", when = "not taken('cup')", probability = 0.5 }},
+    {{ from = "stroll", to = "bag", when = "not taken('bag')", probability = 0.5 }},
+    {{ from = "stroll", to = "stroll" }},
+    {{ from = "cup", to = "stroll" }},
+    {{ from = "bag", to = "stroll" }},
+]
+[graphs.life.states]
+stroll = {{ do = [{{ roam = [0.0, 0.0], within_m = 1.0 }}, {{ stay = "random" }}] }}
+cup = {{ do = [{{ take = "cup" }}, {{ put = "cup", on = [{far}, {height}, 0.5] }}, {{ take = "cup" }}, {{ put = "cup" }}] }}
+bag = {{ do = [{{ take = "bag" }}, {{ roam = [0.0, 0.0], within_m = 1.0 }}, {{ put = "bag" }}] }}
+"#,
+        near = -2.9 - depth,
+        far = 2.9 + depth,
+    );
+    let scene = Scene::parse(&text, Path::new("room.toml")).expect("a scene");
+    Simulation::new(&scene.compile(&BUNDLE).expect("it compiles")).expect("a simulation")
+}
+
+/// Rooms that differ in all that counts: seed, height of the tables (m), and how far from its edge a thing lies (m).
+const ROOMS: [(u64, f32, f32); 10] = [
+    (1, 0.9, 0.1),
+    (2, 0.8, 0.1),
+    (3, 1.0, 0.15),
+    (4, 1.2, 0.1),
+    (5, 1.35, 0.15),
+    (6, 0.85, 0.05),
+    (7, 1.1, 0.2),
+    (8, 0.95, 0.1),
+    (9, 1.25, 0.05),
+    (10, 1.05, 0.12),
+];
+
+#[test]
+fn hands_meet_things_and_keep_them() {
+    for (seed, height, depth) in ROOMS {
+        let mut room = room(seed, height, depth);
+        let mut before: Vec<Vec3> = room.things().map(|t| t.at).collect();
+        let mut held_for = [0; 2];
+        for step in 0..90 * 60 {
+            room.step(1.0 / 60.0).expect("a step");
+            for (n, thing) in room.things().enumerate() {
+                let name = format!("room {seed}, step {step}, {}", thing.name);
+                // A hand is never faster than 6 m/s here, and nothing jumps.
+                assert!(thing.at.distance(before[n]) < 0.1, "{name}: {} after {}", thing.at, before[n]);
+                before[n] = thing.at;
+                held_for[n] = if thing.keeper.is_some() { held_for[n] + 1 } else { 0 };
+                assert!((thing.turn.length() - 1.0).abs() < 1e-4, "{name}");
+                // A third of a second after the grasp, it lies in one of the palms.
+                if let Some(who) = thing.keeper.filter(|_| held_for[n] > 20) {
+                    let joints = room.joint_positions(who).expect("a body");
+                    let arms = [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]];
+                    let off = arms.map(|[elbow, wrist]| {
+                        let forearm = joints[elbow.index()].distance(joints[wrist.index()]);
+                        (joints[wrist.index()].distance(thing.at) - 0.35 * forearm).abs()
+                    });
+                    assert!(off[0].min(off[1]) < 2e-3, "{name}: {off:?}");
+                }
+            }
+        }
+        let done = room.handled();
+        assert!(done.taken >= 4 && done.put >= 3, "room {seed}: {done:?}");
+        let off = [0.95, 1.0].map(|share| done.off_m(share));
+        println!(
+            "room {seed}, tables {height} m high, {depth} m from the edge: {} taken, {} put down, palms off {off:?} m",
+            done.taken, done.put
+        );
+        assert!(off[1] <= 0.06, "room {seed}: {off:?}");
+        for thing in room.things().filter(|t| t.keeper.is_none()) {
+            assert!((thing.at.y - height).abs() < 1e-3, "room {seed}: {} lies at {}", thing.name, thing.at);
+        }
+    }
+}
+
+#[test]
+fn a_snapshot_in_the_middle_of_a_grasp_brings_back_what_follows() {
+    let mut kept = Vec::new();
+    let mut room = room(11, 0.95, 0.1);
+    for _ in 0..60 * 12 {
+        room.step(1.0 / 60.0).expect("a step");
+        if kept.len() < 40 && room.handled().taken < 2 {
+            kept.push((room.snapshot(), room.time_s()));
+        }
+    }
+    let (hash, handled) = (room.hash(), room.handled());
+    assert!(handled.taken > 0, "nothing was taken: {handled:?}");
+    let things: Vec<_> = room.things().map(|t| (t.at, t.turn)).collect();
+    for (bytes, time_s) in kept.iter().step_by(13) {
+        room.restore(bytes).expect("its own bytes");
+        let steps = (60.0 * (12.0 - time_s)).round() as usize;
+        (0..steps).for_each(|_| room.step(1.0 / 60.0).expect("a step"));
+        assert_eq!((room.hash(), room.handled()), (hash, handled), "from {time_s} s");
+        assert!(room.things().map(|t| (t.at, t.turn)).eq(things.iter().copied()));
+    }
+}
