@@ -46,6 +46,7 @@ motion = "blend"
 spaces = ["ahead"]
 count = 3
 place = {{ block = {{ from = [-1.5, -1.0], to = [1.5, 1.0] }} }}
+radius_m = [0.2, 0.22]
 speed_mps = [0.8, 1.4]
 graph = "life"
 [[environment.obstacles]]
@@ -101,7 +102,7 @@ fn hands_meet_things_and_keep_them() {
         let mut room = room(seed, height, depth);
         let mut before: Vec<Vec3> = room.things().map(|t| t.at).collect();
         let mut held_for = [0; 2];
-        for step in 0..90 * 60 {
+        for step in 0..60 * 60 {
             room.step(1.0 / 60.0).expect("a step");
             for (n, thing) in room.things().enumerate() {
                 let name = format!("room {seed}, step {step}, {}", thing.name);
@@ -123,13 +124,13 @@ fn hands_meet_things_and_keep_them() {
             }
         }
         let done = room.handled();
-        assert!(done.taken >= 4 && done.put >= 3, "room {seed}: {done:?}");
+        assert!(done.taken >= 3 && done.put >= 2, "room {seed}: {done:?}");
         let off = [0.95, 1.0].map(|share| done.off_m(share));
         println!(
             "room {seed}, tables {height} m high, {depth} m from the edge: {} taken, {} put down, palms off {off:?} m",
             done.taken, done.put
         );
-        assert!(off[1] <= 0.06, "room {seed}: {off:?}");
+        assert!(off[1] <= 0.04, "room {seed}: {off:?}");
         for thing in room.things().filter(|t| t.keeper.is_none()) {
             assert!((thing.at.y - height).abs() < 1e-3, "room {seed}: {} lies at {}", thing.name, thing.at);
         }

@@ -3,6 +3,7 @@
 use crate::command::{Command, SteerCommand, WorldCommand};
 use crate::document::Document;
 use crate::model::Model;
+use crate::panels::viewport::pad::Pads;
 use crate::panels::{Dialog, PANELS, PanelStates, dock, keys, messages, start, top_bar, transport, viewport};
 use crate::render::{DrawReport, SceneCallback, SceneFrame, SceneRenderer, Worn};
 use crate::settings::Dock;
@@ -37,6 +38,7 @@ pub struct Viewer {
     dialog: Option<(Dialog, Receiver<Vec<PathBuf>>)>,
     /// Scale of the window as it was last set.
     zoom: Option<f32>,
+    pads: Pads,
 }
 
 impl Viewer {
@@ -57,6 +59,7 @@ impl Viewer {
             pending: Vec::new(),
             dialog: None,
             zoom: None,
+            pads: Pads::default(),
         }
     }
 
@@ -201,7 +204,7 @@ impl Viewer {
         if ctx.text_edit_focused() || egui::Popup::is_any_open(ctx) {
             return;
         }
-        viewport::steer::keys(ctx, &self.model, commands);
+        viewport::steer::keys(ctx, &self.model, self.pads.read(), commands);
         for panel in PANELS {
             if ctx.input_mut(|i| i.consume_key(egui::Modifiers::NONE, panel.key)) {
                 commands.push(Command::TogglePanel(panel.kind));

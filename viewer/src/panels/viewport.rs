@@ -3,6 +3,7 @@
 mod boards;
 mod edits;
 mod label;
+pub mod pad;
 pub mod steer;
 pub mod task;
 pub mod world;

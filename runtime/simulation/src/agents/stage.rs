@@ -238,9 +238,11 @@ impl<V: Space> Stage for Outside<V> {
 
     fn handle(&mut self, agent: u32, motion: Option<u16>, handling: Handling) {
         let from = self.position(agent).unwrap_or_default();
-        let (once, faces) = self.things.begin(agent, motion, handling, from);
-        self.shown[agent as usize] =
-            Shown { motion: motion.filter(|_| once.is_some()), faces, once, stands: once.map(|_| from) };
+        let begun = self.things.begin(agent, motion, handling, from);
+        self.shown[agent as usize] = match begun {
+            Some((once, faces, stands)) => Shown { motion, faces: Some(faces), once: Some(once), stands: Some(stands) },
+            None => Shown::default(),
+        };
     }
 
     fn settle(&mut self, agent: u32, thing: u16, is_done: bool) -> bool {

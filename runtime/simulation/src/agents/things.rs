@@ -26,8 +26,10 @@ const HELD_M: f32 = 1.0;
 const BODILESS_REACH_M: f32 = 0.6;
 /// How near to its stand is there (m), and the share of the palm's distance at which one stands: arms fold more easily than they
 /// stretch.
-const STAND_M: f32 = 0.12;
-const NEARER: f32 = 0.97;
+const STAND_M: f32 = 0.15;
+const NEARER: f32 = 1.0;
+/// A body stands at most so far beside the middle of its disc, where its hand is nearer to the thing (m).
+const ASIDE_M: f32 = 0.25;
 /// Width of a bin of [`Handled::off`], and number of bins (m).
 const BIN_M: f32 = 0.01;
 const BINS: usize = 32;
@@ -221,22 +223,23 @@ impl Things {
 
     /// An agent that stands in reach begins to take a thing, or to put it down.
     ///
-    /// - returns the activity that shows it, and what the body faces (m).
+    /// - returns the activity that shows it, what the body faces, and where it stands (m).
     pub fn begin(
         &mut self,
         agent: u32,
         motion: Option<u16>,
         handling: Handling,
         from: Vec3,
-    ) -> (Option<ActivityId>, Option<Vec3>) {
-        let Some(grasp) = self.grasp(agent, motion, &handling) else { return (None, None) };
-        let to = handling.at - from;
+    ) -> Option<(ActivityId, Vec3, Vec3)> {
+        let grasp = self.grasp(agent, motion, &handling)?;
+        let to = (handling.at - from).with_y(0.0);
         let heading = heading(to) - heading_of(grasp.palm.x, grasp.palm.z);
         let ahead = Planar::new(0.0, 0.0, heading).transform_point(Vec2::new(0.0, 2.0));
         let faces = from + Vec3::new(ahead.x, 0.0, ahead.y);
         let thing = &mut self.all[usize::from(handling.thing)];
         (thing.handling, thing.is_over) = (Some((agent, handling, grasp)), false);
-        (grasp.activity, grasp.activity.map(|_| faces))
+        let aside = to - to.normalize_or_zero() * grasp.palm.with_y(0.0).length();
+        Some((grasp.activity?, faces, from + aside.clamp_length_max(ASIDE_M)))
     }
 
     /// See [`crate::scenario::Stage::settle`].

@@ -14,8 +14,8 @@ use throng_crowd::{Crowd, Id};
 const SLOW_MPS: f32 = 0.3;
 /// Height at which people look at each other and at pictures (m).
 const EYES_M: f32 = 1.55;
-/// Time in which half of the way back to its disc is made by a body that stood still (s).
-const BACK_HALF_LIFE_S: f32 = 0.15;
+/// Time in which half of the way is made by a body that goes to where it stands still, or back to its disc (s).
+const ASIDE_HALF_LIFE_S: f32 = 0.15;
 
 /// Bodies of one blend space, row by row as their walkers.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ pub(crate) struct Troop {
     still: Vec<Still>,
 }
 
-/// A body that stands still while its disc is moved about a little, and what is left of the way back to it.
+/// A body that stands beside the middle of its disc, which is moved about a little meanwhile, or comes back to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Still {
     /// Where it stands, x and z (m).
@@ -139,7 +139,7 @@ impl Troop {
     pub fn step(&mut self, crowd: &Crowd, dt_s: f32, run: &dyn Run) -> Result<()> {
         let now = crowd.now();
         let told = self.controls.chunks_mut(PART).zip(self.still.chunks_mut(PART));
-        let keep = maths::exp2(-dt_s / BACK_HALF_LIFE_S);
+        let keep = maths::exp2(-dt_s / ASIDE_HALF_LIFE_S);
         run_each(run, self.agents.chunks(PART).zip(told), |(agents, (controls, still))| {
             for ((&agent, control), still) in agents.iter().zip(controls).zip(still) {
                 steer(crowd, agent, now, control);
@@ -202,14 +202,18 @@ impl Troop {
 impl Still {
     /// Displaces what a body is told.
     ///
-    /// - `keep`: share of the way back that is left after a step.
+    /// - `keep`: share of the way that is left after a step.
     fn lead(&mut self, control: &mut Control, keep: f32) {
         let Some(disc) = control.position else { return };
-        if let Some(at) = self.at {
-            (self.off, control.velocity) = (at - disc, Vec2::ZERO);
-        } else {
-            self.off *= if self.off.length_squared() < 1e-8 { 0.0 } else { keep };
-        }
+        let aim = match self.at {
+            Some(at) => {
+                control.velocity = Vec2::ZERO;
+                at - disc
+            }
+            None => Vec2::ZERO,
+        };
+        let left = self.off - aim;
+        self.off = aim + left * if left.length_squared() < 1e-8 { 0.0 } else { keep };
         control.position = Some(disc + self.off);
     }
 }

@@ -172,7 +172,8 @@ time_s = 1.0
 goal = { point = { at = [0.0, 9.0, 0.0] } }
 "#;
 
-/// People who queue, buy, greet, fear and are told, through a door that opens, while others enter.
+/// People who queue, buy, greet, fear and are told, take things and put them down, through a door that opens, while others
+/// enter.
 pub const STORY: &str = r#"
 agents.cell_m = 3.0
 
@@ -230,6 +231,14 @@ at = [-4.5, 12.5]
 guidepost = true
 slots = [{ at = [-4.5, 12.7], facing = [-4.5, 11.0] }]
 
+[[things]]
+name = "ball"
+at = [0.0, 1.0, 15.0]
+[[things]]
+name = "cup"
+at = [-6.0, 1.1, 16.0]
+carried = "hanging"
+
 [[events]]
 name = "bell"
 at_s = 0.8
@@ -249,6 +258,18 @@ on = "meets"
 when = "friendship(me, other) > 0.3 and not other.busy"
 pause_s = 3.0
 do = [{ greet = "other", for_s = "0.5 + random" }, { add = "mood", by = 0.2 }]
+[[rules]]
+name = "fetch"
+on = "bell"
+when = "not taken('ball')"
+who = ["walkers"]
+do = [{ take = "ball", for_s = 1.0 }, { put = "ball", on = [2.0, 0.9, 15.0], for_s = 1.0 }]
+[[rules]]
+name = "drink"
+on = "bell"
+when = "not taken('cup')"
+who = ["guests"]
+do = [{ take = "cup", for_s = 2.0 }, { roam = "home", within_m = 1.0 }, { put = "cup", for_s = 1.0 }]
 [[rules]]
 name = "cry"
 on = "mood > 0.8"

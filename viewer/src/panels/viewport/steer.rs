@@ -1,25 +1,29 @@
 //! Who is steered, and how soon keys are seen, in a line over the 3-D view.
 
+use super::pad::Pad;
 use crate::command::{Command, Held, SteerCommand};
 use crate::model::Model;
 use eframe::egui::{Context, FontId, Key, Modifiers, Rect, Ui, vec2};
 
-/// Takes the keys of who steers out of the input.
-pub fn keys(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
+/// Takes the keys of who steers out of the input; where none is held down, what a pad asks for counts.
+pub fn keys(ctx: &Context, model: &Model, pad: Option<Pad>, commands: &mut Vec<Command>) {
+    if pad.is_some_and(|p| p.toggles) {
+        commands.push(Command::Steer(SteerCommand::Toggle));
+    }
     let Some(steering) = model.steering() else { return };
     let held = ctx.input(|i| {
         let axis = |more: Key, less: Key| f32::from(i8::from(i.key_down(more)) - i8::from(i.key_down(less)));
         Held { ahead: axis(Key::W, Key::S), aside: axis(Key::D, Key::A), runs: i.modifiers.shift }
     });
     // Where no way is held down, it is all the same whether Shift is.
-    let held = if held.moves() { held } else { Held::default() };
+    let held = if held.moves() { held } else { pad.map_or(Held::default(), |p| p.held) };
     if held != steering.held {
         commands.push(Command::Steer(SteerCommand::Hold(held)));
     }
     for key in [Key::W, Key::A, Key::S, Key::D] {
         ctx.input_mut(|i| [Modifiers::NONE, Modifiers::SHIFT].map(|m| i.consume_key(m, key)));
     }
-    if ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::X)) {
+    if ctx.input_mut(|i| i.consume_key(Modifiers::NONE, Key::X)) || pad.is_some_and(|p| p.strikes) {
         commands.push(Command::Steer(SteerCommand::Strike));
     }
 }

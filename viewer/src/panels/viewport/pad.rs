@@ -1,0 +1,99 @@
+//! A gamepad that steers: its left stick is the way, a trigger runs, a button strikes, another one takes over.
+//!
+//! Built with the feature `gamepad` (gilrs), which on Linux needs the headers of libudev; without it no pad is ever there.
+
+use crate::command::Held;
+
+/// What lies nearer to the middle than this is no way: sticks do not come back to it exactly.
+const DEAD: f32 = 0.25;
+/// Farther out than this one runs, as with the trigger.
+const RUNS: f32 = 0.95;
+/// Ways are told apart in so many steps, so that a hand that shakes is no new way in every frame.
+const STEPS: f32 = 8.0;
+
+/// What a pad asks for in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pad {
+    /// The way that is held down.
+    pub held: Held,
+    /// Strike.
+    pub strikes: bool,
+    /// Take somebody over, or let go.
+    pub toggles: bool,
+}
+
+/// The way of a stick.
+///
+/// - `x`, `y`: to the right and ahead (-1 to 1); `trigger`: how far it is pressed (0 to 1).
+pub fn held(x: f32, y: f32, trigger: f32) -> Held {
+    let length = x.hypot(y);
+    if !(length > DEAD) {
+        return Held::default();
+    }
+    let step = |v: f32| (v * STEPS).round() / STEPS;
+    Held { ahead: step(y), aside: step(x), runs: trigger > 0.5 || length > RUNS }
+}
+
+/// The pads that are plugged in.
+#[derive(Default)]
+pub struct Pads {
+    #[cfg(feature = "gamepad")]
+    all: Option<gilrs::Gilrs>,
+    #[cfg(feature = "gamepad")]
+    tried: bool,
+}
+
+impl std::fmt::Debug for Pads {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Pads")
+    }
+}
+
+impl Pads {
+    /// What is asked for since the last frame; none where no pad is there.
+    #[cfg(not(feature = "gamepad"))]
+    pub fn read(&mut self) -> Option<Pad> {
+        None
+    }
+
+    /// What is asked for since the last frame; none where no pad is there.
+    #[cfg(feature = "gamepad")]
+    pub fn read(&mut self) -> Option<Pad> {
+        use gilrs::{Axis, Button, EventType};
+        if !std::mem::replace(&mut self.tried, true) {
+            // Where the system has no pads at all, there is none.
+            self.all = gilrs::Gilrs::new().ok();
+        }
+        let all = self.all.as_mut()?;
+        let mut pad = Pad::default();
+        while let Some(event) = all.next_event() {
+            match event.event {
+                EventType::ButtonPressed(Button::South, _) => pad.strikes = true,
+                EventType::ButtonPressed(Button::Start, _) => pad.toggles = true,
+                _ => {}
+            }
+        }
+        let (_, first) = all.gamepads().next()?;
+        let pressed = |button| first.button_data(button).map_or(0.0, |b| b.value());
+        let trigger = pressed(Button::RightTrigger2).max(pressed(Button::RightTrigger));
+        pad.held = held(first.value(Axis::LeftStickX), first.value(Axis::LeftStickY), trigger);
+        Some(pad)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sticks_lead_where_they_point_and_rest_in_the_middle() {
+        assert_eq!(held(0.0, 0.0, 1.0), Held::default());
+        assert_eq!(held(0.2, -0.1, 0.0), Held::default());
+        assert_eq!(held(f32::NAN, 0.5, 0.0), Held::default());
+        let walks = held(0.0, 0.6, 0.0);
+        assert!(walks.moves() && !walks.runs && walks.aside == 0.0 && (walks.ahead - 0.625).abs() < 1e-6);
+        assert!(held(0.0, 0.6, 0.9).runs && held(-1.0, 0.0, 0.0).runs);
+        // A hand that shakes is no new way.
+        assert_eq!(held(0.5, 0.51, 0.0), held(0.51, 0.49, 0.0));
+    }
+}
