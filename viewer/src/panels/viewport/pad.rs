@@ -27,7 +27,7 @@ pub struct Pad {
 /// - `x`, `y`: to the right and ahead (-1 to 1); `trigger`: how far it is pressed (0 to 1).
 pub fn held(x: f32, y: f32, trigger: f32) -> Held {
     let length = x.hypot(y);
-    if !(length > DEAD) {
+    if length.is_nan() || length <= DEAD {
         return Held::default();
     }
     let step = |v: f32| (v * STEPS).round() / STEPS;
