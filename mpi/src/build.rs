@@ -27,10 +27,10 @@ pub struct Args {
     /// Bundle to write.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Folder that keeps the outputs of stages, the same one for all processes.
+    /// Folder that keeps the outputs of stages, the same one for all processes, or s3://BUCKET/PREFIX in programs built for it.
     #[arg(long, value_name = "DIR", default_value = Cache::FOLDER)]
     cache: PathBuf,
-    /// Most that the folder may keep, in GB; what was not used for longest makes room.
+    /// Most that a folder may keep, in GB; what was not used for longest makes room.
     #[arg(long, value_name = "GB", default_value_t = Cache::LIMIT_BYTES as f64 / 1e9, value_parser = Cache::parse_gb)]
     cache_limit: f64,
     /// Run every stage, and keep nothing: every process reads all files then.
@@ -65,7 +65,7 @@ pub fn run(args: &Args, comm: &dyn Comm) -> Outcome {
     let config = BuildConfig::load(&args.config)?;
     let cache = match args.no_cache {
         true => Cache::none(),
-        false => Cache::in_folder(&args.cache).limited((args.cache_limit * 1e9) as u64),
+        false => Cache::at(&args.cache, (args.cache_limit * 1e9) as u64)?,
     };
     let progress: Box<dyn Progress> = if comm.rank() == 0 { Box::new(Lines::new(args.json)) } else { Box::new(Silent) };
     let build = pipeline::build_shared(&config, Parts::All, &args.out, &cache, &*progress, comm);

@@ -169,6 +169,9 @@ impl<'a> Stages<'a> {
 
     /// Ends the build: its times, and what is odd about the build itself.
     pub fn finish(self) -> (Timing, Warnings) {
+        if let Some(fault) = self.cache.fault() {
+            self.warnings.borrow_mut().push(format!("not all is cached, and more will be made again: {fault}"));
+        }
         let timing = self.timing.into_inner();
         (Timing { seconds_total: self.begin.elapsed().as_secs_f64(), ..timing }, self.warnings.into_inner())
     }
