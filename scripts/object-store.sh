@@ -45,6 +45,9 @@ start() { # PORT [NAME=VALUE]
     exit 1
 }
 
+# A request that the store accepts.
+signed() { curl -sf --aws-sigv4 aws:amz:us-east-1:s3 --user testing:testing "$@"; }
+
 first=$(port)
 start "$first"
 export AWS_ENDPOINT_URL=http://127.0.0.1:$first AWS_ALLOW_HTTP=true AWS_REGION=us-east-1
@@ -53,7 +56,7 @@ bucket=$AWS_ENDPOINT_URL/motion
 curl -sf -X PUT -o /dev/null "$bucket"
 cache=s3://motion/walks/cache
 
-"$throng" synth walk --minutes 1 --clip-seconds 8 --out clips > /dev/null 2>&1
+"$throng" synth --minutes 2 --out clips > /dev/null 2>&1
 cat > small.toml << 'TOML'
 name = "small"
 inputs = ["clips"]
@@ -74,7 +77,9 @@ clear() { "$throng" cache clear --cache $cache > /dev/null; }
 differ() {
     local wrong=0 entry
     for entry in folder/*; do
-        curl -sf "$bucket/walks/cache/$(basename "$entry")" | cmp -s - "$entry" || wrong=$((wrong + 1))
+        # The report of a policy says how long it took.
+        case $entry in */policy-*) continue ;; esac
+        signed "$bucket/walks/cache/$(basename "$entry")" | cmp -s - "$entry" || wrong=$((wrong + 1))
     done
     [ "$("$throng" cache --cache $cache --json | python3 -c 'import json, sys; print(json.load(sys.stdin)["entries"])')" -eq \
         "$(ls folder | wc -l)" ] || wrong=$((wrong + 1))
@@ -83,11 +88,13 @@ differ() {
 
 # A build that fills the store, and one that finds all.
 wrong=0
-build out.throng $cache > first.txt 2>&1 && cmp -s out.throng whole.throng || wrong=$((wrong + 1))
+build out.throng $cache > /dev/null 2>&1 && cmp -s out.throng whole.throng || wrong=$((wrong + 1))
 [ "$(differ)" -eq 0 ] || wrong=$((wrong + 1))
 rm out.throng
-build out.throng $cache > second.txt 2>&1 && cmp -s out.throng whole.throng || wrong=$((wrong + 1))
-grep -q '^cached.*motion.*graph.*policy' second.txt || wrong=$((wrong + 1))
+"$throng" build small.toml --out out.throng --cache $cache --json > second.json 2> /dev/null || wrong=$((wrong + 1))
+cmp -s out.throng whole.throng || wrong=$((wrong + 1))
+python3 -c 'import json, sys; sys.exit(json.load(open("second.json"))["cached"] != ["motion", "graph", "policy"])' ||
+    wrong=$((wrong + 1))
 row "builds, entries as in a folder" 2 $wrong
 
 # Two shards at once, each twice.
@@ -136,7 +143,7 @@ for ((i = 0; i < times; i++)); do
         printf "\\x$(printf %x $((RANDOM % 256)))" |
             dd of=damaged bs=1 seek=$(((RANDOM * 32768 + RANDOM) % size)) conv=notrunc status=none
     fi
-    curl -sf -X PUT -o /dev/null --data-binary @damaged "$bucket/walks/cache/$(basename "$entry")"
+    signed -X PUT -o /dev/null --data-binary @damaged "$bucket/walks/cache/$(basename "$entry")"
     rm -f out.throng
     build out.throng $cache > /dev/null 2>&1 && cmp -s out.throng whole.throng || wrong=$((wrong + 1))
 done
@@ -155,8 +162,7 @@ refused() { # WHAT WANTED COMMAND...
 refused "no such bucket" "Make the bucket first" build out.throng s3://nowhere/cache
 refused "an address without a bucket" "expected s3://BUCKET/PREFIX" build out.throng s3://
 second=$(port)
-start "$second" INITIAL_NO_AUTH_ACTION_COUNT=1
-curl -sf -X PUT -o /dev/null "http://127.0.0.1:$second/motion"
+start "$second" INITIAL_NO_AUTH_ACTION_COUNT=0
 refused "a store that refuses" "Check AWS_ACCESS_KEY_ID" \
     env AWS_ENDPOINT_URL="http://127.0.0.1:$second" "$throng" build small.toml --out out.throng --cache $cache
 refused "a store that is away" "Check AWS_ENDPOINT_URL" \

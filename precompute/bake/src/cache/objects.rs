@@ -1,6 +1,6 @@
 //! Entries as objects of a bucket, in a store that speaks the protocol of S3.
 
-use super::{Storage, STORE};
+use super::{STORE, Storage};
 use object_store::aws::{AmazonS3, AmazonS3Builder, AmazonS3ConfigKey};
 use object_store::path::Path;
 use object_store::{ClientConfigKey, Error, ObjectStore, ObjectStoreExt, RetryConfig};
@@ -108,16 +108,7 @@ impl Objects {
                  AWS_ALLOW_HTTP=true allows http://"
             }
         };
-        // The last cause says most.
-        let mut causes = vec![e.to_string()];
-        let mut cause = e.source();
-        while let Some(inner) = cause {
-            if !causes.iter().any(|c| c.contains(&inner.to_string())) {
-                causes.push(inner.to_string());
-            }
-            cause = inner.source();
-        }
-        let why = format!("{what}: {}. {way_out}", causes.join(": "));
+        let why = format!("{what}: {}. {way_out}", plain(&e));
         BuildError::Store { address: self.address.clone(), why }
     }
 
@@ -134,6 +125,27 @@ impl Objects {
             }
         }
         upload.complete().await.map(drop)
+    }
+}
+
+/// What the store answered, or else all causes, as the last one says most.
+fn plain(e: &Error) -> String {
+    let mut causes = vec![e.to_string()];
+    let mut cause = e.source();
+    while let Some(inner) = cause {
+        if !causes.iter().any(|c| c.contains(&inner.to_string())) {
+            causes.push(inner.to_string());
+        }
+        cause = inner.source();
+    }
+    let all = causes.join(": ");
+    let between = |tag: &str| {
+        let (_, after) = all.split_once(&format!("<{tag}>"))?;
+        Some(after.split_once('<')?.0)
+    };
+    match (between("Code"), between("Message")) {
+        (Some(code), Some(message)) => format!("{code}: {}", message.trim_end_matches('.')),
+        _ => all.split_whitespace().collect::<Vec<_>>().join(" "),
     }
 }
 

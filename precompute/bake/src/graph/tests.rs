@@ -147,7 +147,7 @@ fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<E
     });
     let (events, outcomes): (Vec<Event>, _) = (events.collect(), outcomes.collect());
     let frames: Vec<FrameId> = events.iter().map(|e| e.frame).collect();
-    (features::extract_at(&set, &frames, &still).unwrap(), events, outcomes)
+    (features::extract_at(&set, &frames, &still, &Alone).unwrap(), events, outcomes)
 }
 
 fn limits(error: f32) -> Limits {

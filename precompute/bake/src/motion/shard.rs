@@ -132,7 +132,7 @@ fn bake_files(
     let cache = s.cache();
     let mut report = s.run("import", |p| read(cfg, &from.file_keys(&cfg.import), shard, cache, p))?;
     if report.missing == 0 && report.own_files > report.skipped.len() {
-        let Read { raw, maker, warnings, .. } = begin(cfg, parts, from, s)?;
+        let Read { raw, maker, warnings, .. } = begin(cfg, parts, from, s, true)?;
         let own: Vec<usize> = (0..raw.len()).filter(|&i| maker.keys[i].is_some_and(|key| shard.has(key))).collect();
         report.made = s.run("clips", |p| {
             p.begin("clips", own.len() as u64, "files");
