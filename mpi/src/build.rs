@@ -19,7 +19,7 @@ use throng_runtime::base::{Comm, out_of_step};
 ///
 /// The bundle is that of `throng build`, byte by byte. Processes share the work on single files, where there is a cache, the
 /// search for frames that are alike, pose groups and policies. JSON keys: those of `throng build`, of the first process, and
-/// ranks, bytes_moved, seconds, of_ranks[] (busy_s, ran_s, bytes_moved, peak_bytes, stages{} (wall_s, waited_s, ran_s,
+/// ranks, bytes_moved, seconds, of_ranks[] (busy_s, ran_s, bytes_moved, peak_bytes, stages{} (wall_s, waited_s, ran_s, peak_bytes,
 /// bytes_moved)).
 #[derive(clap::Args)]
 pub struct Args {
@@ -106,7 +106,7 @@ fn print(report: &Report, out: &Path) -> Outcome {
     if !report.build.cached.is_empty() {
         println!("cached    {}", report.build.cached.join(", "));
     }
-    println!("{:<10}{:>9}{:>9}{:>9}{:>12}  slowest", "stage", "time", "busiest", "idlest", "moved");
+    println!("{:<10}{:>9}{:>9}{:>9}{:>12}{:>12}  slowest", "stage", "time", "busiest", "idlest", "moved", "memory");
     for stage in report.build.stage_s.keys() {
         let of = |r: &RankReport| r.stages.get(*stage).copied().unwrap_or_default();
         let busy_s = |s: Spent| s.ran_s.unwrap_or(s.wall_s - s.waited_s);
@@ -115,8 +115,9 @@ fn print(report: &Report, out: &Path) -> Outcome {
         let (rank, wall_s) =
             (all.iter().position(|&s| busy_s(s) == most), all.iter().map(|s| s.wall_s).fold(0.0, f64::max));
         let moved = all.iter().map(|s| s.bytes_moved).sum::<u64>() as f64 / 1e6;
+        let peak = all.iter().map(|s| s.peak_bytes).max().unwrap_or(0) as f64 / 1e6;
         let rank = rank.map_or(String::new(), |r| format!("rank {r}"));
-        println!("{stage:<10}{wall_s:>7.2} s{most:>7.2} s{least:>7.2} s{moved:>9.1} MB  {rank}");
+        println!("{stage:<10}{wall_s:>7.2} s{most:>7.2} s{least:>7.2} s{moved:>9.1} MB{peak:>9.0} MB  {rank}");
     }
     let slowest = report.of_ranks.iter().map(|r| r.busy_s).fold(0.0, f64::max);
     for (rank, of) in report.of_ranks.iter().enumerate() {

@@ -155,6 +155,21 @@ mod tests {
     use throng_base::LocalComm;
 
     #[test]
+    fn mirrored_copies_are_where_their_originals_are() {
+        let clip = |mirrored: bool| Clip { mirrored, ..Clip::new("c", 30.0, Vec::new(), Vec::new()) };
+        let clips = [false, true].repeat(5).into_iter().map(clip).collect();
+        let set = ClipSet { skeleton: throng_core::Skeleton::default(), clips };
+        assert_eq!(owners(&set, 1), [0; 10]);
+        assert_eq!(owners(&set, 2), [0, 0, 0, 0, 1, 1, 1, 1, 1, 1]);
+        for num_ranks in [2, 3, 4, 5, 8] {
+            let of_originals: Vec<usize> = owners(&set, num_ranks).into_iter().step_by(2).collect();
+            for (original, &rank) in of_originals.iter().enumerate() {
+                assert!(share(5, rank, num_ranks).contains(&original), "{num_ranks}: {of_originals:?}");
+            }
+        }
+    }
+
+    #[test]
     fn everybody_has_what_all_have_made() {
         for (num_ranks, count) in [(1, 5), (2, 5), (3, 0), (4, 3), (5, 100)] {
             let got = LocalComm::run(num_ranks, |comm| {

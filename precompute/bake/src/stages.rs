@@ -9,6 +9,7 @@ use std::time::Instant;
 use throng_base::Comm;
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Warnings};
+use throng_motion::memory;
 use throng_motion::progress::Progress;
 
 /// Files of one performer: of one source skeleton.
@@ -51,6 +52,8 @@ pub struct Spent {
     pub ran_s: Option<f64>,
     /// Bytes that it sent to others.
     pub bytes_moved: u64,
+    /// Most memory that the process had held when the stage ended; 0 where the system does not tell (bytes).
+    pub peak_bytes: u64,
 }
 
 impl Spent {
@@ -61,6 +64,7 @@ impl Spent {
             waited_s: self.waited_s - before.waited_s,
             ran_s: self.ran_s.zip(before.ran_s).map(|(all, before)| all - before),
             bytes_moved: self.bytes_moved - before.bytes_moved,
+            peak_bytes: self.peak_bytes,
         }
     }
 
@@ -71,6 +75,7 @@ impl Spent {
             waited_s: self.waited_s + other.waited_s,
             ran_s: self.ran_s.zip(other.ran_s).map(|(a, b)| a + b),
             bytes_moved: self.bytes_moved + other.bytes_moved,
+            peak_bytes: self.peak_bytes.max(other.peak_bytes),
         }
     }
 }
@@ -124,8 +129,13 @@ impl<'a> Stages<'a> {
     /// What the build took so far.
     fn spent(&self) -> Spent {
         let (wall_s, traffic) = (self.begin.elapsed().as_secs_f64(), self.comm.traffic());
-        let moved = traffic.bytes_moved;
-        Spent { wall_s, waited_s: traffic.waited_s, ran_s: self.comm.ran_s(), bytes_moved: moved }
+        Spent {
+            wall_s,
+            waited_s: traffic.waited_s,
+            ran_s: self.comm.ran_s(),
+            bytes_moved: traffic.bytes_moved,
+            peak_bytes: memory::peak_bytes().unwrap_or(0),
+        }
     }
 
     /// What the stages took that have ended.
