@@ -120,7 +120,7 @@ fn ranks_and_shards_see_motion_that_is_there_twice() {
     for shard in ["0/2", "1/2", "0/2", "1/2"] {
         let told = bake_shard(&config, Parts::All, shard.parse().expect("a shard"), &cache, &Silent).expect("it bakes");
         let twice = |w: &String| w.contains("walk_again.bvh: the same motion as");
-        assert!(!told.done || told.warnings.iter().any(twice), "{:?}", told.warnings);
+        assert!(!told.done || told.own_files == 0 || told.warnings.iter().any(twice), "{told:?}");
     }
     let (reports, bytes) = shared(&config, &cache, 2, &out);
     assert!(bytes == want);
