@@ -88,6 +88,9 @@ impl MpiComm {
     }
 }
 
+/// Most bytes that all ranks gather at once: MPI counts to 2^31.
+const MOST: usize = 1 << 30;
+
 /// Room for messages of some lengths, somewhere in memory even where there is nothing to hold: MPI takes the address of
 /// an empty `Vec` for a word of its own.
 fn room(counts: &[i32]) -> Vec<u8> {
@@ -185,15 +188,26 @@ impl Comm for MpiComm {
 
     fn all_gather(&self, message: &[u8]) -> Result<Vec<Vec<u8>>> {
         self.counted(message.len() * (self.num_ranks() - 1), || {
-            let mut got = vec![0i32; self.num_ranks()];
-            let (own, _) = self.counts(std::iter::once(message.len()))?;
-            self.world.all_gather_into(&own[..], &mut got[..]);
-            let (got, starts) = self.counts(got.iter().map(|&c| c as usize))?;
-            let mut bytes = room(&got);
-            // See `room`.
-            let message = if message.is_empty() { &[0][..0] } else { message };
-            self.world.all_gather_varcount_into(message, &mut PartitionMut::new(&mut bytes, &got[..], starts));
-            Ok(parts(&bytes, &got))
+            let mut lengths = vec![0u64; self.num_ranks()];
+            self.world.all_gather_into(&[message.len() as u64][..], &mut lengths[..]);
+            let longest = lengths.iter().copied().max().unwrap_or(0) as usize;
+            let part = (MOST / self.num_ranks()).max(1);
+            let mut all: Vec<Vec<u8>> = vec![Vec::new(); self.num_ranks()];
+            // Once, where no message is long.
+            for begin in (0..longest.max(1)).step_by(part) {
+                let of = |length: usize| begin.min(length)..begin.saturating_add(part).min(length);
+                let (got, starts) = self.counts(lengths.iter().map(|&n| of(n as usize).len()))?;
+                let mut bytes = room(&got);
+                let own = &message[of(message.len())];
+                // See `room`.
+                let own = if own.is_empty() { &[0][..0] } else { own };
+                self.world.all_gather_varcount_into(own, &mut PartitionMut::new(&mut bytes, &got[..], starts));
+                match longest <= part {
+                    true => all = parts(&bytes, &got),
+                    false => all.iter_mut().zip(parts(&bytes, &got)).for_each(|(all, part)| all.extend(part)),
+                }
+            }
+            Ok(all)
         })
     }
 

@@ -62,7 +62,7 @@ fn main() -> ExitCode {
     let board = comm.board();
     let told: Arc<dyn Board> = board.clone();
     let done = run(&cli.command, &comm, &told);
-    let done = done.and_then(|()| Ok(comm.settle(&*board)?));
+    let done = done.and_then(|()| Ok(comm.settle(&board)?));
     let Err(e) = done else { return ExitCode::SUCCESS };
     // What goes wrong everywhere is told once: by the first, which ends the others.
     if comm.rank() > 0 {

@@ -162,7 +162,7 @@ fn settle(
     let sources: Vec<retarget::Source> = clips.iter().map(retarget::Source::from).collect();
     let lender: Box<retarget::Lender<'_>> = match lent {
         Some(lent) => Box::new(|places, look| lent.lend(clips, places, look)),
-        None => Box::new(retarget::lend(&sources)),
+        None => retarget::lend(&sources),
     };
     let mut plan = retarget::Plan::new(&sources, &*lender, &cfg.retarget, warnings)?;
     for p in 0..plan.performers.len() {

@@ -77,8 +77,8 @@ fn gathered<T: Serialize + DeserializeOwned>(comm: &dyn Comm, own: Vec<T>) -> Re
     comm.all_gather(&message)?.into_iter().enumerate().map(read).collect()
 }
 
-/// Most bytes that a rank sends at once of what the first one gathers.
-const PART: usize = 32 << 20;
+/// Most bytes that the first rank takes at once of what it gathers.
+const MOST: usize = 256 << 20;
 
 /// Puts what each rank has after each other, in the order of ranks, for the first one; others get nothing.
 ///
@@ -89,7 +89,7 @@ pub(crate) fn gathered_first<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec
         return Ok(own);
     }
     let lengths: Vec<usize> = comm.all_numbers(own.len() as f64)?.into_iter().map(|n| n as usize).collect();
-    let (rank, part) = (comm.rank(), (PART / size_of::<T>().max(1)).max(1));
+    let (rank, part) = (comm.rank(), (MOST / comm.num_ranks() / size_of::<T>().max(1)).max(1));
     let mut all = vec![T::zeroed(); if rank == 0 { lengths.iter().sum() } else { 0 }];
     for begin in (0..lengths.iter().copied().max().unwrap_or(0)).step_by(part) {
         let of = |length: usize| begin.min(length)..(begin + part).min(length);

@@ -132,9 +132,9 @@ pub fn onto(clips: &[Imported], cfg: &RetargetConfig, warnings: &mut Warnings) -
 
 fn lay_all(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
     let lender = lend(sources);
-    let mut plan = Plan::new(sources, &lender, cfg, warnings)?;
+    let mut plan = Plan::new(sources, &*lender, cfg, warnings)?;
     for p in 0..plan.performers.len() {
-        plan.performers[p].slope = plan.find_slope(p, &lender)?;
+        plan.performers[p].slope = plan.find_slope(p, &*lender)?;
     }
     let clips = sources.par_iter().enumerate().map(|(i, source)| plan.lay_source(i, source)).collect();
     Ok(ClipSet { skeleton: plan.skeleton, clips })

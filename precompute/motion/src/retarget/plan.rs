@@ -72,13 +72,11 @@ fn telling(clips: &[usize], sources: &[Source]) -> Vec<usize> {
 pub type Lender<'a> = dyn Fn(&[usize], &mut dyn FnMut(&[Source])) -> Result<(), BuildError> + Sync + 'a;
 
 /// A [`Lender`] of clips whose motion is in memory.
-pub fn lend<'a>(
-    sources: &'a [Source<'a>],
-) -> impl Fn(&[usize], &mut dyn FnMut(&[Source])) -> Result<(), BuildError> + Sync {
-    |places, look| {
+pub fn lend<'a>(sources: &'a [Source<'a>]) -> Box<Lender<'a>> {
+    Box::new(|places, look| {
         look(&places.iter().map(|&i| sources[i]).collect::<Vec<_>>());
         Ok(())
-    }
+    })
 }
 
 impl Plan {
