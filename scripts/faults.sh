@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What is left when things go wrong? Kills builds, stitches and runs at random moments, lets writing fail at a file size,
-# damages the cache, and runs two builds at once. After each, the output must be absent or whole, and a further build
+# fills the disk, damages the cache, lets clocks differ and folders be slow, and runs two builds at once. After each, the output must be absent or whole, and a further build
 # must give the same bytes as an undisturbed one.
 #
 # `scripts/faults.sh [N] [THRONG]`: N times each (500), with a program (target/release/throng, or target/debug/throng).
@@ -154,6 +154,74 @@ if unshare -rm mount -t tmpfs -o size=64k tmpfs disk 2> /dev/null; then
     row "the disk is full" "$few" "$failed" "$wrong"
 else
     echo "the disk is full: skipped: no tmpfs can be mounted here (unshare -rm)"
+fi
+
+# The disk of the cache is full: a build goes on without and says so, a share of it fails and says so.
+"$throng" synth --set walk --minutes 1 --out clips > /dev/null 2>&1
+cat > files.toml << 'TOML'
+name = "files"
+inputs = ["clips"]
+[policy]
+compare_samples = 100
+[[behaviours]]
+name = "approach"
+grid = { rings = 6, angles = 8, radius = 6.0, inner_spacing = 0.5 }
+TOML
+"$throng" build files.toml --out files.throng --no-cache > /dev/null 2>&1
+wrong=0 failed=0 few=$((times < 20 ? times : 20))
+if unshare -rm mount -t tmpfs -o size=64k tmpfs disk 2> /dev/null; then
+    for ((i = 0; i < few; i++)); do
+        code=0
+        unshare -rm bash -c "mount -t tmpfs -o size=$((4 + 6000 * i / few))k tmpfs disk
+            '$throng' build files.toml --out out.throng --cache disk/cache > told.txt 2>&1 || exit 99
+            cmp -s out.throng files.throng || exit 98
+            grep -q '^warning: .*cached' told.txt || exit 0
+            rm -rf disk/cache
+            '$throng' bake files.toml --shard 0/1 --cache disk/cache > told.txt 2>&1 && exit 0
+            grep -q '^error: .*disk/cache' told.txt && exit 1 || exit 97" || code=$?
+        [ $code -eq 0 ] || failed=$((failed + 1))
+        [ $code -le 1 ] || wrong=$((wrong + 1))
+    done
+    row "the disk of the cache is full" "$few" "$failed" "$wrong"
+else
+    echo "the disk of the cache is full: skipped: no tmpfs can be mounted here (unshare -rm)"
+fi
+
+# Shares at once, with what a command puts before each; then a build.
+shares() { # FIRST SECOND: words before the program
+    rm -rf shared-cache out.throng
+    for _ in 1 2; do
+        $1 "$throng" bake files.toml --shard 0/2 --cache shared-cache > /dev/null 2>&1 &
+        local other=$!
+        $2 "$throng" bake files.toml --shard 1/2 --cache shared-cache > /dev/null 2>&1 || return 1
+        wait $other || return 1
+    done
+    $1 "$throng" build files.toml --out out.throng --cache shared-cache --json 2> /dev/null > told.json || return 1
+    grep -q '"files_kept": 0' told.json && return 1
+    cmp -s out.throng files.throng
+}
+
+# Clocks that differ by days, and a folder that is slow: each call that opens, renames or removes a file waits 20 ms.
+few=$((times < 10 ? times : 10))
+if command -v faketime > /dev/null; then
+    wrong=0
+    for ((i = 0; i < few; i++)); do
+        shares "faketime -f -$((RANDOM % 9))d" "faketime -f +$((RANDOM % 9))d" || wrong=$((wrong + 1))
+    done
+    row "clocks that differ" "$few" "$few" "$wrong"
+else
+    echo "clocks that differ: skipped: no faketime here (apt-get install faketime)"
+fi
+if command -v strace > /dev/null; then
+    wrong=0 slow="strace -f -qq -o /dev/null -e trace=openat,rename,unlink,flock"
+    slow+=" -e inject=openat,rename,unlink,flock:delay_enter=20000"
+    few=$((times < 5 ? times : 5))
+    for ((i = 0; i < few; i++)); do
+        shares "$slow" "$slow" || wrong=$((wrong + 1))
+    done
+    row "a slow folder" "$few" "$few" "$wrong"
+else
+    echo "a slow folder: skipped: no strace here (apt-get install strace)"
 fi
 
 # A damaged entry of the cache counts as absent.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
+use throng_precompute::error::BuildError;
 use throng_precompute::trial::TrialConfig;
 use throng_runtime::Bundle;
 use throng_runtime::base::limits;
@@ -84,10 +85,10 @@ pub fn is_toml(path: &Path) -> bool {
 /// The cache of stage outputs.
 #[derive(clap::Args)]
 pub struct CacheArgs {
-    /// Folder that keeps the outputs of stages between builds.
+    /// Folder that keeps the outputs of stages between builds, or s3://BUCKET/PREFIX in programs built for it.
     #[arg(long, value_name = "DIR", default_value = Cache::FOLDER)]
     cache: PathBuf,
-    /// Most that the folder may keep, in GB; what was not used for longest makes room.
+    /// Most that a folder may keep, in GB; what was not used for longest makes room.
     #[arg(long, value_name = "GB", default_value_t = Cache::LIMIT_BYTES as f64 / 1e9, value_parser = Cache::parse_gb)]
     cache_limit: f64,
     /// Run every stage, and keep nothing.
@@ -102,10 +103,10 @@ impl CacheArgs {
     }
 
     /// The cache that the flags name.
-    pub fn cache(&self) -> Cache {
+    pub fn cache(&self) -> Result<Cache, BuildError> {
         match self.no_cache {
-            true => Cache::none(),
-            false => Cache::in_folder(&self.cache).limited((self.cache_limit * 1e9) as u64),
+            true => Ok(Cache::none()),
+            false => Cache::at(&self.cache, (self.cache_limit * 1e9) as u64),
         }
     }
 }

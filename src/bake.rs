@@ -43,7 +43,7 @@ pub fn run(args: &Args) -> Outcome {
     };
     let plan = plan(&args.what)?;
     let bar = progress::Bar::on_interrupt(Some(folder.clone()));
-    let shard = pipeline::bake_shard(&plan.config, plan.parts, args.shard, &args.cache.cache(), &bar);
+    let shard = pipeline::bake_shard(&plan.config, plan.parts, args.shard, &args.cache.cache()?, &bar);
     drop(bar);
     let shard = shard.map_err(|e| plan.error(e))?;
     output::warnings(&shard.skipped, &shard.warnings);

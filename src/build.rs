@@ -128,7 +128,7 @@ pub fn run(args: &Args) -> Outcome {
         Parts::All => pipeline::build,
         Parts::Possible => pipeline::build_possible,
     };
-    let report = build(config, &out, &args.cache.cache(), &bar);
+    let report = build(config, &out, &args.cache.cache()?, &bar);
     drop(bar);
     let report = report.map_err(|e| plan.error(e))?;
     output::warnings(&report.skipped, &report.warnings);

@@ -15,7 +15,7 @@ use throng_precompute::cache::Cache;
 pub struct Args {
     #[command(subcommand)]
     what: Option<What>,
-    /// Folder that keeps the outputs of stages between builds.
+    /// Folder that keeps the outputs of stages between builds, or s3://BUCKET/PREFIX in programs built for it.
     #[arg(long, value_name = "DIR", default_value = Cache::FOLDER, global = true)]
     cache: PathBuf,
     /// Print one JSON object.
@@ -51,12 +51,12 @@ struct OfStage {
     entries: usize,
     /// Their length.
     bytes: u64,
-    /// Time since one of them was last used, 0 where the clock was set back (s).
+    /// Time since one of them was last used, or in a store of objects written, 0 where the clock was set back (s).
     last_use_s: u64,
 }
 
 pub fn run(args: &Args) -> Outcome {
-    let (cache, now) = (Cache::in_folder(&args.cache), SystemTime::now());
+    let (cache, now) = (Cache::at(&args.cache, Cache::LIMIT_BYTES)?, SystemTime::now());
     let listed = cache.entries()?;
     let mut stages = BTreeMap::<String, OfStage>::new();
     // The one that was used last comes last.

@@ -54,7 +54,7 @@ pub fn run(args: &Args) -> Outcome {
     args.png.iter().chain([&args.out]).try_for_each(|f| files::check_target(f))?;
     let task = Task::read(&args.task)?;
     let config = args.read.config()?;
-    let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))?;
+    let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))??;
     let (task, clips) = sources.staged(task, args.seed)?;
     let found = plans::variants(&task, &clips, args.variants, &Watch { seed: args.seed, ..Watch::default() })?;
     let Some(mut report) = plans::report(&task, &found) else { return fail("no motion was made") };

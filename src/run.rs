@@ -7,6 +7,7 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
+use throng_precompute::error::BuildError;
 use throng_precompute::live::{LiveConfig, LiveReport, Server};
 use throng_precompute::picture;
 use throng_precompute::run::{self, Cached, Figures, RunConfig, SceneReport, TrajectoryPoint};
@@ -127,7 +128,7 @@ pub fn run(args: &Args) -> Outcome {
 pub fn motion_bundle(motion: &[PathBuf], cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let otherwise = folder.path().join("motion.throng");
-    let bundle = with(cache, |with| run::ensure_motion(motion, &otherwise, with))?;
+    let bundle = with(cache, |with| run::ensure_motion(motion, &otherwise, with))??;
     // Read, not mapped: without a cache, the file goes with its folder.
     crate::args::open(&bundle)
 }
@@ -233,18 +234,18 @@ pub fn named_engine(name: &str) -> Result<throng_runtime::crowd::Scheme, Box<dyn
 
 /// Builds and stitches what a scene names and is missing.
 pub fn ensure(scene: &Scene, cache: &CacheArgs) -> Outcome {
-    Ok(with(cache, |with| run::ensure(scene, with))?)
+    Ok(with(cache, |with| run::ensure(scene, with))??)
 }
 
 /// Builds a bundle where it is missing.
 pub fn make_bundle(bundle: &Path, config: Option<&Path>, cache: &CacheArgs) -> Outcome {
-    Ok(with(cache, |with| run::ensure_bundle(bundle, config, with))?)
+    Ok(with(cache, |with| run::ensure_bundle(bundle, config, with))??)
 }
 
 /// Lets something be made with the cache, a progress bar, and messages on standard error.
-pub fn with<T>(cache: &CacheArgs, make: impl FnOnce(&Cached<'_>) -> T) -> T {
-    let (cache, progress) = (cache.cache(), progress::Bar::on_interrupt(cache.folder()));
-    make(&Cached { cache: &cache, progress: &progress, tell: &|news| eprintln!("{news}") })
+pub fn with<T>(cache: &CacheArgs, make: impl FnOnce(&Cached<'_>) -> T) -> Result<T, BuildError> {
+    let (cache, progress) = (cache.cache()?, progress::Bar::on_interrupt(cache.folder()));
+    Ok(make(&Cached { cache: &cache, progress: &progress, tell: &|news| eprintln!("{news}") }))
 }
 
 /// What was measured of a scene, for people.

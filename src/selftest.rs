@@ -25,7 +25,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Outcome {
     let config = SelftestConfig { mutants: args.mutants, seed: args.seed, ..SelftestConfig::default() };
     let folder = tempfile::tempdir()?;
-    let report = crate::run::with(&args.cache, |with| selftest::selftest(&config, folder.path(), with));
+    let report = crate::run::with(&args.cache, |with| selftest::selftest(&config, folder.path(), with))?;
     if args.json {
         output::json(&report)?;
     } else {

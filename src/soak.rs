@@ -54,7 +54,7 @@ pub fn run(args: &Args) -> Outcome {
     let seconds = args.hours.map(|h| 3600.0 * h).or(args.seconds).unwrap_or(60.0);
     let folder = tempfile::tempdir()?;
     let scenes = if args.scenes.is_empty() {
-        crate::run::with(&args.cache, |with| soak::scenes(folder.path(), with))?
+        crate::run::with(&args.cache, |with| soak::scenes(folder.path(), with))??
     } else {
         let load = |path: &PathBuf| -> Result<Scene, Box<dyn std::error::Error>> {
             let scene = Scene::load(path)?;

@@ -308,7 +308,7 @@ fn json_lists_states_and_actions() {
     let baked = Baked {
         clips: &clips,
         graph: &graph,
-        stops: &stops::find(&clips, &graph).0,
+        stops: &stops::find(&clips, &graph, &throng_runtime::base::Alone).unwrap().0,
         policies: &[],
         groups: None,
         patches: None,

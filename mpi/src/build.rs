@@ -1,24 +1,26 @@
 //! `throng-mpi build`: one bundle by several processes.
 
-use crate::progress::Lines;
+use crate::progress::{Board, Lines};
 use crate::{Outcome, print_json};
-use serde::Serialize;
-use std::path::PathBuf;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::memory;
 use throng_precompute::parts::Parts;
 use throng_precompute::pipeline;
-use throng_precompute::progress::{Progress, Silent};
-use throng_precompute::report::BuildReport;
-use throng_runtime::base::Comm;
+use throng_precompute::report::{BuildReport, Spent};
+use throng_runtime::base::{Comm, out_of_step};
 
 /// Bake the motion of a config into a bundle in several processes.
 ///
 /// The bundle is that of `throng build`, byte by byte. Processes share the work on single files, where there is a cache, the
 /// search for frames that are alike, pose groups and policies. JSON keys: those of `throng build`, of the first process, and
-/// ranks, bytes_moved, seconds, of_ranks[] (busy_s, bytes_moved, peak_bytes).
+/// ranks, bytes_moved, seconds, of_ranks[] (busy_s, ran_s, bytes_moved, peak_bytes, stages{} (wall_s, waited_s, ran_s, peak_bytes,
+/// bytes_moved)).
 #[derive(clap::Args)]
 pub struct Args {
     /// Config (`.toml`), as `throng build` takes it.
@@ -27,10 +29,10 @@ pub struct Args {
     /// Bundle to write.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Folder that keeps the outputs of stages, the same one for all processes.
+    /// Folder that keeps the outputs of stages, the same one for all processes, or s3://BUCKET/PREFIX in programs built for it.
     #[arg(long, value_name = "DIR", default_value = Cache::FOLDER)]
     cache: PathBuf,
-    /// Most that the folder may keep, in GB; what was not used for longest makes room.
+    /// Most that a folder may keep, in GB; what was not used for longest makes room.
     #[arg(long, value_name = "GB", default_value_t = Cache::LIMIT_BYTES as f64 / 1e9, value_parser = Cache::parse_gb)]
     cache_limit: f64,
     /// Run every stage, and keep nothing: every process reads all files then.
@@ -53,50 +55,69 @@ struct Report {
 }
 
 /// What one process did.
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct RankReport {
+    /// Time that it did not wait for others (s).
     busy_s: f64,
+    /// Time that processors ran it, waiting left out (s).
+    ran_s: Option<f64>,
     bytes_moved: u64,
     peak_bytes: u64,
+    stages: BTreeMap<String, Spent>,
 }
 
-pub fn run(args: &Args, comm: &dyn Comm) -> Outcome {
+pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn Board>) -> Outcome {
     let begin = Instant::now();
     let config = BuildConfig::load(&args.config)?;
     let cache = match args.no_cache {
         true => Cache::none(),
-        false => Cache::in_folder(&args.cache).limited((args.cache_limit * 1e9) as u64),
+        false => Cache::at(&args.cache, (args.cache_limit * 1e9) as u64)?,
     };
-    let progress: Box<dyn Progress> = if comm.rank() == 0 { Box::new(Lines::new(args.json)) } else { Box::new(Silent) };
-    let build = pipeline::build_shared(&config, Parts::All, &args.out, &cache, &*progress, comm);
+    let progress = Lines::new(args.json, comm.rank(), board);
+    let build = pipeline::build_shared(&config, Parts::All, &args.out, &cache, &progress, comm);
     let build = build.map_err(|e| e.in_file(&args.config))?;
+    drop(progress);
     let (seconds, traffic) = (begin.elapsed().as_secs_f64(), comm.traffic());
-    let busy_s = comm.all_numbers(seconds - traffic.waited_s)?;
-    let moved = comm.all_numbers(traffic.bytes_moved as f64)?;
-    let peaks = comm.all_numbers(memory::peak_bytes().unwrap_or(0) as f64)?;
+    let own = RankReport {
+        busy_s: seconds - traffic.waited_s,
+        ran_s: comm.ran_s(),
+        bytes_moved: traffic.bytes_moved,
+        peak_bytes: memory::peak_bytes().unwrap_or(0),
+        stages: build.spent.iter().map(|(stage, spent)| ((*stage).to_owned(), *spent)).collect(),
+    };
+    let all = comm.all_gather(&serde_json::to_vec(&own)?)?;
     if comm.rank() > 0 {
         return Ok(());
     }
-    let of_rank = |rank: usize| RankReport {
-        busy_s: busy_s[rank],
-        bytes_moved: moved[rank] as u64,
-        peak_bytes: peaks[rank] as u64,
-    };
-    let of_ranks: Vec<RankReport> = (0..comm.num_ranks()).map(of_rank).collect();
+    let read = |(rank, bytes): (usize, &Vec<u8>)| serde_json::from_slice(bytes).map_err(|_| out_of_step(rank));
+    let of_ranks: Vec<RankReport> = all.iter().enumerate().map(read).collect::<Result<_, _>>()?;
     let bytes_moved = of_ranks.iter().map(|r| r.bytes_moved).sum();
     let report = Report { build, ranks: comm.num_ranks(), seconds, bytes_moved, of_ranks };
-    if args.json {
-        return print_json(&report);
-    }
+    if args.json { print_json(&report) } else { print(&report, &args.out) }
+}
+
+fn print(report: &Report, out: &Path) -> Outcome {
     for told in report.build.skipped.iter().chain(&report.build.warnings) {
         eprintln!("warning: {told}");
     }
     println!("made      {}", report.build.made());
-    println!("bundle    {}, {} bytes", args.out.display(), report.build.bundle_bytes);
-    let stages: Vec<_> = report.build.stage_s.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
-    println!("time      {seconds:.2} s in {} processes ({})", report.ranks, stages.join(", "));
+    println!("bundle    {}, {} bytes", out.display(), report.build.bundle_bytes);
+    println!("time      {:.2} s in {} processes", report.seconds, report.ranks);
     if !report.build.cached.is_empty() {
         println!("cached    {}", report.build.cached.join(", "));
+    }
+    println!("{:<10}{:>9}{:>9}{:>9}{:>12}{:>12}  slowest", "stage", "time", "busiest", "idlest", "moved", "memory");
+    for stage in report.build.stage_s.keys() {
+        let of = |r: &RankReport| r.stages.get(*stage).copied().unwrap_or_default();
+        let busy_s = |s: Spent| s.ran_s.unwrap_or(s.wall_s - s.waited_s);
+        let all: Vec<Spent> = report.of_ranks.iter().map(of).collect();
+        let (most, least) = all.iter().map(|&s| busy_s(s)).fold((0.0, f64::INFINITY), |(m, l), s| (s.max(m), s.min(l)));
+        let (rank, wall_s) =
+            (all.iter().position(|&s| busy_s(s) == most), all.iter().map(|s| s.wall_s).fold(0.0, f64::max));
+        let moved = all.iter().map(|s| s.bytes_moved).sum::<u64>() as f64 / 1e6;
+        let peak = all.iter().map(|s| s.peak_bytes).max().unwrap_or(0) as f64 / 1e6;
+        let rank = rank.map_or(String::new(), |r| format!("rank {r}"));
+        println!("{stage:<10}{wall_s:>7.2} s{most:>7.2} s{least:>7.2} s{moved:>9.1} MB{peak:>9.0} MB  {rank}");
     }
     let slowest = report.of_ranks.iter().map(|r| r.busy_s).fold(0.0, f64::max);
     for (rank, of) in report.of_ranks.iter().enumerate() {

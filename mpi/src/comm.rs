@@ -1,18 +1,28 @@
 //! Messages between processes, by MPI.
 
+use crate::progress::{Board, LocalBoard, RankStatus};
+use mpi::Threading;
 use mpi::collective::SystemOperation;
 use mpi::datatype::{Partition, PartitionMut};
 use mpi::environment::Universe;
+use mpi::point_to_point::MatchedReceiveVec;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::cell::Cell;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+use throng_runtime::base::clock::{process_ran_s, thread_ran_s};
 use throng_runtime::base::{Comm, Error, Result, Traffic};
 
 /// All processes that `mpirun` has started. Where one of them ends, MPI ends all.
 pub struct MpiComm {
     world: SimpleCommunicator,
     traffic: Cell<Traffic>,
+    /// Time that a processor ran this thread while it waited: MPI asks again and again (s).
+    waited_ran_s: Cell<f64>,
+    /// True where other threads may send messages, too.
+    may_tell: bool,
     /// MPI ends with it.
     _universe: Universe,
 }
@@ -20,8 +30,10 @@ pub struct MpiComm {
 impl MpiComm {
     /// Starts MPI; `None` where it runs already.
     pub fn new() -> Option<Self> {
-        let universe = mpi::initialize()?;
-        Some(Self { world: universe.world(), traffic: Cell::default(), _universe: universe })
+        let (universe, threading) = mpi::initialize_with_threading(Threading::Multiple)?;
+        let (traffic, waited_ran_s) = (Cell::default(), Cell::default());
+        let may_tell = threading == Threading::Multiple;
+        Some(Self { world: universe.world(), traffic, waited_ran_s, may_tell, _universe: universe })
     }
 
     /// Ends all processes, with the exit code of a failure.
@@ -29,10 +41,28 @@ impl MpiComm {
         self.world.abort(1)
     }
 
+    /// Where ranks note how far they are: that of the first one knows of all.
+    pub fn board(&self) -> Arc<MpiBoard> {
+        Arc::new(MpiBoard { may_tell: self.may_tell, sent: AtomicU64::new(0), heard: Mutex::default() })
+    }
+
+    /// Waits until the first rank has heard all that was noted, as MPI must not end before.
+    ///
+    /// # Errors
+    /// As [`Comm::exchange`].
+    pub fn settle(&self, board: &MpiBoard) -> Result<()> {
+        let sent = self.sum(board.sent.load(Ordering::Relaxed))?;
+        while self.rank() == 0 && board.hear() < sent {
+            std::thread::yield_now();
+        }
+        self.barrier()
+    }
+
     /// Counts what a call moves, and how long it takes.
     fn counted<T>(&self, bytes: usize, call: impl FnOnce() -> Result<T>) -> Result<T> {
-        let begin = Instant::now();
+        let (begin, ran) = (Instant::now(), thread_ran_s());
         let done = call();
+        self.waited_ran_s.update(|s| s + thread_ran_s().zip(ran).map_or(0.0, |(after, before)| after - before));
         let mut traffic = self.traffic.get();
         traffic.bytes_moved += bytes as u64;
         traffic.waited_s += begin.elapsed().as_secs_f64();
@@ -58,6 +88,9 @@ impl MpiComm {
     }
 }
 
+/// Most bytes that all ranks gather at once: MPI counts to 2^31.
+const MOST: usize = 1 << 30;
+
 /// Room for messages of some lengths, somewhere in memory even where there is nothing to hold: MPI takes the address of
 /// an empty `Vec` for a word of its own.
 fn room(counts: &[i32]) -> Vec<u8> {
@@ -76,6 +109,53 @@ fn parts(bytes: &[u8], counts: &[i32]) -> Vec<Vec<u8>> {
         part.to_vec()
     };
     counts.iter().map(part).collect()
+}
+
+/// Tag of messages that say how far a rank is.
+const NOTE: i32 = 1;
+
+/// Notes of ranks, sent to the first one beside what ranks tell each other in their work.
+pub struct MpiBoard {
+    may_tell: bool,
+    /// Messages that this rank has sent.
+    sent: AtomicU64,
+    /// Messages that this rank has got, and the last of each rank.
+    heard: Mutex<(u64, LocalBoard)>,
+}
+
+impl MpiBoard {
+    /// Takes in what has come; returns how many messages have come so far.
+    fn hear(&self) -> u64 {
+        let mut heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
+        while let Some(message) = SimpleCommunicator::world().any_process().immediate_matched_probe_with_tag(NOTE) {
+            let (bytes, status): (Vec<u8>, _) = message.matched_receive_vec();
+            heard.0 += 1;
+            if let Ok(of_rank) = serde_json::from_slice(&bytes) {
+                heard.1.note(status.source_rank() as usize, of_rank);
+            }
+        }
+        heard.0
+    }
+}
+
+impl Board for MpiBoard {
+    fn note(&self, rank: usize, of_rank: RankStatus) {
+        match serde_json::to_vec(&of_rank) {
+            _ if rank == 0 => self.heard.lock().unwrap_or_else(PoisonError::into_inner).1.note(rank, of_rank),
+            Ok(bytes) if self.may_tell => {
+                SimpleCommunicator::world().process_at_rank(0).send_with_tag(&bytes[..], NOTE);
+                self.sent.fetch_add(1, Ordering::Relaxed);
+            }
+            _ => (),
+        }
+    }
+
+    fn statuses(&self) -> Vec<Option<RankStatus>> {
+        if self.may_tell {
+            self.hear();
+        }
+        self.heard.lock().unwrap_or_else(PoisonError::into_inner).1.statuses()
+    }
 }
 
 impl Comm for MpiComm {
@@ -108,15 +188,26 @@ impl Comm for MpiComm {
 
     fn all_gather(&self, message: &[u8]) -> Result<Vec<Vec<u8>>> {
         self.counted(message.len() * (self.num_ranks() - 1), || {
-            let mut got = vec![0i32; self.num_ranks()];
-            let (own, _) = self.counts(std::iter::once(message.len()))?;
-            self.world.all_gather_into(&own[..], &mut got[..]);
-            let (got, starts) = self.counts(got.iter().map(|&c| c as usize))?;
-            let mut bytes = room(&got);
-            // See `room`.
-            let message = if message.is_empty() { &[0][..0] } else { message };
-            self.world.all_gather_varcount_into(message, &mut PartitionMut::new(&mut bytes, &got[..], starts));
-            Ok(parts(&bytes, &got))
+            let mut lengths = vec![0u64; self.num_ranks()];
+            self.world.all_gather_into(&[message.len() as u64][..], &mut lengths[..]);
+            let longest = lengths.iter().copied().max().unwrap_or(0) as usize;
+            let part = (MOST / self.num_ranks()).max(1);
+            let mut all: Vec<Vec<u8>> = vec![Vec::new(); self.num_ranks()];
+            // Once, where no message is long.
+            for begin in (0..longest.max(1)).step_by(part) {
+                let of = |length: usize| begin.min(length)..begin.saturating_add(part).min(length);
+                let (got, starts) = self.counts(lengths.iter().map(|&n| of(n as usize).len()))?;
+                let mut bytes = room(&got);
+                let own = &message[of(message.len())];
+                // See `room`.
+                let own = if own.is_empty() { &[0][..0] } else { own };
+                self.world.all_gather_varcount_into(own, &mut PartitionMut::new(&mut bytes, &got[..], starts));
+                match longest <= part {
+                    true => all = parts(&bytes, &got),
+                    false => all.iter_mut().zip(parts(&bytes, &got)).for_each(|(all, part)| all.extend(part)),
+                }
+            }
+            Ok(all)
         })
     }
 
@@ -130,6 +221,10 @@ impl Comm for MpiComm {
 
     fn traffic(&self) -> Traffic {
         self.traffic.get()
+    }
+
+    fn ran_s(&self) -> Option<f64> {
+        process_ran_s().map(|s| s - self.waited_ran_s.get())
     }
 }
 

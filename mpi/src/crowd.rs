@@ -1,9 +1,9 @@
 //! `throng-mpi crowd`: one crowd in several processes.
 
-use crate::progress::Lines;
+use crate::progress::{Board, Lines};
 use crate::{Outcome, print_json};
 use std::path::Path;
-use throng_precompute::progress::{Progress, Silent};
+use std::sync::Arc;
 use throng_precompute::run::{OWN_SCENES, SharedFigures, own_scene, run_shared};
 use throng_runtime::base::{Comm, limits};
 use throng_runtime::simulation::Scene;
@@ -31,15 +31,15 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: &Args, comm: &dyn Comm) -> Outcome {
+pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn Board>) -> Outcome {
     let mut scene = load(&args.scene)?;
     if let Some(agents) = args.agents {
         scene = scene.resized(agents);
     }
     scene.seed = args.seed.unwrap_or(scene.seed);
     scene.check()?;
-    let progress: Box<dyn Progress> = if comm.rank() == 0 { Box::new(Lines::new(args.json)) } else { Box::new(Silent) };
-    match run_shared(&scene.open()?, args.seconds, comm, &*progress)? {
+    let progress = Lines::new(args.json, comm.rank(), board);
+    match run_shared(&scene.open()?, args.seconds, comm, &progress)? {
         Some(figures) if args.json => print_json(&figures),
         Some(figures) => {
             print(&scene.name, &figures);

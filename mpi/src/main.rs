@@ -7,7 +7,9 @@ mod progress;
 
 use clap::{Parser, Subcommand};
 use comm::MpiComm;
+use progress::{Board, LocalBoard};
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Duration;
 use throng_runtime::base::{Comm, LocalComm, limits};
 
@@ -41,7 +43,8 @@ type Outcome = Result<(), Box<dyn std::error::Error>>;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     if let Some(ranks) = cli.local.filter(|&n| n > 0) {
-        let done = LocalComm::run(ranks, |comm| run(&cli.command, comm).map_err(|e| e.to_string()));
+        let board: Arc<dyn Board> = Arc::new(LocalBoard::default());
+        let done = LocalComm::run(ranks, |comm| run(&cli.command, comm, &board).map_err(|e| e.to_string()));
         let failed = done.into_iter().filter_map(Result::err);
         // Those who waited for a rank that has failed fail too.
         return match failed.min_by_key(|e| e.ends_with("has ended")) {
@@ -56,7 +59,11 @@ fn main() -> ExitCode {
         eprintln!("error: MPI does not start; run it with `mpirun -n RANKS throng-mpi ...`");
         return ExitCode::FAILURE;
     };
-    let Err(e) = run(&cli.command, &comm) else { return ExitCode::SUCCESS };
+    let board = comm.board();
+    let told: Arc<dyn Board> = board.clone();
+    let done = run(&cli.command, &comm, &told);
+    let done = done.and_then(|()| Ok(comm.settle(&board)?));
+    let Err(e) = done else { return ExitCode::SUCCESS };
     // What goes wrong everywhere is told once: by the first, which ends the others.
     if comm.rank() > 0 {
         std::thread::sleep(Duration::from_millis(500));
@@ -66,10 +73,10 @@ fn main() -> ExitCode {
 }
 
 /// Does what is asked for, as one of the ranks.
-fn run(command: &Command, comm: &dyn Comm) -> Outcome {
+fn run(command: &Command, comm: &dyn Comm, board: &Arc<dyn Board>) -> Outcome {
     match command {
-        Command::Build(a) => build::run(a, comm),
-        Command::Crowd(a) => crowd::run(a, comm),
+        Command::Build(a) => build::run(a, comm, board),
+        Command::Crowd(a) => crowd::run(a, comm, board),
     }
 }
 

@@ -1,46 +1,125 @@
 //! Progress of all processes, told by the first one on standard error.
 
+use serde::{Deserialize, Serialize};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::Duration;
 use throng_precompute::progress::{Progress, Status};
 
-/// Time between lines.
-const EVERY: Duration = Duration::from_secs(5);
+/// Time between two looks at where a rank is.
+const EVERY: Duration = Duration::from_secs(1);
+/// Looks between two lines.
+const LOOKS: u32 = 5;
 
-/// Tells every few seconds where the first process is, and as JSON lines also to what stages it comes.
-pub struct Lines {
-    status: Arc<Mutex<Status>>,
-    json: bool,
+/// How far a rank is in its stage.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RankStatus {
+    /// The stage.
+    pub stage: String,
+    /// Share of the stage that it has done (0 to 1); none where that is not known.
+    pub share: Option<f64>,
+    /// Time that the rest will take (s); none where that is not known.
+    pub left_s: Option<f64>,
 }
 
-impl Lines {
-    /// Begins to tell; as JSON lines, if that is wanted.
-    pub fn new(json: bool) -> Self {
-        let status = Arc::<Mutex<Status>>::default();
-        let watched = Arc::downgrade(&status);
-        std::thread::spawn(move || {
-            loop {
-                std::thread::sleep(EVERY);
-                let Some(status) = watched.upgrade() else { return };
-                let status = lock(&status);
-                match status.far() {
-                    Some(far) if json => {
-                        eprintln!(
-                            "{}",
-                            serde_json::json!({ "stage": status.stage(), "share": status.share(), "far": far })
-                        );
-                    }
-                    Some(far) => eprintln!("{}: {far}", status.stage()),
-                    None => (),
-                }
-            }
-        });
-        Self { status, json }
+/// Where ranks note how far they are, outside of what they tell each other in their work.
+pub trait Board: Send + Sync {
+    /// Notes how far a rank is.
+    fn note(&self, rank: usize, of_rank: RankStatus);
+    /// The last statuses of all ranks that are known here, by rank.
+    fn statuses(&self) -> Vec<Option<RankStatus>>;
+}
+
+/// The board of ranks that are threads.
+#[derive(Default)]
+pub struct LocalBoard(Mutex<Vec<Option<RankStatus>>>);
+
+impl Board for LocalBoard {
+    fn note(&self, rank: usize, of_rank: RankStatus) {
+        let mut statuses = lock(&self.0);
+        if statuses.len() <= rank {
+            statuses.resize(rank + 1, None);
+        }
+        statuses[rank] = Some(of_rank);
+    }
+
+    fn statuses(&self) -> Vec<Option<RankStatus>> {
+        lock(&self.0).clone()
     }
 }
 
-fn lock(status: &Mutex<Status>) -> MutexGuard<'_, Status> {
-    status.lock().unwrap_or_else(PoisonError::into_inner)
+/// Notes every second where its rank is. That of the first rank tells every few seconds where it is itself and which rank
+/// will be the last in its stage, as JSON lines also to what stages it comes.
+pub struct Lines {
+    status: Arc<Mutex<Status>>,
+    tells_json: bool,
+    /// Dropped, it ends the thread.
+    ends: Option<Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Lines {
+    /// Begins to note and to tell; as JSON lines, if that is wanted.
+    pub fn new(json: bool, rank: usize, board: &Arc<dyn Board>) -> Self {
+        let status = Arc::<Mutex<Status>>::default();
+        let (watched, board) = (status.clone(), board.clone());
+        let (ends, ended) = channel();
+        let thread = std::thread::spawn(move || {
+            let mut looks = 0;
+            while ended.recv_timeout(EVERY) == Err(RecvTimeoutError::Timeout) {
+                let status = lock(&watched).clone();
+                let Some(far) = status.far() else { continue };
+                board.note(
+                    rank,
+                    RankStatus { stage: status.stage().into(), share: status.share(), left_s: status.left_s() },
+                );
+                looks += 1;
+                if rank == 0 && looks % LOOKS == 0 {
+                    tell(&status, &far, &board.statuses(), json);
+                }
+            }
+        });
+        Self { status, tells_json: json && rank == 0, ends: Some(ends), thread: Some(thread) }
+    }
+}
+
+impl Drop for Lines {
+    fn drop(&mut self) {
+        drop(self.ends.take());
+        // A thread that has failed told nothing more.
+        _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+fn tell(status: &Status, far: &str, statuses: &[Option<RankStatus>], json: bool) {
+    let slowest = slowest(statuses);
+    if json {
+        let slowest = slowest.map(
+            |(rank, p)| serde_json::json!({ "rank": rank, "stage": p.stage, "share": p.share, "left_s": p.left_s }),
+        );
+        let line =
+            serde_json::json!({ "stage": status.stage(), "share": status.share(), "far": far, "slowest": slowest });
+        eprintln!("{line}");
+        return;
+    }
+    let slowest = slowest.map(|(rank, p)| {
+        let (share, left_s) = (p.share.unwrap_or(0.0), p.left_s.unwrap_or(0.0));
+        format!("; slowest is rank {rank}: {} {:.0} %, about {left_s:.0} s left", p.stage, (100.0 * share).floor())
+    });
+    eprintln!("{}: {far}{}", status.stage(), slowest.unwrap_or_default());
+}
+
+/// The rank that will be in its stage for longest, of several.
+fn slowest(statuses: &[Option<RankStatus>]) -> Option<(usize, &RankStatus)> {
+    let known = statuses.iter().enumerate().filter_map(|(rank, p)| Some((rank, p.as_ref()?)));
+    let left = |p: &RankStatus| p.left_s.unwrap_or(0.0);
+    let working = known.filter(|(_, p)| left(p) > 0.0);
+    working.max_by(|a, b| left(a.1).total_cmp(&left(b.1))).filter(|_| statuses.len() > 1)
+}
+
+fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Progress for Lines {
@@ -58,15 +137,56 @@ impl Progress for Lines {
 
     fn comes_to(&self, stage: &'static str) {
         lock(&self.status).comes_to(stage);
-        if self.json {
+        if self.tells_json {
             eprintln!("{}", serde_json::json!({ "stage": stage }));
         }
     }
 
     fn kept(&self, stage: &'static str) {
         lock(&self.status).keep(stage);
-        if self.json {
+        if self.tells_json {
             eprintln!("{}", serde_json::json!({ "kept": stage }));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rank_with_most_left_is_the_slowest() {
+        let of_rank =
+            |share: f64, left_s: f64| RankStatus { stage: "graph".into(), share: Some(share), left_s: Some(left_s) };
+        let board = LocalBoard::default();
+        assert_eq!(slowest(&board.statuses()), None);
+        board.note(2, of_rank(0.5, 8.0));
+        board.note(0, of_rank(1.0, 0.0));
+        assert_eq!(
+            slowest(&board.statuses()).map(|(rank, _)| rank),
+            Some(2),
+            "one of which nothing is known is no reason"
+        );
+        board.note(1, of_rank(0.2, 9.0));
+        assert_eq!(slowest(&board.statuses()), Some((1, &of_rank(0.2, 9.0))));
+        for rank in 0..3 {
+            board.note(rank, of_rank(1.0, 0.0));
+        }
+        assert_eq!(slowest(&board.statuses()), None, "all are done");
+        assert_eq!(slowest(&[Some(of_rank(0.5, 3.0))]), None, "alone, nobody is the slowest");
+    }
+
+    #[test]
+    fn ranks_note_where_they_are() {
+        let board: Arc<dyn Board> = Arc::new(LocalBoard::default());
+        let lines = Lines::new(true, 1, &board);
+        lines.begin("graph", 10, "frames");
+        lines.advance(5);
+        while board.statuses().is_empty() {
+            std::thread::yield_now();
+        }
+        let of_rank = board.statuses()[1].clone().expect("rank 1");
+        assert_eq!((&*of_rank.stage, of_rank.share), ("graph", Some(0.5)));
+        assert!(of_rank.left_s.is_some_and(|s| s > 0.0));
     }
 }

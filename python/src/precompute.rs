@@ -26,7 +26,7 @@ fn is_of(path: &Path, extension: &str) -> bool {
 #[pyfunction]
 pub fn build(py: Python<'_>, what: Vec<PathBuf>, out: PathBuf, cache: Option<PathBuf>) -> PyResult<String> {
     let report = work::run(py, |signals| {
-        let cache = work::cache(cache);
+        let cache = work::cache(cache)?;
         match what.as_slice() {
             [file] if is_of(file, "toml") => {
                 let config = BuildConfig::load(file)?;

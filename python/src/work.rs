@@ -56,8 +56,8 @@ pub fn run<T: Send>(py: Python<'_>, work: impl FnOnce(&Signals) -> Result<T, Bui
 }
 
 /// The cache in a folder; none where no folder is given.
-pub fn cache(folder: Option<PathBuf>) -> Cache {
-    folder.map_or_else(Cache::none, Cache::in_folder)
+pub fn cache(folder: Option<PathBuf>) -> Result<Cache, BuildError> {
+    folder.map_or_else(|| Ok(Cache::none()), |folder| Cache::at(&folder, Cache::LIMIT_BYTES))
 }
 
 /// Opens a scene; what it names and is missing is made first, and told to Python's logger "throng".
@@ -69,6 +69,6 @@ pub fn open(scene: &Scene, folder: Option<PathBuf>, signals: &Signals) -> Result
             _ = logger.and_then(|l| l.call_method1("info", (news.to_string(),)));
         });
     };
-    ensure(scene, &Cached { cache: &cache(folder), progress: signals, tell: &tell })?;
+    ensure(scene, &Cached { cache: &cache(folder)?, progress: signals, tell: &tell })?;
     Ok(scene.open()?)
 }

@@ -65,7 +65,7 @@ fn own(cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let bundle = folder.path().join("locomotion.throng");
     eprintln!("baking synthetic locomotion ...");
-    pipeline::build(&config, &bundle, &cache.cache(), &progress::Bar::default())?;
+    pipeline::build(&config, &bundle, &cache.cache()?, &progress::Bar::default())?;
     crate::args::open(&bundle)
 }
 

@@ -188,7 +188,7 @@ fn plans(scene: &Scene, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Err
 fn tasks(path: &Path, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Error>> {
     let task = Task::read(path)?;
     let config = BuildConfig::of_motion("", Vec::new())?;
-    let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))?;
+    let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))??;
     let (task, clips) = sources.staged(task, None)?;
     let (mut samples, mut violations) = (Vec::new(), 0);
     for seed in 0..args.seeds {

@@ -50,7 +50,7 @@ struct MeshReport {
 pub fn run(args: &super::Args) -> Outcome {
     let task = Task::read(&args.scene)?;
     let config = BuildConfig::of_motion("", Vec::new())?;
-    let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))?;
+    let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))??;
     let (task, clips) = sources.staged(task, None)?;
     let ahead = task.ahead(&clips)?;
     let one = |a: &Ahead| TaskReport {

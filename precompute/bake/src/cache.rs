@@ -1,12 +1,16 @@
 //! Outputs of stages kept between builds, found again by a hash of everything they depend on.
 
+mod folder;
+#[cfg(feature = "object-store")]
+mod objects;
+
+use folder::Folder;
 use serde::{Serialize, de::DeserializeOwned};
-use std::fs::File;
+use std::fmt::Debug;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
-use throng_base::file::read_file;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::SystemTime;
 use throng_motion::error::{BuildError, Warnings};
-use throng_motion::files::{remove_left, write_quickly};
 use xxhash_rust::xxh3::Xxh3;
 
 /// Part of every key: the version and a hash of the sources (`build.rs`), as other code may make something else of the
@@ -15,6 +19,8 @@ const EPOCH: &str = concat!("throng ", env!("CARGO_PKG_VERSION"), " ", env!("THR
 /// Most bytes of a cached output, and most that it may ask for while it is decoded.
 const LIMIT: usize = 8 << 30;
 
+/// What addresses of object stores begin with.
+const STORE: &str = "s3://";
 /// What names of bundles end with, in the cache as elsewhere.
 const BUNDLE: &str = ".throng";
 
@@ -54,27 +60,64 @@ pub fn content_hash(bytes: &[u8]) -> u128 {
     xxhash_rust::xxh3::xxh3_128(bytes)
 }
 
-/// A folder of outputs, or none.
-///
-/// Several builds may use one folder at once: entries are written under another name first, and whoever finds one gone
-/// makes it anew.
-#[derive(Clone, Debug)]
-pub struct Cache {
-    folder: Option<PathBuf>,
-    limit_bytes: u64,
+/// Where entries are kept: bytes under names. What is there is whole, or was damaged since; [`Cache`] looks.
+trait Storage: Debug + Send + Sync {
+    /// The bytes of an entry; none where there is none.
+    fn read(&self, name: &str) -> Result<Option<Vec<u8>>, BuildError>;
+    /// True where there is an entry.
+    fn has(&self, name: &str) -> Result<bool, BuildError>;
+    /// Keeps an entry: others see all of it, or what was there before.
+    fn write(&self, name: &str, bytes: Vec<u8>) -> Result<(), BuildError>;
+    /// Removes an entry, which another process may have done before.
+    fn remove(&self, name: &str) -> Result<(), BuildError>;
+    /// All files that may be entries: name, length (bytes), time of their last use.
+    fn list(&self) -> Result<Vec<(String, u64, SystemTime)>, BuildError>;
+    /// Notes that an entry was used: now, or just after `last` where the clock was set back since.
+    fn touch(&self, name: &str, last: Option<SystemTime>);
+    /// Removes what killed processes left of entries; false where the storage itself sees to room.
+    fn tidy(&self) -> bool;
+    /// Where an entry is, for messages; a file where [`Storage::is_folder`].
+    fn address(&self, name: &str) -> PathBuf;
+    /// True where entries are files.
+    fn is_folder(&self) -> bool;
 }
 
-/// An output in a cache's folder.
+/// Outputs in a folder or in a store of objects, or none.
+///
+/// Several builds may use one at once: entries come to be as a whole, and whoever finds one gone makes it anew.
+#[derive(Clone, Debug)]
+pub struct Cache {
+    storage: Option<Arc<dyn Storage>>,
+    limit_bytes: u64,
+    /// The first thing that went wrong since it was last asked.
+    fault: Arc<Mutex<Option<BuildError>>>,
+}
+
+/// An output that a cache keeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// The file.
-    pub path: PathBuf,
+    /// Its name in the folder, or in the store.
+    pub name: String,
     /// Stage that made it.
     pub stage: String,
     /// Its length (bytes).
     pub bytes: u64,
-    /// When it was last read or written. Never before an entry that was used earlier, even where the clock was set back.
+    /// When it was last read or written. Never before an entry that was used earlier, even where the clock was set back. In a
+    /// store of objects, when it was written.
     pub used: SystemTime,
+}
+
+impl Entry {
+    /// What a name says of an entry; none for files that are none.
+    fn new(name: String, bytes: u64, used: SystemTime) -> Option<Self> {
+        let (stage, key) = name.strip_suffix(BUNDLE).unwrap_or(&name).rsplit_once('-')?;
+        let ours = key.len() == 32 && key.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
+        if !ours {
+            return None;
+        }
+        let stage = stage.to_owned();
+        Some(Self { stage, name, bytes, used })
+    }
 }
 
 impl Cache {
@@ -92,14 +135,44 @@ impl Cache {
         number.ok_or_else(|| format!("expected 0 to 1000000 (GB), found `{text}`"))
     }
 
+    fn new(storage: Option<Arc<dyn Storage>>, limit_bytes: u64) -> Self {
+        Self { storage, limit_bytes, fault: Arc::default() }
+    }
+
+    /// Keeps outputs at an address: `s3://BUCKET/PREFIX`, or a folder.
+    ///
+    /// - `limit_bytes`: most that a folder keeps; what a bucket keeps, and how long, is the bucket's own affair.
+    ///
+    /// # Errors
+    /// [`BuildError::Store`] where a store does not answer or refuses, or where this program is built without the feature
+    /// `object-store`.
+    pub fn at(address: &Path, limit_bytes: u64) -> Result<Self, BuildError> {
+        match address.to_str().filter(|a| a.starts_with(STORE)) {
+            Some(address) => Self::in_store(address),
+            None => Ok(Self::in_folder(address).limited(limit_bytes)),
+        }
+    }
+
+    #[cfg(feature = "object-store")]
+    fn in_store(address: &str) -> Result<Self, BuildError> {
+        Ok(Self::new(Some(Arc::new(objects::Objects::open(address)?)), LIMIT as u64))
+    }
+
+    #[cfg(not(feature = "object-store"))]
+    fn in_store(address: &str) -> Result<Self, BuildError> {
+        let why = "this program knows no stores of objects; build it with `cargo build --release --features object-store`, \
+                   or name a folder";
+        Err(BuildError::Store { address: address.into(), why: why.into() })
+    }
+
     /// Keeps outputs in a folder, which is made when it is first needed, up to [`Cache::LIMIT_BYTES`].
     pub fn in_folder(folder: impl Into<PathBuf>) -> Self {
-        Self { folder: Some(folder.into()), limit_bytes: Self::LIMIT_BYTES }
+        Self::new(Some(Arc::new(Folder::new(folder.into()))), Self::LIMIT_BYTES)
     }
 
     /// Keeps nothing.
     pub fn none() -> Self {
-        Self { folder: None, limit_bytes: 0 }
+        Self::new(None, 0)
     }
 
     /// The same with another limit: what was not used for longest makes room.
@@ -107,16 +180,13 @@ impl Cache {
         Self { limit_bytes, ..self }
     }
 
-    fn path(&self, stage: &str, key: Key) -> Option<PathBuf> {
-        self.folder.as_ref().map(|f| f.join(format!("{stage}-{:032x}", key.0)))
-    }
-
-    /// Where a bundle is kept that was made to be run or seen; none where nothing is kept. Asking is using it.
+    /// Where a bundle is kept that was made to be run or seen; none where nothing is kept, or not in files. Asking is using it.
     pub fn bundle(&self, key: Key) -> Option<PathBuf> {
-        let path = self.path("bundle", key)?;
-        let path = path.with_file_name(format!("{}{BUNDLE}", path.file_name()?.to_string_lossy()));
+        let storage = self.storage.as_ref().filter(|p| p.is_folder())?;
+        let name = format!("{}{BUNDLE}", name("bundle", key));
+        let path = storage.address(&name);
         if path.is_file() {
-            self.touch(&path);
+            self.touch(&name);
         }
         Some(path)
     }
@@ -124,52 +194,42 @@ impl Cache {
     /// All entries, those first that were not used for longest. A folder that is not there has none.
     ///
     /// # Errors
-    /// [`BuildError::Io`] where the folder cannot be listed.
+    /// [`BuildError::Io`] where the folder cannot be listed; [`BuildError::Store`].
     pub fn entries(&self) -> Result<Vec<Entry>, BuildError> {
-        let Some(folder) = &self.folder else { return Ok(Vec::new()) };
-        let listed = match std::fs::read_dir(folder) {
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-            listed => listed.map_err(|source| BuildError::Io { path: folder.clone(), source })?,
-        };
-        // Other processes may remove entries meanwhile.
-        let entry = |e: std::fs::DirEntry| {
-            let (name, metadata) = (e.file_name().into_string().ok()?, e.metadata().ok()?);
-            let (stage, key) = name.strip_suffix(BUNDLE).unwrap_or(&name).rsplit_once('-')?;
-            let ours = key.len() == 32 && key.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
-            let used = metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH);
-            let entry = Entry { path: e.path(), stage: stage.to_owned(), bytes: metadata.len(), used };
-            (ours && metadata.is_file()).then_some(entry)
-        };
-        let mut entries: Vec<Entry> = listed.flatten().filter_map(entry).collect();
-        entries.sort_by(|a, b| a.used.cmp(&b.used).then_with(|| a.path.cmp(&b.path)));
+        let Some(storage) = &self.storage else { return Ok(Vec::new()) };
+        let listed = storage.list()?.into_iter();
+        let mut entries: Vec<Entry> = listed.filter_map(|(name, bytes, used)| Entry::new(name, bytes, used)).collect();
+        entries.sort_by(|a, b| a.used.cmp(&b.used).then_with(|| a.name.cmp(&b.name)));
         Ok(entries)
     }
 
     /// Removes every entry, and nothing else; returns how many, and their length (bytes).
     ///
     /// # Errors
-    /// [`BuildError::Io`] names the first that cannot be removed.
+    /// [`BuildError::Io`] or [`BuildError::Store`] names the first that cannot be removed.
     pub fn clear(&self) -> Result<(usize, u64), BuildError> {
         let entries = self.entries()?;
-        entries.iter().try_for_each(|e| remove(&e.path))?;
+        if let Some(storage) = &self.storage {
+            entries.iter().try_for_each(|e| storage.remove(&e.name))?;
+        }
         Ok((entries.len(), entries.iter().map(|e| e.bytes).sum()))
     }
 
     /// True where anything is kept at all.
     pub(crate) fn is_on(&self) -> bool {
-        self.folder.is_some()
+        self.storage.is_some()
     }
 
     /// True where something is kept under a key; whether it is whole is not looked at.
     pub(crate) fn has(&self, stage: &str, key: Key) -> bool {
-        self.path(stage, key).is_some_and(|path| path.is_file())
+        self.storage.as_ref().is_some_and(|storage| self.noted(storage.has(&name(stage, key))).unwrap_or(false))
     }
 
     /// The output kept under a key. Damaged entries count as absent.
     pub fn load<T: DeserializeOwned>(&self, stage: &str, key: Key) -> Option<T> {
-        let path = self.path(stage, key)?;
-        let value = read(&path)?;
-        self.touch(&path);
+        let (storage, name) = (self.storage.as_ref()?, name(stage, key));
+        let value = self.read(&**storage, &name)?;
+        self.touch(&name);
         Some(value)
     }
 
@@ -177,15 +237,16 @@ impl Cache {
     ///
     /// - returns whether it is kept.
     pub fn store(&self, stage: &str, key: Key, value: &impl Serialize, warnings: &mut Warnings) -> bool {
-        let Some(path) = self.path(stage, key) else { return false };
-        let stored = self.write(&path, value).and_then(|()| {
-            self.touch(&path);
-            self.make_room(Some(&path))
+        let Some(storage) = &self.storage else { return false };
+        let name = name(stage, key);
+        let stored = self.write(&**storage, &name, value).and_then(|()| {
+            self.touch(&name);
+            self.make_room(Some(&name))
         });
         match stored {
             Ok(()) => true,
             Err(e) => {
-                warnings.push(format!("{}: not cached: {e}", path.display()));
+                warnings.push(format!("{}: not cached: {e}", storage.address(&name).display()));
                 false
             }
         }
@@ -197,103 +258,97 @@ impl Cache {
     /// - returns whether it was kept before, too.
     ///
     /// # Errors
-    /// Those of `make`; a cache that cannot be written is none.
+    /// Those of `make`. A cache that cannot be written is none: [`Cache::fault`] tells it.
     pub fn each<T: Serialize + DeserializeOwned, E>(
         &self,
         stage: &str,
         key: Key,
         make: impl FnOnce() -> Result<T, E>,
     ) -> Result<(T, bool), E> {
-        let Some(path) = self.path(stage, key) else { return Ok((make()?, false)) };
-        if let Some(value) = read(&path) {
-            use_now(&path, None);
+        let Some(storage) = &self.storage else { return Ok((make()?, false)) };
+        let name = name(stage, key);
+        if let Some(value) = self.read(&**storage, &name) {
+            storage.touch(&name, None);
             return Ok((value, true));
         }
         let value = make()?;
-        // Without it, the file is read again next time.
-        _ = self.write(&path, &value);
+        self.noted(self.write(&**storage, &name, &value));
         Ok((value, false))
     }
 
     /// Makes room after [`Cache::each`] was asked for many files.
     pub fn settle(&self) {
-        // What is not removed now is when the next output is kept.
-        _ = self.make_room(None);
+        self.noted(self.make_room(None));
     }
 
-    fn write(&self, path: &Path, value: &impl Serialize) -> Result<(), BuildError> {
+    /// The first thing that went wrong since this was last asked: what was not kept is made again next time.
+    pub fn fault(&self) -> Option<BuildError> {
+        self.fault.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    /// What came out, or nothing and a fault that is told later.
+    fn noted<T>(&self, outcome: Result<T, BuildError>) -> Option<T> {
+        outcome.map_err(|e| _ = self.fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(e)).ok()
+    }
+
+    /// The output in an entry, where it is whole.
+    fn read<T: DeserializeOwned>(&self, storage: &dyn Storage, name: &str) -> Option<T> {
+        let bytes = self.noted(storage.read(name))??;
+        let (body, sum) = bytes.split_last_chunk::<16>()?;
+        if content_hash(body) != u128::from_le_bytes(*sum) {
+            return None;
+        }
+        let config = bincode::config::standard().with_fixed_int_encoding().with_limit::<LIMIT>();
+        let (value, used) = bincode::serde::decode_from_slice(body, config).ok()?;
+        (used == body.len()).then_some(value)
+    }
+
+    fn write(&self, storage: &dyn Storage, name: &str, value: &impl Serialize) -> Result<(), BuildError> {
         let config = bincode::config::standard().with_fixed_int_encoding();
-        let body = bincode::serde::encode_to_vec(value, config).map_err(|e| BuildError::Format(e.to_string()))?;
-        let bytes = body.len() as u64 + 16;
+        let mut bytes = bincode::serde::encode_to_vec(value, config).map_err(|e| BuildError::Format(e.to_string()))?;
+        bytes.extend(content_hash(&bytes).to_le_bytes());
         let most = self.limit_bytes.min(LIMIT as u64);
-        if bytes > most {
-            return Err(BuildError::Format(format!("it has {bytes} bytes, and the cache keeps {most} at most")));
+        if bytes.len() as u64 > most {
+            let found = bytes.len();
+            return Err(BuildError::Format(format!("it has {found} bytes, and the cache keeps {most} at most")));
         }
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
-        }
-        write_quickly(path, |w| {
-            w.write_all(&body)?;
-            w.write_all(&content_hash(&body).to_le_bytes())
-        })
+        storage.write(name, bytes)
     }
 
     /// Removes what killed processes left, and what was not used for longest until all fits, but not the entry that was just
     /// written.
-    fn make_room(&self, written: Option<&Path>) -> Result<(), BuildError> {
-        self.folder.iter().for_each(|folder| remove_left(folder));
+    fn make_room(&self, written: Option<&str>) -> Result<(), BuildError> {
+        let Some(storage) = self.storage.as_ref().filter(|p| p.tidy()) else { return Ok(()) };
         let entries = self.entries()?;
         let mut bytes: u64 = entries.iter().map(|e| e.bytes).sum();
-        for e in entries.iter().filter(|e| Some(&*e.path) != written) {
+        for e in entries.iter().filter(|e| Some(&*e.name) != written) {
             if bytes <= self.limit_bytes {
                 break;
             }
-            remove(&e.path)?;
+            storage.remove(&e.name)?;
             bytes -= e.bytes;
         }
         Ok(())
     }
 
     /// Notes that an entry was used: now, or just after the one used last where the clock was set back since.
-    fn touch(&self, path: &Path) {
+    fn touch(&self, name: &str) {
+        let Some(storage) = self.storage.as_ref().filter(|p| p.is_folder()) else { return };
         let others = self.entries().unwrap_or_default();
-        let last = others.iter().rev().find(|e| e.path != path).map(|e| e.used + Duration::from_micros(1));
-        use_now(path, last);
+        storage.touch(name, others.iter().rev().find(|e| e.name != name).map(|e| e.used));
     }
 }
 
-/// Notes that an entry was used now, or at a later time.
-fn use_now(path: &Path, later: Option<SystemTime>) {
-    let now = SystemTime::now();
-    // The order is all that is lost where this fails, as in a folder that may only be read.
-    _ = File::open(path).and_then(|f| f.set_modified(later.map_or(now, |l| l.max(now))));
-}
-
-/// The output in a file, where it is whole.
-fn read<T: DeserializeOwned>(path: &Path) -> Option<T> {
-    let bytes = read_file(path, "a cached output", LIMIT as u64).ok()?;
-    let (body, sum) = bytes.split_last_chunk::<16>()?;
-    if content_hash(body) != u128::from_le_bytes(*sum) {
-        return None;
-    }
-    let config = bincode::config::standard().with_fixed_int_encoding().with_limit::<LIMIT>();
-    let (value, used) = bincode::serde::decode_from_slice(body, config).ok()?;
-    (used == body.len()).then_some(value)
-}
-
-/// Removes a file, unless another process was faster.
-fn remove(path: &Path) -> Result<(), BuildError> {
-    match std::fs::remove_file(path) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-            Err(BuildError::Io { path: path.to_path_buf(), source })
-        }
-        _ => Ok(()),
-    }
+/// Name of the entry of a stage.
+fn name(stage: &str, key: Key) -> String {
+    format!("{stage}-{:032x}", key.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs::File;
+    use std::time::Duration;
 
     #[test]
     fn finds_what_was_kept_and_nothing_else() {
@@ -307,11 +362,16 @@ mod tests {
         assert_eq!(cache.load::<Vec<f32>>("graph", Key::of("graph", &[], &2u32).unwrap()), None);
         assert_eq!(warnings, Warnings::default());
 
-        let path = cache.path("graph", key).unwrap();
+        let path = path(&cache, key);
         let mut bytes = std::fs::read(&path).unwrap();
         bytes[3] ^= 1;
         std::fs::write(&path, bytes).unwrap();
         assert_eq!(cache.load::<Vec<f32>>("graph", key), None);
+    }
+
+    /// The file of an output.
+    fn path(cache: &Cache, key: Key) -> PathBuf {
+        cache.storage.as_ref().unwrap().address(&name("graph", key))
     }
 
     fn key(n: u32) -> Key {
@@ -331,7 +391,7 @@ mod tests {
         (0..3).for_each(|n| assert!(store(n, 1000)));
         assert!(cache.load::<Vec<u8>>("graph", key(0)).is_some(), "used again");
         store(3, 1000);
-        let there = |n: u32| cache.path("graph", key(n)).unwrap().exists();
+        let there = |n: u32| path(&cache, key(n)).exists();
         assert_eq!([0, 1, 2, 3].map(there), [true, false, true, true]);
         store(4, 1000);
         assert_eq!([0, 2, 3, 4].map(there), [true, false, true, true]);
@@ -377,10 +437,10 @@ mod tests {
         let mut warnings = Warnings::default();
         (0..3).for_each(|n| assert!(cache.store("graph", key(n), &n, &mut warnings)));
         let tomorrow = SystemTime::now() + Duration::from_secs(86400);
-        File::open(cache.path("graph", key(1)).unwrap()).unwrap().set_modified(tomorrow).unwrap();
+        File::open(path(&cache, key(1))).unwrap().set_modified(tomorrow).unwrap();
         assert!(cache.load::<u32>("graph", key(0)).is_some());
-        let order: Vec<_> = cache.entries().unwrap().into_iter().map(|e| e.path).collect();
-        assert_eq!(order, [2, 1, 0].map(|n| cache.path("graph", key(n)).unwrap()));
+        let order: Vec<_> = cache.entries().unwrap().into_iter().map(|e| e.name).collect();
+        assert_eq!(order, [2, 1, 0].map(|n| name("graph", key(n))));
     }
 
     #[test]

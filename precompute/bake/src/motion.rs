@@ -1,5 +1,6 @@
 //! Files, or motion made by rule, to annotated clips of one skeleton: file by file, but for what they settle together.
 
+mod lent;
 mod shard;
 
 pub(crate) use shard::bake;
@@ -12,9 +13,11 @@ use crate::parts::Parts;
 use crate::patch;
 use crate::provenance::{FileKeys, Provenance};
 use crate::stages::{Motion, Performer, Stages};
+use lent::Lent;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use throng_base::Comm;
 use throng_motion::annotate::{self, Sidecars, hits};
 use throng_motion::clip::{Clip, ClipSet};
 use throng_motion::error::{BuildError, Warnings};
@@ -35,16 +38,28 @@ pub(crate) fn collect(
     s: &Stages<'_>,
 ) -> Result<Motion, BuildError> {
     shard::bake_together(cfg, parts, from, s)?;
-    let Read { raw, maker, skipped, performers, files_kept, warnings } = begin(cfg, parts, from, s)?;
-    let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw, p))?;
+    let Read { raw, maker, skipped, performers, files_kept, warnings } = begin(cfg, parts, from, s, lends(cfg, s))?;
+    let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw, shares_poses(cfg, s).then(|| s.comm()), p))?;
     if let Some(units) = units {
         s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
     }
     Ok(Motion { clips, skipped, performers, files_kept, clips_kept, warnings })
 }
 
+/// True where several processes have the motion of files in the cache, so that none of them needs room for all of it.
+fn lends(cfg: &BuildConfig, s: &Stages<'_>) -> bool {
+    s.comm().num_ranks() > 1 && s.cache().is_on() && cfg.synth.is_none()
+}
+
+/// True where each of several processes keeps the poses of its share of the clips alone. Blend spaces, activities and patches
+/// look at the poses of all.
+pub(crate) fn shares_poses(cfg: &BuildConfig, s: &Stages<'_>) -> bool {
+    lends(cfg, s) && cfg.patches.units.is_none() && cfg.blend.is_empty() && cfg.activities.is_empty()
+}
+
 /// All that was read, and what files settle together.
 struct Read<'a> {
+    /// Without their motion where it is lent.
     raw: Vec<Imported>,
     maker: Maker<'a>,
     /// As in [`Motion`], as are the following.
@@ -55,15 +70,24 @@ struct Read<'a> {
 }
 
 /// Reads all files, and settles what they share.
-fn begin<'a>(cfg: &'a BuildConfig, parts: Parts, from: &Provenance, s: &'a Stages<'_>) -> Result<Read<'a>, BuildError> {
+///
+/// - `lends`: whether the motion of a file is kept in the cache alone, which lends it when it is asked for.
+fn begin<'a>(
+    cfg: &'a BuildConfig,
+    parts: Parts,
+    from: &Provenance,
+    s: &'a Stages<'_>,
+    lends: bool,
+) -> Result<Read<'a>, BuildError> {
     let files = from.file_keys(&cfg.import);
+    let lent = lends.then(|| Lent::new(&cfg.import, s.cache()));
     let ((mut raw, files_kept), sidecars) = s.run("import", |p| match &cfg.synth {
         Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import).map(|(set, marks)| ((set, 0), marks)),
-        None => Ok((read(cfg, &files, s.cache(), p)?, BTreeMap::new())),
+        None => Ok((read(cfg, &files, s.cache(), lent.as_ref(), p)?, BTreeMap::new())),
     })?;
     let mut warnings = Warnings::default();
     let mut skipped: Vec<String> = raw.skipped.iter().map(ToString::to_string).collect();
-    let repeated = tell_repeated(&mut raw, parts);
+    let repeated = tell_repeated(&mut raw, lent.as_ref(), parts)?;
     if parts == Parts::Possible {
         skipped.extend(repeated)
     } else {
@@ -75,7 +99,7 @@ fn begin<'a>(cfg: &'a BuildConfig, parts: Parts, from: &Provenance, s: &'a Stage
         Some(_) => vec![None; raw.clips.len()],
         None => raw.clips.iter().map(|c| files.key_of(&c.clip.path).map(Some)).collect::<Result<_, _>>()?,
     };
-    let plan = s.run("retarget", |_| settle(&raw.clips, &keys, cfg, s.cache(), &mut warnings))?;
+    let plan = s.run("retarget", |_| settle(&raw.clips, lent.as_ref(), &keys, cfg, s.cache(), &mut warnings))?;
     let performer = |indices: Vec<usize>| Performer {
         height_m: raw.clips[indices[0]].height,
         clips: indices.iter().map(|&i| plan.names[i].clone()).collect(),
@@ -84,24 +108,27 @@ fn begin<'a>(cfg: &'a BuildConfig, parts: Parts, from: &Provenance, s: &'a Stage
     let sidecars = sidecars.into_iter().chain(cfg.clips.clone()).collect();
     let marks = Sidecars::collect(&raw, &plan.names, &sidecars)?;
     let sources = raw.clips.iter().map(|c| from.seen_from_base(&c.clip.path).display().to_string()).collect();
-    let maker = Maker { cfg, plan, marks, keys, sources, cache: s.cache() };
+    let maker = Maker { cfg, plan, marks, keys, sources, cache: s.cache(), lent };
     Ok(Read { raw: raw.clips, maker, skipped, performers, files_kept, warnings })
 }
 
 /// Reads files, or finds what an earlier build has read, file by file.
 ///
+/// - `lent`: where motion goes back to once it was read; none where it is to stay.
 /// - returns how many were found, too.
 fn read(
     cfg: &BuildConfig,
     keys: &FileKeys<'_>,
     cache: &Cache,
+    lent: Option<&Lent<'_>>,
     p: &dyn Progress,
 ) -> Result<(ImportedSet, usize), BuildError> {
     let kept = AtomicUsize::new(0);
     let reader = |file: &MotionFile, read: &dyn Fn() -> Clips| {
         let Ok(key) = keys.key_of(&file.path) else { return read() };
-        let (imported, was_kept) = cache.each("import", key, read)?;
+        let (mut imported, was_kept) = cache.each("import", key, read)?;
         kept.fetch_add(usize::from(was_kept), Ordering::Relaxed);
+        lent.into_iter().for_each(|lent| lent.take_back(file, key, &mut imported));
         Ok(imported)
     };
     let set = import::read_by(&reader, &cfg.inputs, &cfg.import, p)?.some()?;
@@ -110,8 +137,8 @@ fn read(
 }
 
 /// Says which clips hold the motion of others; where only what is possible is made, they are left out.
-fn tell_repeated(raw: &mut ImportedSet, parts: Parts) -> Vec<String> {
-    let repeated = raw.repeated();
+fn tell_repeated(raw: &mut ImportedSet, lent: Option<&Lent<'_>>, parts: Parts) -> Result<Vec<String>, BuildError> {
+    let repeated = lent.map_or_else(|| Ok(raw.repeated()), |lent| lent.repeated(&raw.clips))?;
     let path = |i: usize| raw.clips[i].clip.path.display();
     let end = if parts == Parts::Possible { "; it is left out" } else { "" };
     let told = repeated.iter().map(|&[first, i]| format!("{}: the same motion as {}{end}", path(i), path(first)));
@@ -120,22 +147,27 @@ fn tell_repeated(raw: &mut ImportedSet, parts: Parts) -> Vec<String> {
         let mut place = 0..;
         raw.clips.retain(|_| place.next().is_none_or(|i: usize| repeated.iter().all(|[_, later]| *later != i)));
     }
-    told
+    Ok(told)
 }
 
 /// Measures the performers and their floors.
 fn settle(
     clips: &[Imported],
+    lent: Option<&Lent<'_>>,
     keys: &[Option<Key>],
     cfg: &BuildConfig,
     cache: &Cache,
     warnings: &mut Warnings,
 ) -> Result<retarget::Plan, BuildError> {
     let sources: Vec<retarget::Source> = clips.iter().map(retarget::Source::from).collect();
-    let mut plan = retarget::Plan::new(&sources, &cfg.retarget, warnings)?;
+    let lender: Box<retarget::Lender<'_>> = match lent {
+        Some(lent) => Box::new(|places, look| lent.lend(clips, places, look)),
+        None => retarget::lend(&sources),
+    };
+    let mut plan = retarget::Plan::new(&sources, &*lender, &cfg.retarget, warnings)?;
     for p in 0..plan.performers.len() {
         let telling = &plan.performers[p].telling;
-        let find = || Ok::<_, BuildError>(plan.find_slope(p, &sources));
+        let find = || plan.find_slope(p, &*lender);
         plan.performers[p].slope = match telling.iter().map(|&i| keys[i]).collect::<Option<Vec<Key>>>() {
             Some(keys) => cache.each("floor", Key::of("floor", &keys, &plan.basis(telling[0]))?, find)?.0,
             None => find()?,
@@ -154,17 +186,30 @@ struct Maker<'a> {
     /// Path of every file, as the bundle keeps it.
     sources: Vec<String>,
     cache: &'a Cache,
+    /// What has the motion of files that were read without.
+    lent: Option<Lent<'a>>,
 }
 
 impl Maker<'_> {
     /// The clips of all files, mirrored copies after their originals; a file's motion is given up when its clips are made.
     ///
+    /// - `comm`: processes each of which keeps the poses of its share alone; none where all are to be here.
     /// - returns how many files' clips were kept, too.
-    fn clips(&self, raw: Vec<Imported>, p: &dyn Progress) -> Result<(ClipSet, usize), BuildError> {
+    fn clips(
+        &self,
+        raw: Vec<Imported>,
+        comm: Option<&dyn Comm>,
+        p: &dyn Progress,
+    ) -> Result<(ClipSet, usize), BuildError> {
         p.begin("clips", raw.len() as u64, "files");
+        // As `owners` has them.
+        let own = comm.map(|comm| comm.share(raw.len()));
         let of_file = |(i, raw): (usize, Imported)| {
             p.check()?;
-            let made = self.of_file(i, &raw);
+            let mut made = self.of_file(i, &raw);
+            if own.as_ref().is_some_and(|own| !own.contains(&i)) {
+                made.iter_mut().flat_map(|(clips, _)| clips).for_each(Clip::forget_poses);
+            }
             p.advance(1);
             made
         };
@@ -186,6 +231,8 @@ impl Maker<'_> {
         let (cfg, name) = (self.cfg, &self.plan.names[i]);
         let marks = self.marks.of(name);
         let make = || {
+            let whole = self.lent.as_ref().map(|lent| lent.whole(raw)).transpose()?;
+            let raw = whole.as_ref().unwrap_or(raw);
             let laid = ClipSet { skeleton: self.plan.skeleton.clone(), clips: vec![self.plan.lay(i, raw)] };
             let resampled = resample::resample(&laid, &cfg.resample)?;
             Ok::<_, BuildError>(annotate::annotate(&resampled, &cfg.annotate, &marks)?.clips)

@@ -9,8 +9,9 @@ use crate::parts::{Attempts, Parts};
 use crate::patch::{self, PatchConfig, Patches, TileConfig};
 use crate::policy::Policy;
 use crate::report::{self, BuildReport, Built};
+use crate::share::{by_owners, owners};
 use crate::stages::{Motion, Output, Stages};
-use crate::write::{self, Baked, Written};
+use crate::write::{self, Baked};
 use crate::{activities, cluster, examples, features, graph, motion, policy, provenance, stops};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -98,8 +99,12 @@ pub fn build_shared(
 
     let from = s.run("hash", |_| provenance::collect(cfg))?;
     let motion_cfg = (cfg.motion(), parts == Parts::Possible);
-    let motion =
-        s.several("motion", &[from.key()?], &motion_cfg, || motion::collect(cfg, parts, units.as_ref(), &from, &s))?;
+    let collect = || motion::collect(cfg, parts, units.as_ref(), &from, &s);
+    let motion = match motion::shares_poses(cfg, &s) {
+        // No process has all of it.
+        true => s.unkept("motion", &[from.key()?], &motion_cfg, collect)?,
+        false => s.several("motion", &[from.key()?], &motion_cfg, collect)?,
+    };
     let clips = &motion.clips;
     let features = s.on_demand("features", &[motion.key], &cfg.features, || features::extract(clips, &cfg.features))?;
     let blends = blends(cfg, &motion, motion.key, &mut attempts, &s)?;
@@ -124,7 +129,7 @@ pub fn build_shared(
     };
     drop(features);
     let (graph, graph_report) = &connected;
-    let (stops, stops_report) = s.run("stops", |_| Ok(stops::find(clips, graph)))?;
+    let (stops, stops_report) = s.run("stops", |_| stops::find(clips, graph, comm))?;
     let policies = policies(cfg, clips, (graph, graph_key), &mut attempts, &s)?;
 
     let (groups, patches) = baked_patches.as_ref().map(|(g, p)| (&**g, &**p)).unzip();
@@ -143,11 +148,13 @@ pub fn build_shared(
         activities: &activities,
         meta: &meta,
     };
-    let written = s.run("write", |_| match comm.rank() {
-        0 => write::bundle(&baked, out),
-        _ => Ok(Written::default()),
+    let (written, sanity) = s.run("write", |_| {
+        let sanity =
+            by_owners(comm, &owners(clips, comm.num_ranks()), |c| annotate::sanity(&clips.clips[c], &clips.skeleton))?;
+        Ok((write::bundle(&baked, out, comm)?, sanity))
     })?;
-    let built = Built { motion: &motion, baked, blends: &blends, graph: graph_report, stops: stops_report, written };
+    let (graph, stops) = (graph_report, stops_report);
+    let built = Built { motion: &motion, baked, blends: &blends, graph, stops, written, sanity };
     let (timing, warnings) = s.finish();
     Ok(BuildReport { not_made: attempts.not_made, ..report::of_build(cfg, &built, timing, warnings) })
 }

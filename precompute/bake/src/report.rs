@@ -11,6 +11,7 @@ use crate::parts::NotMade;
 use crate::patch::PatchReport;
 use crate::policy::PolicyReport;
 pub use crate::stages::Performer;
+pub use crate::stages::Spent;
 use crate::stages::{Motion, Timing};
 use crate::stops::StopsReport;
 use crate::write::{Baked, Written};
@@ -18,8 +19,8 @@ pub use paper::{Line, beside_paper, markdown};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use throng_core::format::FrameRow;
+use throng_motion::annotate::ContactSanity;
 use throng_motion::annotate::hits::{HitPoint, HitReport};
-use throng_motion::annotate::{self, ContactSanity};
 use throng_motion::error::Warnings;
 
 /// What `throng build --json` prints.
@@ -45,6 +46,9 @@ pub struct BuildReport {
     pub seconds_total: f64,
     /// Time of each stage that ran (s).
     pub stage_s: BTreeMap<&'static str, f64>,
+    /// What each of these stages took in this process.
+    #[serde(skip)]
+    pub spent: BTreeMap<&'static str, Spent>,
     /// Outputs that were read from the cache: `motion` stands for import to clips.
     pub cached: Vec<&'static str>,
     /// Pose groups of the frames; 0 in a build without patches, which alone need them.
@@ -110,17 +114,21 @@ pub(crate) struct Built<'a> {
     pub graph: &'a GraphReport,
     pub stops: StopsReport,
     pub written: Written,
+    /// Of each clip, as the rank says that has its poses.
+    pub sanity: Vec<ContactSanity>,
 }
 
 /// Everything together; `odd` is what is odd about the build itself.
 pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd: Warnings) -> BuildReport {
-    let Built { motion, baked, blends, graph, stops, written } = *built;
+    let Built { motion, baked, blends, graph, stops, written, ref sanity } = *built;
     let (blends, blend_warnings) = (&blends.report, &blends.warnings);
     let mut warnings = [&motion.warnings, blend_warnings, &odd].map(|w| w.messages.clone()).concat();
     warnings.extend(baked.policies.iter().filter_map(|p| p.report.promise.warning.clone()));
     let groups = baked.groups.cloned().unwrap_or_default();
-    let mut stage_s = BTreeMap::new();
-    timing.stage_s.iter().for_each(|(name, s)| *stage_s.entry(*name).or_insert(0.0) += s);
+    let mut spent = BTreeMap::<_, Spent>::new();
+    for &(name, of) in &timing.stages {
+        spent.entry(name).and_modify(|all| *all = all.plus(of)).or_insert(of);
+    }
     let mut excluded_frames = BTreeMap::new();
     for e in motion.clips.clips.iter().flat_map(|c| &c.excluded) {
         *excluded_frames.entry(e.reason.to_string()).or_insert(0) += e.range.len();
@@ -142,7 +150,8 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
         states: graph.states,
         actions: graph.actions,
         seconds_total: timing.seconds_total,
-        stage_s,
+        stage_s: spent.iter().map(|(name, of)| (*name, of.wall_s)).collect(),
+        spent,
         cached: timing.cached,
         pose_groups: groups.num_groups(),
         max_group_diameter: f64::from(groups.max_diameter),
@@ -161,7 +170,7 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
         joint_error_worst_mm: written.joint_error_mm[1],
         graph: graph.clone(),
         stops,
-        contacts: contacts(motion),
+        contacts: contacts(motion, sanity),
         hits: HitReport::new(&HitPoint::of_set(&motion.clips)),
         excluded_frames,
         not_made: Vec::new(),
@@ -201,10 +210,10 @@ fn group_frames(groups: &PoseGroups) -> Spread {
 }
 
 /// Sanity of all originals, weighted by their frames; the 95th percentile is the largest of any clip.
-fn contacts(motion: &Motion) -> ContactSanity {
+fn contacts(motion: &Motion, of_clips: &[ContactSanity]) -> ContactSanity {
     let (mut sum, mut frames) = (ContactSanity::default(), 0.0f32);
-    for c in motion.clips.clips.iter().filter(|c| !c.mirrored) {
-        let (s, n) = (annotate::sanity(c, &motion.clips.skeleton), c.num_frames() as f32);
+    for (c, s) in motion.clips.clips.iter().zip(of_clips).filter(|(c, _)| !c.mirrored) {
+        let n = c.num_frames() as f32;
         sum.left_share += n * s.left_share;
         sum.right_share += n * s.right_share;
         sum.mean_speed_mps += n * s.mean_speed_mps;

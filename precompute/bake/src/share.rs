@@ -1,8 +1,10 @@
 //! Work that several processes share: each does a part, and all have the whole.
 
 use bytemuck::Pod;
+use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
 use throng_base::{Comm, out_of_step, share};
+use throng_motion::clip::{Clip, ClipSet};
 use throng_motion::error::BuildError;
 
 /// What is made of each of `count` things, in their order. Of N ranks each makes every N-th thing, as those that cost much
@@ -22,19 +24,89 @@ pub(crate) fn dealt<T: Serialize + DeserializeOwned>(
     if num_ranks == 1 {
         return Ok(own);
     }
+    let mut hands: Vec<_> = gathered(comm, own)?.into_iter().map(Vec::into_iter).collect();
+    let all: Vec<T> = (0..count).map_while(|n| hands[n % num_ranks].next()).collect();
+    if all.len() == count { Ok(all) } else { Err(out_of_step(rank).into()) }
+}
+
+/// Which rank has the poses of each clip (clips.len()): that which has its original's. Ranks have about as many originals
+/// each, in their order.
+pub(crate) fn owners(clips: &ClipSet, num_ranks: usize) -> Vec<usize> {
+    let count = clips.clips.iter().filter(|c| !c.mirrored).count();
+    let (mut originals, mut rank) = (0, 0);
+    let of_clip = |clip: &Clip| {
+        originals += usize::from(!clip.mirrored);
+        while rank + 1 < num_ranks && originals > share(count, rank, num_ranks).end {
+            rank += 1;
+        }
+        rank
+    };
+    clips.clips.iter().map(of_clip).collect()
+}
+
+/// What is made of each of some things, in their order, by the rank that owns it. All have all.
+///
+/// - `owners`: rank of each thing.
+///
+/// # Errors
+/// [`throng_base::Error::Rank`].
+pub(crate) fn by_owners<T: Send + Serialize + DeserializeOwned>(
+    comm: &dyn Comm,
+    owners: &[usize],
+    work: impl Fn(usize) -> T + Send + Sync,
+) -> Result<Vec<T>, BuildError> {
+    let own: Vec<usize> = (0..owners.len()).filter(|&n| owners[n] == comm.rank()).collect();
+    let own: Vec<T> = own.into_par_iter().map(work).collect();
+    if comm.num_ranks() == 1 {
+        return Ok(own);
+    }
+    let mut hands: Vec<_> = gathered(comm, own)?.into_iter().map(Vec::into_iter).collect();
+    let all: Vec<T> = owners.iter().map_while(|&rank| hands[rank].next()).collect();
+    if all.len() == owners.len() { Ok(all) } else { Err(out_of_step(comm.rank()).into()) }
+}
+
+/// What each rank has, in the order of ranks.
+fn gathered<T: Serialize + DeserializeOwned>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<Vec<T>>, BuildError> {
     let config = bincode::config::standard().with_fixed_int_encoding();
     let message = bincode::serde::encode_to_vec(&own, config).map_err(|e| BuildError::Format(e.to_string()))?;
     drop(own);
-    let mut hands = Vec::with_capacity(num_ranks);
-    for (rank, bytes) in comm.all_gather(&message)?.into_iter().enumerate() {
-        let hand: Vec<T> = match bincode::serde::decode_from_slice(&bytes, config) {
-            Ok((hand, _)) => hand,
-            Err(_) => return Err(out_of_step(rank).into()),
-        };
-        hands.push(hand.into_iter());
+    let read = |(rank, bytes): (usize, Vec<u8>)| match bincode::serde::decode_from_slice(&bytes, config) {
+        Ok((hand, _)) => Ok(hand),
+        Err(_) => Err(out_of_step(rank).into()),
+    };
+    comm.all_gather(&message)?.into_iter().enumerate().map(read).collect()
+}
+
+/// Most bytes that the first rank takes at once of what it gathers.
+const MOST: usize = 256 << 20;
+
+/// Puts what each rank has after each other, in the order of ranks, for the first one; others get nothing.
+///
+/// # Errors
+/// [`throng_base::Error::Rank`].
+pub(crate) fn gathered_first<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>, BuildError> {
+    if comm.num_ranks() == 1 {
+        return Ok(own);
     }
-    let all: Vec<T> = (0..count).map_while(|n| hands[n % num_ranks].next()).collect();
-    if all.len() == count { Ok(all) } else { Err(out_of_step(rank).into()) }
+    let lengths: Vec<usize> = comm.all_numbers(own.len() as f64)?.into_iter().map(|n| n as usize).collect();
+    let (rank, part) = (comm.rank(), (MOST / comm.num_ranks() / size_of::<T>().max(1)).max(1));
+    let mut all = vec![T::zeroed(); if rank == 0 { lengths.iter().sum() } else { 0 }];
+    for begin in (0..lengths.iter().copied().max().unwrap_or(0)).step_by(part) {
+        let of = |length: usize| begin.min(length)..(begin + part).min(length);
+        let mut messages = vec![Vec::new(); lengths.len()];
+        messages[0] = bytemuck::cast_slice(&own[of(own.len())]).to_vec();
+        let mut at = 0;
+        for (rank, bytes) in comm.exchange(messages)?.iter().enumerate().filter(|_| rank == 0) {
+            let to = of(lengths[rank]);
+            let to: &mut [u8] = bytemuck::cast_slice_mut(&mut all[at + to.start..at + to.end]);
+            if to.len() != bytes.len() {
+                return Err(out_of_step(rank).into());
+            }
+            to.copy_from_slice(bytes);
+            at += lengths[rank];
+        }
+    }
+    Ok(all)
 }
 
 /// Makes what each rank has of the next numbers the numbers of all.
@@ -83,6 +155,21 @@ mod tests {
     use throng_base::LocalComm;
 
     #[test]
+    fn mirrored_copies_are_where_their_originals_are() {
+        let clip = |mirrored: bool| Clip { mirrored, ..Clip::new("c", 30.0, Vec::new(), Vec::new()) };
+        let clips = [false, true].repeat(5).into_iter().map(clip).collect();
+        let set = ClipSet { skeleton: throng_core::Skeleton::default(), clips };
+        assert_eq!(owners(&set, 1), [0; 10]);
+        assert_eq!(owners(&set, 2), [0, 0, 0, 0, 1, 1, 1, 1, 1, 1]);
+        for num_ranks in [2, 3, 4, 5, 8] {
+            let of_originals: Vec<usize> = owners(&set, num_ranks).into_iter().step_by(2).collect();
+            for (original, &rank) in of_originals.iter().enumerate() {
+                assert!(share(5, rank, num_ranks).contains(&original), "{num_ranks}: {of_originals:?}");
+            }
+        }
+    }
+
+    #[test]
     fn everybody_has_what_all_have_made() {
         for (num_ranks, count) in [(1, 5), (2, 5), (3, 0), (4, 3), (5, 100)] {
             let got = LocalComm::run(num_ranks, |comm| {
@@ -90,6 +177,11 @@ mod tests {
                 let mut own: Vec<u32> = comm.share(count).flat_map(|n| [n as u32, 7]).collect();
                 let mut all = vec![0u32; 2 * count];
                 joined(comm, 2, &mut own, &mut all).unwrap();
+                let owners: Vec<usize> = (0..count).map(|n| n * n % num_ranks).collect();
+                assert_eq!(by_owners(comm, &owners, |n| n as u64).unwrap(), (0..count as u64).collect::<Vec<_>>());
+                let parts = gathered_first(comm, vec![comm.rank() as u16; 3 * comm.rank()]).unwrap();
+                let wanted: Vec<u16> = (0..num_ranks as u16).flat_map(|r| vec![r; 3 * usize::from(r)]).collect();
+                assert!(if comm.rank() == 0 { parts == wanted } else { num_ranks > 1 && parts.is_empty() });
                 (squares, all, is_so_for_all(comm, comm.rank() > 0).unwrap(), is_so_for_all(comm, true).unwrap())
             });
             for (squares, all, some, every) in got {

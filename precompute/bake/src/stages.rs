@@ -9,6 +9,7 @@ use std::time::Instant;
 use throng_base::Comm;
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Warnings};
+use throng_motion::memory;
 use throng_motion::progress::Progress;
 
 /// Files of one performer: of one source skeleton.
@@ -29,19 +30,61 @@ pub struct Motion {
     pub skipped: Vec<String>,
     /// Whose motion it is.
     pub performers: Vec<Performer>,
-    /// Files that an earlier build had read.
+    /// Files that an earlier build had read. Of this build, as is the next: what is cached does not depend on it.
+    #[serde(skip)]
     pub files_kept: usize,
     /// Files whose clips an earlier build had made.
+    #[serde(skip)]
     pub clips_kept: usize,
     /// What is odd but tolerable.
     pub warnings: Warnings,
 }
 
-/// How long stages took and which came from the cache.
+/// What a stage took in one process.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Spent {
+    /// Time (s).
+    pub wall_s: f64,
+    /// Of this, time in which it waited for others, moving messages included (s).
+    pub waited_s: f64,
+    /// Time that processors ran its threads, waiting left out (s); none where the system does not tell, or where ranks are
+    /// threads of one process.
+    pub ran_s: Option<f64>,
+    /// Bytes that it sent to others.
+    pub bytes_moved: u64,
+    /// Most memory that the process had held when the stage ended; 0 where the system does not tell (bytes).
+    pub peak_bytes: u64,
+}
+
+impl Spent {
+    /// What was spent beyond `before`.
+    fn since(self, before: Self) -> Self {
+        Self {
+            wall_s: self.wall_s - before.wall_s,
+            waited_s: self.waited_s - before.waited_s,
+            ran_s: self.ran_s.zip(before.ran_s).map(|(all, before)| all - before),
+            bytes_moved: self.bytes_moved - before.bytes_moved,
+            peak_bytes: self.peak_bytes,
+        }
+    }
+
+    /// Both together.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            wall_s: self.wall_s + other.wall_s,
+            waited_s: self.waited_s + other.waited_s,
+            ran_s: self.ran_s.zip(other.ran_s).map(|(a, b)| a + b),
+            bytes_moved: self.bytes_moved + other.bytes_moved,
+            peak_bytes: self.peak_bytes.max(other.peak_bytes),
+        }
+    }
+}
+
+/// What stages took and which came from the cache.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timing {
-    /// Stages that ran, in order, and their time (s).
-    pub stage_s: Vec<(&'static str, f64)>,
+    /// Stages that ran, in order, and what they took.
+    pub stages: Vec<(&'static str, Spent)>,
     /// Outputs that were read from the cache.
     pub cached: Vec<&'static str>,
     /// Time since the build began (s).
@@ -83,7 +126,25 @@ impl<'a> Stages<'a> {
         Self { cache, progress, comm, begin: Instant::now(), timing: RefCell::default(), warnings: RefCell::default() }
     }
 
-    /// Runs a stage; its time is what the stages that run within it leave of it.
+    /// What the build took so far.
+    fn spent(&self) -> Spent {
+        let (wall_s, traffic) = (self.begin.elapsed().as_secs_f64(), self.comm.traffic());
+        Spent {
+            wall_s,
+            waited_s: traffic.waited_s,
+            ran_s: self.comm.ran_s(),
+            bytes_moved: traffic.bytes_moved,
+            peak_bytes: memory::peak_bytes().unwrap_or(0),
+        }
+    }
+
+    /// What the stages took that have ended.
+    fn spent_in_stages(&self) -> Spent {
+        let none = Spent { ran_s: Some(0.0), ..Spent::default() };
+        self.timing.borrow().stages.iter().fold(none, |all, (_, spent)| all.plus(*spent))
+    }
+
+    /// Runs a stage; what it took is what the stages that run within it leave of it.
     ///
     /// # Errors
     /// The stage's own; [`BuildError::Stopped`].
@@ -92,13 +153,12 @@ impl<'a> Stages<'a> {
         stage: &'static str,
         work: impl FnOnce(&dyn Progress) -> Result<T, BuildError>,
     ) -> Result<T, BuildError> {
-        let spent = || self.timing.borrow().stage_s.iter().map(|(_, s)| s).sum::<f64>();
-        let (begin, before) = (Instant::now(), spent());
+        let (begin, before) = (self.spent(), self.spent_in_stages());
         self.progress.check()?;
         self.progress.comes_to(stage);
         let out = work(self.progress);
-        let within = spent() - before;
-        self.timing.borrow_mut().stage_s.push((stage, begin.elapsed().as_secs_f64() - within));
+        let took = self.spent().since(begin).since(self.spent_in_stages().since(before));
+        self.timing.borrow_mut().stages.push((stage, took));
         out
     }
 
@@ -143,6 +203,20 @@ impl<'a> Stages<'a> {
         Ok(Output { key, value })
     }
 
+    /// As [`Stages::several`], for an output that is not kept as a whole.
+    ///
+    /// # Errors
+    /// Those of `work`.
+    pub fn unkept<T>(
+        &self,
+        name: &'static str,
+        inputs: &[Key],
+        config: &impl Serialize,
+        work: impl FnOnce() -> Result<T, BuildError>,
+    ) -> Result<Output<T>, BuildError> {
+        Ok(Output { key: Key::of(name, inputs, config)?, value: work()? })
+    }
+
     /// A stage that runs when its output is first asked for, and whose output is made faster than a cache reads it.
     ///
     /// # Errors
@@ -169,6 +243,9 @@ impl<'a> Stages<'a> {
 
     /// Ends the build: its times, and what is odd about the build itself.
     pub fn finish(self) -> (Timing, Warnings) {
+        if let Some(fault) = self.cache.fault() {
+            self.warnings.borrow_mut().push(format!("not all is cached, and more will be made again: {fault}"));
+        }
         let timing = self.timing.into_inner();
         (Timing { seconds_total: self.begin.elapsed().as_secs_f64(), ..timing }, self.warnings.into_inner())
     }

@@ -1,16 +1,19 @@
 //! Stop tables: the area that each segment sweeps, and the cheapest way to a stand from every state.
 
 use crate::graph::{MotionGraph, SegmentId};
+use crate::share::{by_owners, owners};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use throng_base::Comm;
 use throng_core::stops::{
     BODY_RADIUS_M, HEAD_RADIUS_M, REST, SLOW_DOWN, SWEEP_TOLERANCE_M, StopRecord, SweepNode, SweepRecord,
     TRUNK_RADIUS_M, WALK_ON,
 };
-use throng_core::{Contacts, Joint, Planar};
+use throng_core::{Contacts, Joint};
 use throng_motion::clip::{Clip, ClipSet, FrameId};
+use throng_motion::error::BuildError;
 
 /// Furthest that one who rests may move from its place and back (m).
 const REST_WAY_M: f32 = 0.1;
@@ -52,17 +55,33 @@ pub struct StopsReport {
 }
 
 /// The stop tables of a graph.
-pub fn find(clips: &ClipSet, graph: &MotionGraph) -> (Stops, StopsReport) {
+///
+/// - `comm`: who else has poses.
+///
+/// # Errors
+/// [`BuildError::File`] where another process has ended.
+pub fn find(clips: &ClipSet, graph: &MotionGraph, comm: &dyn Comm) -> Result<(Stops, StopsReport), BuildError> {
     let starts = clips.frame_starts();
+    let clip_of = |frame: FrameId| starts.partition_point(|&f| f <= frame.0) - 1;
+    // Segments first, then states.
+    let places = graph.segments.iter().map(|s| (s.start, s.num_frames as usize));
+    let places: Vec<(FrameId, usize)> = places.chain(graph.states.iter().map(|&frame| (frame, 0))).collect();
+    let of_clips = owners(clips, comm.num_ranks());
+    let of_places: Vec<usize> = places.iter().map(|&(frame, _)| of_clips[clip_of(frame)]).collect();
+    let radii = by_owners(comm, &of_places, |n| {
+        let (frame, num_frames) = places[n];
+        let clip = clip_of(frame);
+        radius(clips, clip, (frame.0 - starts[clip]) as usize, num_frames) + SWEEP_TOLERANCE_M
+    })?;
+    let (of_segments, of_states) = radii.split_at(graph.segments.len());
     let mut out = Stops::default();
     let mut ways = Vec::with_capacity(graph.segments.len());
-    for s in &graph.segments {
-        let c = starts.partition_point(|&f| f <= s.start.0) - 1;
+    for (s, &radius) in graph.segments.iter().zip(of_segments) {
+        let c = clip_of(s.start);
         let first = (s.start.0 - starts[c]) as usize;
         let way = way_of(&clips.clips[c], first, s.num_frames as usize);
         let first_node = out.nodes.len() as u32;
         simplify(&way, &mut out.nodes);
-        let radius = radius(clips, c, first, s.num_frames as usize) + SWEEP_TOLERANCE_M;
         out.sweeps.push(SweepRecord { first_node, num_nodes: out.nodes.len() as u32 - first_node, radius });
         ways.push(way);
     }
@@ -78,20 +97,19 @@ pub fn find(clips: &ClipSet, graph: &MotionGraph) -> (Stops, StopsReport) {
     let found = Found { graph, rate, rests, sweeps: out.sweeps.clone(), on_both: on_both(clips, &starts, graph) };
     let choices = found.cheapest();
     out.stops = choices;
-    for (stop, frame) in out.stops.iter_mut().zip(&graph.states) {
-        let c = starts.partition_point(|&f| f <= frame.0) - 1;
-        stop.pose_radius = radius(clips, c, (frame.0 - starts[c]) as usize, 0) + SWEEP_TOLERANCE_M;
-    }
+    out.stops.iter_mut().zip(of_states).for_each(|(stop, &radius)| stop.pose_radius = radius);
     spread_radii(graph, &out.sweeps, &mut out.stops);
     let report = report(&out.stops, &found, &ways);
-    (out, report)
+    Ok((out, report))
 }
 
 /// Where the root is in each frame of a segment, as seen from the first (num_frames + 1).
 fn way_of(clip: &Clip, first: usize, num_frames: usize) -> Vec<Vec2> {
-    let planar = |f: usize| Planar::split(clip.root_positions[f], clip.frame_rotations(f)[0]).0;
-    let origin = planar(first);
-    (first..=first + num_frames).map(planar).map(|p| origin.inverse_transform_point(Vec2::new(p.x, p.z))).collect()
+    let origin = clip.planar(first);
+    (first..=first + num_frames)
+        .map(|f| clip.planar(f))
+        .map(|p| origin.inverse_transform_point(Vec2::new(p.x, p.z)))
+        .collect()
 }
 
 /// Nodes of which the way is nowhere farther away than [`SWEEP_TOLERANCE_M`]: each as far from the one before as possible.

@@ -5,11 +5,13 @@ use crate::examples::BlendSpace;
 use crate::graph::MotionGraph;
 use crate::patch::{Patch, Patches};
 use crate::policy::Policy;
+use crate::share::{gathered_first, owners};
 use crate::stops::Stops;
 use bytemuck::Zeroable;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use rayon::prelude::*;
 use std::path::Path;
+use throng_base::{Alone, Comm, out_of_step};
 use throng_core::blend::BlendRecord;
 use throng_core::format::{
     ActivityMeta, AlignedBytes, BlendMeta, BundleWriter, ClipMeta, ClipRecord, FormatError, FrameRow, Meta, PatchMeta,
@@ -59,41 +61,26 @@ pub struct Written {
 
 /// Writes everything as one bundle, which takes its place only when it is whole, and opens it again to check it.
 ///
+/// - `comm`: who else has poses. The first one writes; others learn nothing of what was written.
+///
 /// # Errors
 /// [`BuildError::Io`] where it cannot be written, [`BuildError::Format`] where it would be refused.
-pub fn bundle(baked: &Baked<'_>, out: &Path) -> Result<Written, BuildError> {
+pub fn bundle(baked: &Baked<'_>, out: &Path, comm: &dyn Comm) -> Result<Written, BuildError> {
     let format = |e: FormatError| BuildError::Format(e.to_string());
-    let mut bytes = Vec::new();
-    lay_out(baked)
-        .map_err(format)?
-        .write(&mut bytes)
-        .map_err(|source| BuildError::Io { path: out.to_path_buf(), source })?;
-    let written = Bundle::from_bytes(AlignedBytes::from_slice(&bytes)).map_err(format)?;
-    write_atomically(out, |w| w.write_all(&bytes))?;
-    Ok(Written { bytes: bytes.len() as u64, joint_error_mm: joint_error_mm(baked.clips, &written) })
-}
-
-fn joint_error_mm(set: &ClipSet, written: &Bundle) -> [f32; 2] {
-    let code = written.rotation_code();
-    let of_frame = |clip: &Clip, frame: usize, row: &FrameRow| {
-        let (_, root) = Planar::split(clip.root_positions[frame], clip.frame_rotations(frame)[0]);
-        let [wanted, shown]: [_; 2] = [false, true].map(|packed| {
-            let local = |j: usize| match (packed, j) {
-                (true, _) => code.rotation(row, j),
-                (false, 0) => root,
-                (false, _) => clip.frame_rotations(frame)[j],
-            };
-            joint_transforms(&set.skeleton, Vec3::ZERO, local)
-        });
-        wanted.iter().zip(&shown).map(|(a, b)| a.0.distance(b.0)).fold(0.0, f32::max) * 1e3
-    };
-    let of_clip = |(clip, first): (&Clip, u32)| -> Vec<f32> {
-        let rows = &written.frames()[first as usize..];
-        (0..clip.num_frames()).zip(rows).map(|(f, row)| of_frame(clip, f, row)).collect()
-    };
-    let mut off: Vec<f32> = set.clips.par_iter().zip(set.frame_starts()).flat_map_iter(of_clip).collect();
-    off.sort_unstable_by(f32::total_cmp);
-    [off.len() * 95 / 100, off.len().saturating_sub(1)].map(|i| off.get(i).copied().unwrap_or(0.0))
+    let (rows, code, off) = frame_rows(baked.clips, comm)?;
+    if comm.rank() > 0 {
+        return Ok(Written::default());
+    }
+    let layout = sections(baked, rows, &code).map_err(format)?;
+    let io = |source| BuildError::Io { path: out.to_path_buf(), source };
+    let mut bytes = AlignedBytes::zeros(layout.byte_len()).map_err(io)?;
+    layout.write(&mut bytes.as_mut_slice()).map_err(io)?;
+    drop(layout);
+    let written = Bundle::from_bytes(bytes).map_err(format)?;
+    write_atomically(out, |w| w.write_all(written.bytes()))?;
+    let joint_error_mm =
+        [off.len() * 95 / 100, off.len().saturating_sub(1)].map(|i| off.get(i).copied().unwrap_or(0.0));
+    Ok(Written { bytes: written.bytes().len() as u64, joint_error_mm })
 }
 
 /// Lays everything out as sections.
@@ -101,6 +88,13 @@ fn joint_error_mm(set: &ClipSet, written: &Bundle) -> [f32; 2] {
 /// # Errors
 /// [`FormatError`] where META cannot be encoded, or blend spaces have more rows than 32 bits count.
 pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
+    let message = |e: BuildError| FormatError::Layout { message: e.to_string() };
+    let (rows, code, _) = frame_rows(baked.clips, &Alone).map_err(message)?;
+    sections(baked, rows, &code)
+}
+
+/// As [`lay_out`], of frames that are packed.
+fn sections(baked: &Baked<'_>, rows: Vec<u8>, code: &RotationCode) -> Result<BundleWriter, FormatError> {
     let mut meta = baked.meta.clone();
     meta.clips = baked.clips.clips.iter().map(clip_meta).collect();
     let kinds = baked.clips.hit_kinds();
@@ -117,7 +111,7 @@ pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
     let mut out = BundleWriter::new();
     out.section(tags::META, &meta.encode()?);
     out.section(tags::SKELETON, &[SkeletonRecord::from(&baked.clips.skeleton)]);
-    motion(baked.clips, &mut out);
+    motion(baked.clips, rows, code, &mut out);
     graph(baked, &mut out);
     policies(baked.policies, &mut out);
     patches(baked.patches.map_or(&[], |p| &p.patches), &mut out);
@@ -196,7 +190,7 @@ fn clip_meta(c: &Clip) -> ClipMeta {
     }
 }
 
-fn motion(set: &ClipSet, out: &mut BundleWriter) {
+fn motion(set: &ClipSet, rows: Vec<u8>, code: &RotationCode, out: &mut BundleWriter) {
     let starts = set.frame_starts();
     let records: Vec<_> = set
         .clips
@@ -209,11 +203,10 @@ fn motion(set: &ClipSet, out: &mut BundleWriter) {
             reserved: 0,
         })
         .collect();
-    let (rows, code) = frame_rows(set);
     let contacts: Vec<Contacts> = set.clips.iter().flat_map(|c| c.contacts.iter().copied()).collect();
     out.section(tags::CLIPS, &records);
-    out.section(tags::FRAMES, &rows);
-    out.section(tags::ROTATION_CODE, &[code]);
+    out.section_bytes::<FrameRow>(tags::FRAMES, rows);
+    out.section(tags::ROTATION_CODE, &[*code]);
     out.section(tags::CONTACTS, &contacts);
     out.section(tags::HITS, &hit_records(set));
 }
@@ -239,17 +232,44 @@ pub fn hit_records(set: &ClipSet) -> Vec<HitRecord> {
         .collect()
 }
 
-/// All frames as they are stored, and how their rotations are packed.
-pub fn frame_rows(set: &ClipSet) -> (Vec<FrameRow>, RotationCode) {
-    let places: Vec<(u32, u32)> =
-        (0..).zip(&set.clips).flat_map(|(c, clip)| (0..clip.num_frames() as u32).map(move |f| (c, f))).collect();
-    let code = RotationCode::fit(&set.skeleton, places.len(), |row, joint| {
-        let (clip, frame) = (&set.clips[places[row].0 as usize], places[row].1 as usize);
-        let local = clip.frame_rotations(frame)[joint].normalize();
-        if joint == 0 { Planar::split(clip.root_positions[frame], local).1.normalize() } else { local }
-    });
-    let rows: Vec<Vec<FrameRow>> = set.clips.par_iter().map(|clip| clip_rows(clip, &code)).collect();
-    (rows.concat(), code)
+/// All frames as they are stored ([`FrameRow`], num_frames), how their rotations are packed, and how far the joint of each
+/// frame that is farthest off is from where it was (mm, ascending). Each rank packs the clips whose poses it has; the first
+/// one has all of them in the end, others nothing.
+fn frame_rows(set: &ClipSet, comm: &dyn Comm) -> Result<(Vec<u8>, RotationCode, Vec<f32>), BuildError> {
+    let owners = owners(set, comm.num_ranks());
+    let own: Vec<&Clip> = set.clips.iter().zip(&owners).filter(|(_, o)| **o == comm.rank()).map(|(c, _)| c).collect();
+    let of_joint = |joint: usize| {
+        let rotation = |clip: &Clip, frame: usize| {
+            let local = clip.frame_rotations(frame)[joint].normalize();
+            if joint == 0 { Planar::split(clip.root_positions[frame], local).1.normalize() } else { local }
+        };
+        let of_clip = |clip: &&Clip| (0..clip.num_frames()).map(|f| rotation(clip, f)).collect::<Vec<Quat>>();
+        gathered_first(comm, own.par_iter().flat_map_iter(of_clip).collect())
+    };
+    let code = RotationCode::fit_joints(&set.skeleton, of_joint)?;
+    // What others made of nothing is not the code.
+    let code = comm.all_gather(bytemuck::bytes_of(&code))?.swap_remove(0);
+    let code: RotationCode = bytemuck::try_pod_read_unaligned(&code).map_err(|_| out_of_step(0))?;
+    let of_clip = |clip: &&Clip| {
+        let rows = clip_rows(clip, &code);
+        let off: Vec<f32> = rows.iter().enumerate().map(|(f, row)| off_mm(set, clip, f, row, &code)).collect();
+        (rows, off)
+    };
+    let (rows, off): (Vec<Vec<FrameRow>>, Vec<Vec<f32>>) = own.par_iter().map(of_clip).unzip();
+    let mut bytes = Vec::with_capacity(rows.iter().map(|r| size_of_val(&r[..])).sum());
+    rows.into_iter().for_each(|rows| bytes.extend_from_slice(bytemuck::cast_slice(&rows)));
+    let mut off = gathered_first(comm, off.concat())?;
+    off.par_sort_unstable_by(f32::total_cmp);
+    Ok((gathered_first(comm, bytes)?, code, off))
+}
+
+/// How far the joint of a frame that is farthest off is from where it was, since rotations are packed (mm).
+fn off_mm(set: &ClipSet, clip: &Clip, frame: usize, row: &FrameRow, code: &RotationCode) -> f32 {
+    let local = clip.frame_rotations(frame);
+    let (_, root) = Planar::split(clip.root_positions[frame], local[0]);
+    let wanted = joint_transforms(&set.skeleton, Vec3::ZERO, |j| if j == 0 { root } else { local[j] });
+    let shown = joint_transforms(&set.skeleton, Vec3::ZERO, |j| code.rotation(row, j));
+    wanted.iter().zip(&shown).map(|(a, b)| a.0.distance(b.0)).fold(0.0, f32::max) * 1e3
 }
 
 /// A clip's frames: headings unwrapped, rotations that store all of a quaternion on the side of the frame before.

@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use throng_bake::cache::Cache;
 use throng_bake::config::BuildConfig;
 use throng_bake::parts::Parts;
-use throng_bake::pipeline::{build, build_shared};
+use throng_bake::pipeline::{bake_shard, build, build_shared};
 use throng_bake::policy::GridConfig;
 use throng_bake::report::BuildReport;
 use throng_base::{Comm, LocalComm};
@@ -70,6 +70,13 @@ fn any_number_of_ranks_writes_the_bytes_of_one_process() {
     for num_ranks in [1, 2, 3, 4, 8] {
         assert!(shared(&config, &Cache::none(), num_ranks, &out).1 == want, "{num_ranks} ranks");
     }
+    // With a cache, each rank has poses of its own clips alone: blows, hits that are evaded and stops need those of all.
+    for num_ranks in [2, 3, 8] {
+        let cache = Cache::in_folder(folder.path().join(format!("cache-{num_ranks}")));
+        let (reports, bytes) = shared(&config, &cache, num_ranks, &out);
+        assert!(bytes == want, "{num_ranks} ranks with a cache");
+        assert!(reports[0].warnings.is_empty(), "{:?}", reports[0].warnings);
+    }
 }
 
 #[test]
@@ -80,10 +87,44 @@ fn ranks_share_a_cache_and_find_what_they_left() {
     let (first, bytes) = shared(&config, &cache, 3, &out);
     assert!(bytes == want, "filling the cache");
     assert!(first.iter().all(|r| r.cached.is_empty()));
+    let single = build(&config, &folder.path().join("single.throng"), &Cache::none(), &Silent).expect("it builds");
+    let figures = |r: &BuildReport| (r.contacts, r.joint_error_p95_mm, r.joint_error_worst_mm, r.stops);
+    assert_eq!(figures(&first[0]), figures(&single), "what is told does not depend on who has which poses");
+    assert!(first.iter().all(|r| r.spent.values().map(|s| s.bytes_moved).sum::<u64>() > 0));
     let (second, bytes) = shared(&config, &cache, 2, &out);
     assert!(bytes == want, "using the cache");
-    assert!(second.iter().all(|r| ["motion", "graph", "policy"].iter().all(|s| r.cached.iter().any(|c| c == s))));
+    assert!(second.iter().all(|r| r.cached == ["graph", "policy"]), "{:?}", second[0].cached);
+    assert!(second.iter().all(|r| r.clips_kept > 1), "clips are kept file by file");
     assert!(second[0].bundle_bytes == bytes.len() as u64 && second[1].bundle_bytes == 0);
+}
+
+#[test]
+fn shard_whose_cache_is_full_fails() {
+    let (folder, config) = motion(SynthSet::Walk, 6, 0.3, "");
+    let cache = Cache::in_folder(folder.path().join("cache")).limited(1000);
+    let told = bake_shard(&config, Parts::All, "0/1".parse().expect("a shard"), &cache, &Silent);
+    let told = told.expect_err("nothing is kept").to_string();
+    assert!(told.contains("the cache keeps 1000 at most"), "{told}");
+    // A build goes on without, and says so.
+    let report = build(&config, &folder.path().join("small.throng"), &cache, &Silent).expect("it builds");
+    assert!(report.warnings.iter().any(|w| w.contains("not all is cached")), "{:?}", report.warnings);
+}
+
+#[test]
+fn ranks_and_shards_see_motion_that_is_there_twice() {
+    let (folder, config) = motion(SynthSet::Walk, 5, 0.5, "");
+    let clips = &config.inputs[0];
+    std::fs::copy(clips.join("walk_00.bvh"), clips.join("walk_again.bvh")).expect("a copy");
+    let (out, cache) = (folder.path().join("small.throng"), Cache::in_folder(folder.path().join("cache")));
+    let want = alone(&config, &out);
+    for shard in ["0/2", "1/2", "0/2", "1/2"] {
+        let told = bake_shard(&config, Parts::All, shard.parse().expect("a shard"), &cache, &Silent).expect("it bakes");
+        let twice = |w: &String| w.contains("walk_again.bvh: the same motion as");
+        assert!(!told.done || told.own_files == 0 || told.warnings.iter().any(twice), "{told:?}");
+    }
+    let (reports, bytes) = shared(&config, &cache, 2, &out);
+    assert!(bytes == want);
+    assert!(reports.iter().all(|r| r.warnings.iter().any(|w| w.contains("the same motion as"))));
 }
 
 /// Stops its rank in a stage, as if it were killed there.
@@ -106,7 +147,7 @@ fn rank_that_ends_ends_all_and_leaves_what_was_done() {
     let (folder, config) = motion(SynthSet::Walk, 4, 0.5, "");
     let (out, cache) = (folder.path().join("small.throng"), Cache::in_folder(folder.path().join("cache")));
     let want = alone(&config, &folder.path().join("alone.throng"));
-    for (stage, before) in [("clips", &[][..]), ("graph", &["motion"]), ("policy", &["motion", "graph"])] {
+    for (stage, before) in [("clips", &["import"][..]), ("graph", &["clips"]), ("policy", &["clips", "graph"])] {
         let ended = LocalComm::run(3, |comm| {
             let stops = EndsIn(if comm.rank() == 1 { stage } else { "" }, AtomicBool::new(false));
             build_shared(&config, Parts::All, &out, &cache, &stops, comm).map(drop)
@@ -122,7 +163,7 @@ fn rank_that_ends_ends_all_and_leaves_what_was_done() {
     }
     let (reports, bytes) = shared(&config, &cache, 3, &out);
     assert!(bytes == want);
-    assert!(reports.iter().all(|r| r.cached == ["motion", "graph"]), "{:?}", reports[0].cached);
+    assert!(reports.iter().all(|r| r.cached == ["graph"]), "{:?}", reports[0].cached);
 }
 
 proptest! {

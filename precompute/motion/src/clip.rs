@@ -106,7 +106,8 @@ pub struct Clip {
     #[serde(with = "crate::pod")]
     pub root_positions: Vec<Vec3>,
     /// Joint rotations relative to the parent; the hips' relative to the world.
-    /// (num_frames * NUM_JOINTS), row-major by frame. Unit; neighbouring frames have a positive dot product.
+    /// (num_frames * NUM_JOINTS), row-major by frame. Unit; neighbouring frames have a positive dot product. Of a clip
+    /// whose poses are elsewhere, the hips' alone (num_frames).
     #[serde(with = "crate::pod")]
     pub rotations: Vec<Quat>,
     /// Foot contacts; empty before the annotate stage (num_frames).
@@ -149,14 +150,35 @@ impl Clip {
         self.root_positions.len()
     }
 
+    /// Forgets the poses: what is left is where the root is, contacts, hits and names.
+    pub fn forget_poses(&mut self) {
+        if self.has_poses() {
+            self.rotations = self.rotations.iter().step_by(NUM_JOINTS).copied().collect();
+        }
+    }
+
+    /// False where another process has the poses.
+    pub fn has_poses(&self) -> bool {
+        self.rotations.len() == self.num_frames() * NUM_JOINTS
+    }
+
+    /// Rotation of the hips at one frame.
+    pub fn hips_rotation(&self, frame: usize) -> Quat {
+        self.rotations[frame * if self.has_poses() { NUM_JOINTS } else { 1 }]
+    }
+
     /// Local rotations of one frame (NUM_JOINTS).
+    ///
+    /// # Panics
+    /// Where the poses were forgotten.
     pub fn frame_rotations(&self, frame: usize) -> &[Quat] {
+        assert!(self.has_poses(), "{}: its poses are elsewhere", self.name);
         &self.rotations[frame * NUM_JOINTS..(frame + 1) * NUM_JOINTS]
     }
 
     /// Planar part of the root at one frame; the heading is in (-pi, pi].
     pub fn planar(&self, frame: usize) -> Planar {
-        Planar::split(self.root_positions[frame], self.rotations[frame * NUM_JOINTS]).0
+        Planar::split(self.root_positions[frame], self.hips_rotation(frame)).0
     }
 
     /// World positions of all joints at one frame (m).

@@ -103,6 +103,14 @@ pub enum BuildError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A store of objects, such as a cache on a network.
+    #[error("{address}: {why}")]
+    Store {
+        /// Where it is.
+        address: String,
+        /// What is wrong, and the way out.
+        why: String,
+    },
     /// The tables could not be opened again.
     #[error("{0}")]
     Format(String),

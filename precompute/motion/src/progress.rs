@@ -90,6 +90,12 @@ impl Status {
         (self.total > 0).then(|| self.done.min(self.total) as f64 / self.total as f64)
     }
 
+    /// Time that the rest of the stage will take, if it goes on as it did; none where that is not known (s).
+    pub fn left_s(&self) -> Option<f64> {
+        let (share, spent) = (self.share().filter(|&s| s > 0.0)?, self.since?.elapsed());
+        Some(left_s(spent, share))
+    }
+
     /// What of the stage is done, and how long the rest will take, such as `43 % of 3584 frames, about 12 s left`; none
     /// between two stages.
     pub fn far(&self) -> Option<String> {
@@ -108,7 +114,7 @@ impl Status {
             (done, None) => format!("{done} {unit}, for {spent_s:.0} s"),
             (0, Some(_)) => format!("0 % of {total} {unit}, for {spent_s:.0} s"),
             (_, Some(share)) => {
-                let left_s = spent_s * (1.0 - share) / share;
+                let left_s = left_s(spent, share);
                 format!("{:.0} % of {total} {unit}, about {left_s:.0} s left", (100.0 * share).floor())
             }
         }
@@ -132,6 +138,10 @@ impl Status {
         };
         format!("interrupted{stage}; no bundle was written. {kept}")
     }
+}
+
+fn left_s(spent: Duration, share: f64) -> f64 {
+    spent.as_secs_f64() * (1.0 - share) / share
 }
 
 /// Reports nothing.

@@ -70,6 +70,11 @@ impl RawClip {
         hasher.finish()
     }
 
+    /// The same without its motion, for those that ask what it is of alone.
+    pub fn forget_motion(&mut self) {
+        (self.translations, self.rotations) = (Vec::new(), Vec::new());
+    }
+
     /// True where the numbers of both motions are the same.
     pub fn has_motion_of(&self, other: &Self) -> bool {
         self.rate_hz == other.rate_hz

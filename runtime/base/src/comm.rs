@@ -1,5 +1,6 @@
 //! Several processes, or threads that stand for them, that work on one thing.
 
+use crate::clock::process_ran_s;
 use crate::{Error, Result};
 use std::cell::Cell;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -33,6 +34,12 @@ pub trait Comm {
 
     /// What this rank has sent to others so far, and how long it waited for them.
     fn traffic(&self) -> Traffic;
+
+    /// Time that processors ran this rank so far, waiting for others left out (s); none where it cannot be told from that of
+    /// other ranks, or where the system does not tell.
+    fn ran_s(&self) -> Option<f64> {
+        None
+    }
 
     /// The numbers of all ranks, in their order.
     ///
@@ -198,6 +205,10 @@ impl Comm for Alone {
 
     fn traffic(&self) -> Traffic {
         Traffic::default()
+    }
+
+    fn ran_s(&self) -> Option<f64> {
+        process_ran_s()
     }
 }
 

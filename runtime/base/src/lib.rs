@@ -1,6 +1,7 @@
 //! What every crate of the runtime shares: ids, errors, limits, files, snapshots, hashes, threads, vectors of eight floats.
 
 mod checksum;
+pub mod clock;
 mod comm;
 pub mod error;
 pub mod file;

@@ -11,10 +11,13 @@ mod row;
 pub use config::FeaturesConfig;
 use embedding::EMBEDDING;
 
+use crate::share::{by_owners, owners};
 use config::Weights;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 use row::{LANES, Measured, Row};
+use serde::{Deserialize, Serialize};
+use throng_base::Comm;
 use throng_core::{NUM_JOINTS, Planar};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange};
 use throng_motion::error::BuildError;
@@ -57,17 +60,29 @@ pub fn extract(clips: &ClipSet, config: &FeaturesConfig) -> Result<Features, Bui
 ///
 /// # Errors
 /// As [`extract`].
-pub(crate) fn extract_at(clips: &ClipSet, frames: &[FrameId], config: &FeaturesConfig) -> Result<Features, BuildError> {
+///
+/// - `comm`: who else has poses.
+pub(crate) fn extract_at(
+    clips: &ClipSet,
+    frames: &[FrameId],
+    config: &FeaturesConfig,
+    comm: &dyn Comm,
+) -> Result<Features, BuildError> {
     let weights = config.weights()?;
     let starts = clips.frame_starts();
-    let of_clip = |(clip, &start): (&Clip, &u32)| {
+    let of_clip = |c: usize| {
+        let (clip, start) = (&clips.clips[c], starts[c]);
         let place = |frame: u32| frames.partition_point(|f| f.0 < frame);
         let within = &frames[place(start)..place(start + clip.num_frames() as u32)];
-        rows(clip, within.iter().map(|f| (f.0 - start) as usize), &weights)
+        Rows(rows(clip, within.iter().map(|f| (f.0 - start) as usize), &weights))
     };
-    let rows = clips.clips.par_iter().zip(&starts).map(of_clip).flatten().collect();
-    Ok(Features::new(rows, &weights))
+    let rows = by_owners(comm, &owners(clips, comm.num_ranks()), of_clip)?;
+    Ok(Features::new(rows.into_iter().flat_map(|rows: Rows| rows.0).collect(), &weights))
 }
+
+/// Rows as ranks send them.
+#[derive(Serialize, Deserialize)]
+struct Rows(#[serde(with = "throng_motion::pod")] Vec<Row>);
 
 impl Features {
     fn new(rows: Vec<Row>, weights: &Weights) -> Self {

@@ -1,6 +1,7 @@
 //! The features of one frame, laid out so that a compiler turns the distance into vector instructions.
 
 use super::config::Weights;
+use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 use throng_core::{Joint, NUM_JOINTS};
 
@@ -24,7 +25,8 @@ pub(super) struct Measured<'a> {
 }
 
 /// Features of one frame: quaternions by component, and everything Euclidean times the root of its weight.
-#[derive(Clone, Debug, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(super) struct Row {
     pub(super) x: [f32; LANES],
     pub(super) y: [f32; LANES],

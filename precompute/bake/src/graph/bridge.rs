@@ -42,7 +42,7 @@ fn candidates<'a>(
 ) -> impl Iterator<Item = &'a Link> {
     matches[i]
         .iter()
-        .filter(move |l| graph.goes_on(l.event, alive) && graph.links[i].iter().all(|k| k.event != l.event))
+        .filter(move |l| graph.goes_on(l.event(), alive) && graph.links[i].iter().all(|k| k.event() != l.event()))
 }
 
 /// The best link out of every part without a way out, and into every part without a way in; ascending, each once.
@@ -68,7 +68,7 @@ fn missing(
     let (mut best_out, mut best_in) = (vec![None; parts.len()], vec![None; parts.len()]);
     for i in living().filter(|&i| graph.links[i].len() < most) {
         for link in &matches[i] {
-            let Some(n) = graph.next[link.event].filter(|&n| alive[n] && part_of[n] != part_of[i]) else { continue };
+            let Some(n) = graph.next[link.event()].filter(|&n| alive[n] && part_of[n] != part_of[i]) else { continue };
             // A link that is chosen already is a way out and a way in, so none is considered twice.
             if !has_out[part_of[i]] {
                 keep_better(&mut best_out[part_of[i]], i, link);
@@ -79,8 +79,8 @@ fn missing(
         }
     }
     let mut more: Vec<(usize, Link)> = best_out.into_iter().chain(best_in).flatten().collect();
-    more.sort_unstable_by_key(|(i, link)| (*i, link.event));
-    more.dedup_by_key(|(i, link)| (*i, link.event));
+    more.sort_unstable_by_key(|(i, link)| (*i, link.event()));
+    more.dedup_by_key(|(i, link)| (*i, link.event()));
     more
 }
 

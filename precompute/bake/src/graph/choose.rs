@@ -34,7 +34,7 @@ pub(super) fn choose(
 fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, config: &GraphConfig) -> Vec<Link> {
     let mut choice = Choice::new(all, outcomes, config);
     for link in all.iter().take_while(|l| l.error <= threshold) {
-        if choice.takes(link.event) {
+        if choice.takes(link.event()) {
             choice.take(*link);
         }
     }
@@ -59,8 +59,8 @@ impl<'a> Choice<'a> {
         let most = config.max_actions.saturating_sub(1 + RESERVED).max(1);
         let mut chosen: Vec<Link> = Vec::new();
         for link in best_first {
-            let kind = kind_of(&outcomes[link.event]);
-            if chosen.len() < most && chosen.iter().all(|l| kind_of(&outcomes[l.event]) != kind) {
+            let kind = kind_of(&outcomes[link.event()]);
+            if chosen.len() < most && chosen.iter().all(|l| kind_of(&outcomes[l.event()]) != kind) {
                 chosen.push(*link);
             }
         }
@@ -74,8 +74,9 @@ impl<'a> Choice<'a> {
     /// Whether there is room for a link to an event, and no better one leads nearly to the same place; once there is one,
     /// there will be.
     pub fn takes(&self, event: usize) -> bool {
-        let same =
-            |l: &Link| l.event == event || same_outcome(&self.outcomes[l.event], &self.outcomes[event], self.config);
+        let same = |l: &Link| {
+            l.event() == event || same_outcome(&self.outcomes[l.event()], &self.outcomes[event], self.config)
+        };
         !self.is_full() && !self.chosen.iter().any(same)
     }
 
@@ -126,11 +127,11 @@ mod tests {
     use super::*;
 
     fn links(errors: &[(usize, f32)]) -> Vec<Link> {
-        errors.iter().map(|&(event, error)| Link { event, error }).collect()
+        errors.iter().map(|&(event, error)| Link::new(event, error)).collect()
     }
 
     fn events(links: &[Link]) -> Vec<usize> {
-        links.iter().map(|l| l.event).collect()
+        links.iter().map(|l| l.event()).collect()
     }
 
     #[test]
@@ -162,7 +163,7 @@ mod tests {
     #[test]
     fn leaves_room_below_the_most_actions() {
         let mut matches = vec![Vec::new(); 100];
-        matches[0] = (1..100).map(|event| Link { event, error: 0.1 }).collect();
+        matches[0] = (1..100).map(|event| Link::new(event, 0.1)).collect();
         let outcomes: Vec<Planar> = (0..100).map(|z| Planar::new(0.0, z as f32, 0.0)).collect();
         let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig { max_actions: 10, ..Default::default() });
         assert_eq!(chosen[0].len(), 9 - RESERVED);

@@ -8,7 +8,7 @@ use throng_motion::clip::{ClipSet, FrameId};
 
 /// A choice of an event: the event whose motion follows (itself where the clip goes on) and the error.
 fn ways_out(graph: &EventGraph, alive: &[bool], i: usize) -> Vec<Link> {
-    let on = graph.goes_on(i, alive).then_some(Link { event: i, error: 0.0 });
+    let on = graph.goes_on(i, alive).then_some(Link::new(i, 0.0));
     on.into_iter().chain(graph.jumps(i, alive).copied()).collect()
 }
 
@@ -31,7 +31,7 @@ pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[Event], cli
         (0..alive.len()).map(|i| if alive[i] { ways_out(graph, alive, i) } else { Vec::new() }).collect();
     let is_state = |i: usize| ways[i].len() > 1;
     let state_events: Vec<usize> = (0..alive.len()).filter(|&i| is_state(i)).collect();
-    let mut starts: Vec<usize> = state_events.iter().flat_map(|&i| ways[i].iter().map(|l| l.event)).collect();
+    let mut starts: Vec<usize> = state_events.iter().flat_map(|&i| ways[i].iter().map(|l| l.event())).collect();
     starts.sort_unstable();
     starts.dedup();
 
@@ -53,8 +53,10 @@ pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[Event], cli
     let mut actions = Vec::new();
     let mut action_offsets = vec![0];
     for &i in &state_events {
-        let mut of_state: Vec<Action> =
-            ways[i].iter().map(|l| Action { segment: SegmentId(index_of(&starts, l.event)), error: l.error }).collect();
+        let mut of_state: Vec<Action> = ways[i]
+            .iter()
+            .map(|l| Action { segment: SegmentId(index_of(&starts, l.event())), error: l.error })
+            .collect();
         of_state.sort_unstable_by(|a, b| a.error.total_cmp(&b.error).then(a.segment.cmp(&b.segment)));
         actions.extend(of_state);
         action_offsets.push(actions.len() as u32);

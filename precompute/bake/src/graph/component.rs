@@ -3,7 +3,7 @@
 use super::matches::Link;
 
 /// Event frames and the ways between them: after event i comes either `next[i]`, as the clip goes on, or
-/// `next[l.event]` for a link l.
+/// `next[l.event()]` for a link l.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EventGraph {
     /// The event the clip goes on to.
@@ -29,20 +29,20 @@ impl EventGraph {
 
     /// Where a way out of `i` leads: the clip's, for 0, or that of a link (way <= links[i].len()).
     fn target(&self, i: usize, way: usize) -> Option<usize> {
-        self.next[if way == 0 { i } else { self.links[i][way - 1].event }]
+        self.next[if way == 0 { i } else { self.links[i][way - 1].event() }]
     }
 
     /// Drops every way out of or into events that are not in the component.
     pub fn restrict(&mut self, alive: &[bool]) {
         for i in 0..self.next.len() {
             let next = &self.next;
-            self.links[i].retain(|l| alive[i] && next[l.event].is_some_and(|n| alive[n]));
+            self.links[i].retain(|l| alive[i] && next[l.event()].is_some_and(|n| alive[n]));
         }
     }
 
     /// Links of `i` that arrive in the component.
     pub fn jumps<'a>(&'a self, i: usize, alive: &'a [bool]) -> impl Iterator<Item = &'a Link> {
-        self.links[i].iter().filter(|l| self.goes_on(l.event, alive))
+        self.links[i].iter().filter(|l| self.goes_on(l.event(), alive))
     }
 }
 

@@ -58,9 +58,9 @@ pub fn connect(
 ) -> Result<(MotionGraph, GraphReport), BuildError> {
     config.check()?;
     let rate_hz = check_clips(clips)?;
-    let events = events::find(clips, config);
+    let events = events::find(clips, config, comm)?;
     let frames: Vec<_> = events.iter().map(|e| e.frame).collect();
-    let features = &features::extract_at(clips, &frames, features)?;
+    let features = &features::extract_at(clips, &frames, features, comm)?;
     let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
     let (graph, threshold) =
         Search::new(clips, &events, features, &outcomes, config, rate_hz, (progress, comm))?.run()?;

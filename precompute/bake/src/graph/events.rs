@@ -1,11 +1,15 @@
 //! Event frames: where a transition may leave a clip or enter one.
 
 use super::config::GraphConfig;
+use crate::share::{by_owners, owners};
+use serde::{Deserialize, Serialize};
+use throng_base::Comm;
 use throng_core::{Contacts, Joint};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs};
+use throng_motion::error::BuildError;
 
 /// What happens at an event frame. Transitions join events of equal kind only.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum EventKind {
     /// The last frame of the left foot's contact.
     LeavesLeft {
@@ -52,14 +56,23 @@ pub struct Event {
 }
 
 /// The event frames of all clips, ascending.
-pub(super) fn find(clips: &ClipSet, config: &GraphConfig) -> Vec<Event> {
+///
+/// - `comm`: who else has poses; poses are looked at where somebody strikes.
+///
+/// # Errors
+/// As [`by_owners`].
+pub(super) fn find(clips: &ClipSet, config: &GraphConfig, comm: &dyn Comm) -> Result<Vec<Event>, BuildError> {
     let starts = clips.frame_starts();
+    let guards = by_owners(comm, &owners(clips, comm.num_ranks()), |index| {
+        let clip = &clips.clips[index];
+        clip.usable_ranges().iter().flat_map(|run| guards(clips, clip, run)).collect::<Vec<_>>()
+    })?;
     let (mut events, mut runs, mut standing_runs) = (Vec::new(), 0, 0);
     for (index, clip) in clips.clips.iter().enumerate() {
         for run in clip.usable_ranges() {
             let mut found: Vec<(usize, EventKind, Option<usize>)> = departures(clip, &run, config)
                 .into_iter()
-                .chain(guards(clips, clip, &run))
+                .chain(guards[index].iter().copied().filter(|(f, _)| run.contains(f)))
                 .map(|(f, kind)| (f, kind, None))
                 .collect();
             for standing in standing_runs_of(clip, &run, config) {
@@ -82,7 +95,7 @@ pub(super) fn find(clips: &ClipSet, config: &GraphConfig) -> Vec<Event> {
             runs += 1;
         }
     }
-    events
+    Ok(events)
 }
 
 /// True for every frame on which a character stands (clips.num_frames()).
@@ -164,6 +177,7 @@ fn standing_runs_of(clip: &Clip, run: &FrameRange, config: &GraphConfig) -> Vec<
 mod tests {
     use super::*;
     use glam::{Quat, Vec3};
+    use throng_base::Alone;
     use throng_core::{NUM_JOINTS, Skeleton};
     use throng_motion::clip::{Exclusion, ExclusionReason};
 
@@ -190,7 +204,7 @@ mod tests {
 
     fn kinds(clip: Clip) -> Vec<(u32, EventKind)> {
         let set = ClipSet { skeleton: Skeleton::default(), clips: vec![clip] };
-        find(&set, &GraphConfig::default()).iter().map(|e| (e.frame.0, e.kind)).collect()
+        find(&set, &GraphConfig::default(), &Alone).unwrap().iter().map(|e| (e.frame.0, e.kind)).collect()
     }
 
     #[test]

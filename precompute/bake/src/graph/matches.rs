@@ -21,20 +21,30 @@ use throng_motion::progress::Progress;
 /// A transition that is possible: the motion that follows event `event` may be laid after another event.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Link {
-    /// The event whose motion follows.
-    pub event: usize,
+    /// The event whose motion follows: 32 bits, as there are millions of links.
+    to: u32,
     /// Distance between the two frames (rad).
     pub error: f32,
 }
 
 impl Link {
+    /// - `event`: the one whose motion follows (< 2^32, as frames are).
+    pub fn new(event: usize, error: f32) -> Self {
+        Self { to: event as u32, error }
+    }
+
+    /// The event whose motion follows.
+    pub fn event(&self) -> usize {
+        self.to as usize
+    }
+
     /// Orders links, the better one first: the bits of the distance, which is not negative, and the event.
     pub fn rank(&self) -> (u32, usize) {
-        (self.error.to_bits(), self.event)
+        (self.error.to_bits(), self.event())
     }
 
     fn of_rank((error, event): (u32, usize)) -> Self {
-        Self { event, error: f32::from_bits(error) }
+        Self::new(event, f32::from_bits(error))
     }
 }
 
@@ -148,15 +158,15 @@ impl<'a> Finder<'a> {
         let kept = |search: &mut Search, i: usize| self.kept(i, threshold, NEAREST, search);
         let mut links: Vec<Vec<Link>> =
             dealt(comm, self.events.len(), |own| Ok(own.into_par_iter().map_init(Search::default, kept).collect()))?;
-        let back = |i: usize| -> Vec<(usize, Link)> {
-            let back = links[i].iter().map(|l| (l.event, Link { event: i, error: l.error }));
-            back.filter(|(from, link)| self.is_possible(*from, link)).collect()
+        let back = |i: usize| -> Vec<(u32, Link)> {
+            let back = links[i].iter().map(|l| (l.to, Link::new(i, l.error)));
+            back.filter(|(from, link)| self.is_possible(*from as usize, link)).collect()
         };
         let ways_back = dealt(comm, links.len(), |own| Ok(own.into_par_iter().map(back).collect()))?;
-        ways_back.into_iter().flatten().for_each(|(from, link)| links[from].push(link));
+        ways_back.into_iter().flatten().for_each(|(from, link)| links[from as usize].push(link));
         links.par_iter_mut().for_each(|links| {
             choose::sort(links);
-            links.dedup_by_key(|l| l.event);
+            links.dedup_by_key(|l| l.event());
         });
         Ok(links)
     }
@@ -193,13 +203,13 @@ impl<'a> Finder<'a> {
 
     /// Whether motion may jump from event `i` along a link whose distance is within the limit.
     fn is_possible(&self, i: usize, link: &Link) -> bool {
-        let (a, b) = (&self.events[i], &self.events[link.event]);
+        let (a, b) = (&self.events[i], &self.events[link.event()]);
         let is_near = a.run == b.run && a.frame.0.abs_diff(b.frame.0) < self.limits.min_jump;
         // Neighbours in a standing run are nearly the same pose: of each descent to a minimum only the bottom counts.
-        let [before, after] = self.beside[link.event].map(|k| k.filter(|&k| k != i));
+        let [before, after] = self.beside[link.event()].map(|k| k.filter(|&k| k != i));
         let distance = |k: Option<usize>| k.and_then(|k| self.distance_within(i, k, self.limits.error));
-        link.event != i
-            && self.next[link.event].is_some()
+        link.event() != i
+            && self.next[link.event()].is_some()
             && !is_near
             && distance(before).is_none_or(|d| d > link.error)
             && distance(after).is_none_or(|d| d >= link.error)
@@ -220,7 +230,7 @@ impl<'a> Finder<'a> {
                 return if looks > 0 { squared_reach(limit.max(threshold)) } else { DONE };
             }
             let error = self.distance_within(i, k as usize, limit.max(threshold));
-            let link = error.map(|error| Link { event: k as usize, error });
+            let link = error.map(|error| Link::new(k as usize, error));
             if let Some(link) = link.filter(|l| self.is_possible(i, l)) {
                 known.push(Reverse(link.rank()));
                 nearest.push(link.rank());
@@ -239,7 +249,7 @@ impl<'a> Finder<'a> {
         let take_before = |gap: f32, choice: &mut Choice<'_>, known: &mut BinaryHeap<Reverse<(u32, usize)>>| {
             while let Some(link) = known.peek().map(|k| Link::of_rank(k.0)).filter(|l| squared_reach(l.error) < gap) {
                 known.pop();
-                if link.error <= threshold && choice.takes(link.event) && self.is_possible(i, &link) {
+                if link.error <= threshold && choice.takes(link.event()) && self.is_possible(i, &link) {
                     choice.take(link);
                 }
             }
@@ -248,7 +258,7 @@ impl<'a> Finder<'a> {
             take_before(gap, &mut choice, known);
             if choice.takes(k) {
                 let error = self.distance_within(i, k, threshold);
-                known.extend(error.map(|error| Reverse(Link { event: k, error }.rank())));
+                known.extend(error.map(|error| Reverse(Link::new(k, error).rank())));
             }
         }
         take_before(f32::INFINITY, &mut choice, known);
@@ -262,7 +272,7 @@ impl<'a> Finder<'a> {
         search.walk.visit(trees, &self.points[i], squared_reach(limit), |k, _| {
             looks = looks.saturating_sub(1);
             let error = self.distance_within(i, k as usize, limit);
-            let link = error.map(|error| Link { event: k as usize, error });
+            let link = error.map(|error| Link::new(k as usize, error));
             let is_better = |l: &Link| best.is_none_or(|b| l.rank() < b.rank());
             if let Some(link) = link.filter(|l| is_better(l) && self.is_possible(i, l)) {
                 (best, limit) = (Some(link), link.error);

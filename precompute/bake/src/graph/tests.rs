@@ -27,8 +27,8 @@ fn event_graph() -> impl Strategy<Value = EventGraph> {
         (ends, frames, worth, links).prop_map(move |(ends, frames, worth, links)| {
             let next: Vec<Option<usize>> = (0..n).map(|i| (i + 1 < n && !ends[i]).then_some(i + 1)).collect();
             let of_event = |i: usize, l: &std::collections::BTreeMap<usize, f32>| {
-                let mut out: Vec<Link> = l.iter().map(|(&event, &error)| Link { event, error }).collect();
-                out.retain(|l| l.event != i && next[l.event].is_some());
+                let mut out: Vec<Link> = l.iter().map(|(&event, &error)| Link::new(event, error)).collect();
+                out.retain(|l| l.event() != i && next[l.event()].is_some());
                 out.sort_by(|a, b| a.error.total_cmp(&b.error));
                 out
             };
@@ -64,7 +64,7 @@ fn frames_to_choice(graph: &EventGraph, inside: &dyn Fn(usize) -> bool, from: us
     while let Some(n) = graph.next[at].filter(|&n| inside(n)) {
         frames += graph.frames[n];
         at = n;
-        if usize::from(arrives(n)) + graph.links[n].iter().filter(|l| arrives(l.event)).count() > 1 {
+        if usize::from(arrives(n)) + graph.links[n].iter().filter(|l| arrives(l.event())).count() > 1 {
             break;
         }
     }
@@ -81,7 +81,7 @@ fn naive_component(graph: &EventGraph, most_frames: u32) -> Vec<bool> {
         let best = parts.max_by_key(|p| (worth(p), std::cmp::Reverse(p[0]))).unwrap_or_default();
         let inside = |i: usize| best.contains(&i);
         let arrives = |event: usize| graph.next[event].is_some_and(inside);
-        let stuck = |i: usize| !arrives(i) && graph.links[i].iter().filter(|l| arrives(l.event)).count() < 2;
+        let stuck = |i: usize| !arrives(i) && graph.links[i].iter().filter(|l| arrives(l.event())).count() < 2;
         let deaf = |i: usize| {
             i > 0 && graph.next[i - 1] == Some(i) && { frames_to_choice(graph, &inside, i - 1) > most_frames }
         };
@@ -147,7 +147,7 @@ fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<E
     });
     let (events, outcomes): (Vec<Event>, _) = (events.collect(), outcomes.collect());
     let frames: Vec<FrameId> = events.iter().map(|e| e.frame).collect();
-    (features::extract_at(&set, &frames, &still).unwrap(), events, outcomes)
+    (features::extract_at(&set, &frames, &still, &Alone).unwrap(), events, outcomes)
 }
 
 fn limits(error: f32) -> Limits {
@@ -197,7 +197,7 @@ fn all_links(events: &[Event], features: &Features, limit: f32, min_jump: u32) -
                 && !is_near(&events[i], &events[k])
                 && is_minimum(k)
         });
-        let mut links: Vec<Link> = possible.map(|event| Link { event, error: error(i, event) }).collect();
+        let mut links: Vec<Link> = possible.map(|event| Link::new(event, error(i, event))).collect();
         sort(&mut links);
         links
     };
@@ -226,7 +226,7 @@ proptest! {
         let back: Vec<(usize, Link)> = kept
             .iter()
             .enumerate()
-            .flat_map(|(i, links)| links.iter().map(move |l| (l.event, Link { event: i, error: l.error })))
+            .flat_map(|(i, links)| links.iter().map(move |l| (l.event(), Link::new(i, l.error))))
             .filter(|(from, link)| all[*from].contains(link))
             .collect();
         back.into_iter().for_each(|(from, link)| kept[from].push(link));
@@ -262,7 +262,7 @@ proptest! {
         whole.restrict(&alive);
         let mut thin = whole.clone();
         for (i, links) in thin.links.iter_mut().enumerate() {
-            links.retain(|l| keep[(i + l.event) % 14]);
+            links.retain(|l| keep[(i + l.event()) % 14]);
         }
         let chosen = thin.links.clone();
         bridge(&mut thin, &whole.links, &alive, 255);
@@ -313,7 +313,7 @@ fn components_of_a_chain_into_a_loop() {
         next: vec![Some(1), Some(2), Some(3), None],
         frames: vec![0, 5, 5, 5],
         worth: vec![0, 5, 5, 5],
-        links: vec![vec![], vec![], vec![], vec![Link { event: 1, error: 0.1 }, Link { event: 2, error: 0.2 }]],
+        links: vec![vec![], vec![], vec![], vec![Link::new(1, 0.1), Link::new(2, 0.2)]],
     };
     let mut parts = components(&graph, &[true; 4]);
     parts.sort();

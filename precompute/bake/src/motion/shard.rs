@@ -77,7 +77,7 @@ const REFUSED: &str = "refused";
 /// shards run in, and however often, the cache holds the same bytes in the end; [`crate::pipeline::build`] finds them.
 ///
 /// # Errors
-/// [`BuildError::Config`] for motion that is made by rule; the first bad file where `import.strict` is set; as the stages
+/// [`BuildError::Config`] for motion that is made by rule; the first output that the cache does not take; the first bad file where `import.strict` is set; as the stages
 /// from import to annotate.
 pub(crate) fn bake(
     cfg: &BuildConfig,
@@ -94,7 +94,9 @@ pub(crate) fn bake(
     }
     let s = Stages::new(cache, progress, &Alone);
     let from = s.run("hash", |_| provenance::collect(cfg))?;
-    bake_files(cfg, parts, shard, &from, &s)
+    let report = bake_files(cfg, parts, shard, &from, &s)?;
+    // What is in the cache is all that comes of a shard.
+    cache.fault().map_or(Ok(report), Err)
 }
 
 /// Lets each rank of a build do a share of its work on single files, where there is a cache to leave it in.
@@ -130,7 +132,7 @@ fn bake_files(
     let cache = s.cache();
     let mut report = s.run("import", |p| read(cfg, &from.file_keys(&cfg.import), shard, cache, p))?;
     if report.missing == 0 && report.own_files > report.skipped.len() {
-        let Read { raw, maker, warnings, .. } = begin(cfg, parts, from, s)?;
+        let Read { raw, maker, warnings, .. } = begin(cfg, parts, from, s, true)?;
         let own: Vec<usize> = (0..raw.len()).filter(|&i| maker.keys[i].is_some_and(|key| shard.has(key))).collect();
         report.made = s.run("clips", |p| {
             p.begin("clips", own.len() as u64, "files");

@@ -127,7 +127,7 @@ pub fn solve(
 ) -> Result<PolicyTables, BuildError> {
     let model = ActionModel::new(clips, graph)?;
     let hits = segment_hits(clips, graph);
-    let one = |(i, b)| make(b, clips, graph, &hits).map_err(|e| e.within(&format!("behaviours[{i}]")));
+    let one = |(i, b)| make(b, clips, graph, &hits, comm).map_err(|e| e.within(&format!("behaviours[{i}]")));
     let made: Vec<Box<dyn Behaviour>> = behaviours.iter().enumerate().map(one).collect::<Result<_, BuildError>>()?;
     let made: Vec<&dyn Behaviour> = made.iter().map(|b| &**b).collect();
     solve_shared(model, &made, cfg, rng, progress, comm)
@@ -139,12 +139,13 @@ fn make(
     clips: &ClipSet,
     graph: &MotionGraph,
     hits: &[Vec<SegmentHit>],
+    comm: &dyn Comm,
 ) -> Result<Box<dyn Behaviour>, BuildError> {
     let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
     Ok(match config.kind {
         BehaviourKind::Approach => Box::new(Approach::new(config, rate_hz, hit_centre(clips))?),
         BehaviourKind::ThrowPunches => Box::new(ThrowPunches::new(config, rate_hz, hits)?),
-        BehaviourKind::Evade => Box::new(Evade::new(config, clips, graph)?),
+        BehaviourKind::Evade => Box::new(Evade::new(config, clips, graph, comm)?),
     })
 }
 

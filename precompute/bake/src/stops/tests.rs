@@ -2,6 +2,8 @@ use super::*;
 use crate::graph::{Action, Segment, StateId};
 use glam::Quat;
 use proptest::prelude::*;
+use throng_base::Alone;
+use throng_core::Planar;
 use throng_core::{NUM_JOINTS, Skeleton};
 
 const FRAMES: usize = 240;
@@ -63,7 +65,7 @@ proptest! {
         picks in proptest::collection::vec((0usize..14, 0usize..14), 14..60),
     ) {
         let (clips, graph) = (clips(), graph(frames, &picks));
-        let (found, report) = find(&clips, &graph);
+        let (found, report) = find(&clips, &graph, &Alone).unwrap();
         let n = graph.states.len();
         let segment = |a: SegmentId| &graph.segments[a.0 as usize];
         // Every frame is near the line between its nodes, and within the disc.
@@ -161,7 +163,7 @@ fn the_resting_states_are_the_greatest_set_that_leads_into_itself() {
         action_offsets: vec![0, 2, 3, 5],
         actions: [0, 2, 2, 0, 1].map(|s| Action { segment: SegmentId(s), error: 0.0 }).to_vec(),
     };
-    let (found, report) = find(&clips(), &graph);
+    let (found, report) = find(&clips(), &graph, &Alone).unwrap();
     assert_eq!(found.stops.iter().map(|s| s.kind).collect::<Vec<_>>(), [REST, WALK_ON, WALK_ON]);
     assert_eq!((report.resting_states, report.slowing_states), (1, 0));
     assert_eq!(found.stops[1].frames, 10 + 5);

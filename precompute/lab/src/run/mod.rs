@@ -1,6 +1,5 @@
 //! Runs scenes and measures them: one loop, one report and one record for all kinds of motion.
 
-mod clock;
 mod ensure;
 mod figures;
 mod meter;
@@ -15,7 +14,6 @@ mod shared;
 mod styles;
 pub(crate) mod watch;
 
-pub use clock::running_s;
 pub use ensure::{Cached, ensure, ensure_bundle, ensure_motion, ensure_world, is_complete, is_motion, motion_name};
 pub use figures::{AgentFigures, BlowFigures, Figures, InhabitedFigures, PathFigures, ThingFigures};
 pub use meter::{Flow, HUMAN_FLOW_PER_M_S, OverlapMeter, ProgressMeter, Sight};

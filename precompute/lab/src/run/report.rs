@@ -1,6 +1,5 @@
 //! The loop that runs a scene, and its report.
 
-use super::clock::running_s;
 use super::figures::Figures;
 use super::record::{Record, Recorder};
 use super::recording::Recording;
@@ -9,6 +8,7 @@ use serde::Serialize;
 use std::time::Instant;
 use throng_bake::environment::{Environment, PlacedGeometry, PlacedUnit};
 use throng_bake::stitch::Kit;
+use throng_base::clock::thread_ran_s;
 use throng_motion::error::BuildError;
 use throng_runtime::base::limits::{SECONDS, STEP_HZ, THREADS};
 use throng_runtime::crowd::Space;
@@ -213,10 +213,10 @@ fn measure<V: Space>(
 ) -> Result<Figures, BuildError> {
     let run: &dyn Run = if threads > 1 { &Rayon } else { &Inline };
     let mut alone = live.clone();
-    let (begin, running) = (Instant::now(), (threads == 1).then(running_s).flatten());
+    let (begin, running) = (Instant::now(), (threads == 1).then(thread_ran_s).flatten());
     alone.advance(seconds, run, &mut |_| {}).map_err(fault)?;
     let wall_s = begin.elapsed().as_secs_f64();
-    let ran = running.and_then(|begin| Some(running_s()? - begin)).filter(|s| *s > TOLD_S);
+    let ran = running.and_then(|begin| Some(thread_ran_s()? - begin)).filter(|s| *s > TOLD_S);
     let all: Vec<usize> = (0..live.num_characters()).collect();
     let mut watch = AgentWatch::new(live, config, all);
     for frame in 0..=(seconds * LOOK_HZ).ceil() as u64 {

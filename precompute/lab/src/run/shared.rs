@@ -1,11 +1,11 @@
 //! One crowd that several processes move, measured.
 
-use super::clock::running_s;
 use super::report::{fault, wrong};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::time::Instant;
 use throng_base::Comm;
+use throng_base::clock::thread_ran_s;
 use throng_base::limits::SECONDS;
 use throng_crowd::Crowd;
 use throng_motion::error::BuildError;
@@ -80,12 +80,12 @@ pub fn run_shared(
     let looks = (seconds * LOOK_HZ).ceil() as u64;
     progress.begin("crowd", looks, "tenths of a second");
     for look in 1..=looks {
-        let (begin, running) = (Instant::now(), running_s());
+        let (begin, running) = (Instant::now(), thread_ran_s());
         part.advance((look as f64 / LOOK_HZ).min(seconds), comm).map_err(|e| fault(e.into()))?;
         let (wall_s, traffic) = (begin.elapsed().as_secs_f64(), comm.traffic());
         advance_s += wall_s;
         busy_s += wall_s - (traffic.waited_s - before.waited_s);
-        ran_s += running_s().zip(running).map_or(0.0, |(after, begin)| after - begin);
+        ran_s += thread_ran_s().zip(running).map_or(0.0, |(after, begin)| after - begin);
         before = traffic;
         overlaps += part.num_overlapping();
         progress.advance(1);

@@ -94,17 +94,32 @@ impl ImportedSet {
     /// Clips that hold the motion of an earlier one, number by number, whatever their files are called: each with that
     /// one, as places in the list.
     pub fn repeated(&self) -> Vec<[usize; 2]> {
-        let mut seen = BTreeMap::<u64, Vec<usize>>::new();
-        let mut out = Vec::new();
-        for (i, one) in self.clips.iter().enumerate() {
-            let alike = seen.entry(one.clip.motion_hash()).or_default();
-            match alike.iter().find(|&&j| self.clips[j].clip.has_motion_of(&one.clip)) {
-                Some(&first) => out.push([first, i]),
-                None => alike.push(i),
+        let hashes: Vec<u64> = self.clips.iter().map(|c| c.clip.motion_hash()).collect();
+        let same = |i: usize, j: usize| Ok::<_, ImportError>(self.clips[i].clip.has_motion_of(&self.clips[j].clip));
+        repeated(&hashes, same).unwrap_or_default()
+    }
+}
+
+/// As [`ImportedSet::repeated`], of clips of which hashes of the motion are known ([`crate::raw::RawClip::motion_hash`]).
+///
+/// - `same`: whether two clips have the same motion; asked where their hashes are the same.
+///
+/// # Errors
+/// Those of `same`.
+pub fn repeated<E>(hashes: &[u64], same: impl Fn(usize, usize) -> Result<bool, E>) -> Result<Vec<[usize; 2]>, E> {
+    let mut seen = BTreeMap::<u64, Vec<usize>>::new();
+    let mut out = Vec::new();
+    'clips: for (i, &hash) in hashes.iter().enumerate() {
+        let alike = seen.entry(hash).or_default();
+        for &first in &*alike {
+            if same(first, i)? {
+                out.push([first, i]);
+                continue 'clips;
             }
         }
-        out
+        alike.push(i);
     }
+    Ok(out)
 }
 
 /// The clips of a motion file, or why there are none.

@@ -22,7 +22,7 @@ use crate::raw::{RawClip, RawJoint};
 use body::Body;
 pub use body::{Roles, Source};
 use glam::Vec3;
-pub use plan::{Performer, Plan};
+pub use plan::{Lender, Performer, Plan, lend};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -131,9 +131,10 @@ pub fn onto(clips: &[Imported], cfg: &RetargetConfig, warnings: &mut Warnings) -
 }
 
 fn lay_all(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
-    let mut plan = Plan::new(sources, cfg, warnings)?;
+    let lender = lend(sources);
+    let mut plan = Plan::new(sources, &*lender, cfg, warnings)?;
     for p in 0..plan.performers.len() {
-        plan.performers[p].slope = plan.find_slope(p, sources);
+        plan.performers[p].slope = plan.find_slope(p, &*lender)?;
     }
     let clips = sources.par_iter().enumerate().map(|(i, source)| plan.lay_source(i, source)).collect();
     Ok(ClipSet { skeleton: plan.skeleton, clips })

@@ -43,15 +43,10 @@ pub struct Performer {
 }
 
 impl Performer {
-    fn new(clips: &[usize], sources: &[Source]) -> Self {
-        let mut seconds = 0.0;
-        let first = |i: &&usize| {
-            let enough = seconds >= TELLING_S;
-            seconds += sources[**i].clip.num_frames as f64 / sources[**i].clip.rate_hz;
-            !enough
-        };
-        let telling: Vec<usize> = clips.iter().take_while(first).copied().collect();
-        let body = Body::measure(&telling.iter().map(|&i| sources[i]).collect::<Vec<_>>());
+    /// - `telling`: places of the clips that [`telling`] names.
+    /// - `sources`: these clips.
+    fn new(telling: Vec<usize>, sources: &[Source]) -> Self {
+        let body = Body::measure(sources);
         let alignment = align::align(&body);
         let own = proportions::own(&body, &alignment);
         Self { telling, slope: Vec2::ZERO, body, alignment, own }
@@ -62,15 +57,51 @@ impl Performer {
     }
 }
 
+/// Of the clips of a source skeleton, those that say what its body and floor are like.
+fn telling(clips: &[usize], sources: &[Source]) -> Vec<usize> {
+    let mut seconds = 0.0;
+    let first = |i: &&usize| {
+        let enough = seconds >= TELLING_S;
+        seconds += sources[**i].clip.num_frames as f64 / sources[**i].clip.rate_hz;
+        !enough
+    };
+    clips.iter().take_while(first).copied().collect()
+}
+
+/// Gives the clips at some places, with their motion, to what looks at them.
+pub type Lender<'a> = dyn Fn(&[usize], &mut dyn FnMut(&[Source])) -> Result<(), BuildError> + Sync + 'a;
+
+/// A [`Lender`] of clips whose motion is in memory.
+pub fn lend<'a>(sources: &'a [Source<'a>]) -> Box<Lender<'a>> {
+    Box::new(|places, look| {
+        look(&places.iter().map(|&i| sources[i]).collect::<Vec<_>>());
+        Ok(())
+    })
+}
+
 impl Plan {
     /// Measures every source skeleton and names the clips; floors are level still.
     ///
+    /// - `sources`: all clips; their motion is not looked at.
+    /// - `lender`: asked for the motion of a few clips of each source skeleton.
+    ///
     /// # Errors
-    /// As [`super::onto`].
-    pub fn new(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<Self, BuildError> {
+    /// As [`super::onto`]; those of `lender`.
+    pub fn new(
+        sources: &[Source],
+        lender: &Lender<'_>,
+        cfg: &RetargetConfig,
+        warnings: &mut Warnings,
+    ) -> Result<Self, BuildError> {
         sources.iter().try_for_each(check)?;
         let groups = group(sources);
-        let performers: Vec<Performer> = groups.par_iter().map(|clips| Performer::new(clips, sources)).collect();
+        let measured = |clips: &Vec<usize>| {
+            let (telling, mut performer) = (telling(clips, sources), None);
+            lender(&telling, &mut |sources| performer = Some(Performer::new(telling.clone(), sources)))?;
+            Ok(performer)
+        };
+        let performers: Vec<Option<Performer>> = groups.par_iter().map(measured).collect::<Result<_, BuildError>>()?;
+        let performers: Vec<Performer> = performers.into_iter().flatten().collect();
         for (clips, performer) in groups.iter().zip(&performers) {
             check_legs(&sources[clips[0]], &performer.body)?;
         }
@@ -92,17 +123,20 @@ impl Plan {
     }
 
     /// Slope of the floor that the first clips of a source skeleton show.
-    pub fn find_slope(&self, performer: usize, sources: &[Source]) -> Vec2 {
+    pub fn find_slope(&self, performer: usize, lender: &Lender<'_>) -> Result<Vec2, BuildError> {
+        let (p, mut slope) = (&self.performers[performer], Vec2::ZERO);
         if !self.align_ground {
-            return Vec2::ZERO;
+            return Ok(slope);
         }
-        let p = &self.performers[performer];
-        let standing = |&i: &usize| {
-            let motion = p.transfer(&sources[i], &self.skeleton);
-            ground::standing(&motion, &self.skeleton, sources[i].clip.rate_hz)
+        let standing = |source: &Source| {
+            let motion = p.transfer(source, &self.skeleton);
+            ground::standing(&motion, &self.skeleton, source.clip.rate_hz)
         };
-        let points: Vec<Vec<Vec3>> = p.telling.par_iter().map(standing).collect();
-        ground::slope(&points.iter().map(Vec::as_slice).collect::<Vec<_>>())
+        lender(&p.telling, &mut |sources| {
+            let points: Vec<Vec<Vec3>> = sources.par_iter().map(standing).collect();
+            slope = ground::slope(&points.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        })?;
+        Ok(slope)
     }
 
     /// All that laying a clip takes besides the clip and its name, for its key: skeletons, body and floor.

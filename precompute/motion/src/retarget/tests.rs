@@ -116,8 +116,9 @@ fn a_performer_is_measured_on_the_first_ten_minutes_alone() {
     odd.rotations.iter_mut().for_each(|q| *q = q.inverse());
     let plan = |clips: &[&RawClip]| {
         let sources: Vec<Source> = clips.iter().map(|clip| Source { clip, roles: &roles, heading: None }).collect();
-        let mut plan = Plan::new(&sources, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
-        plan.performers[0].slope = plan.find_slope(0, &sources);
+        let mut plan =
+            Plan::new(&sources, &*lend(&sources), &RetargetConfig::default(), &mut Warnings::default()).unwrap();
+        plan.performers[0].slope = plan.find_slope(0, &*lend(&sources)).unwrap();
         (plan.performers[0].telling.clone(), serde_json::to_string(&plan.basis(0)).unwrap())
     };
     let two = plan(&[&slow, &slow]);

@@ -115,6 +115,11 @@ impl Bundle {
         Self::new(Storage::Memory(bytes), false)
     }
 
+    /// The bytes of the file.
+    pub fn bytes(&self) -> &[u8] {
+        self.shared.storage.bytes()
+    }
+
     fn new(storage: Storage, checksums: bool) -> Result<Self, FormatError> {
         let layout = Layout::read(storage.bytes(), checksums)?;
         let storage = Arc::new(storage);

@@ -150,7 +150,25 @@ impl RotationCode {
     /// - `skeleton`: lengths of bones say how far a step moves what hangs on a joint.
     /// - `rotation`: of a frame and a joint, relative to the parent, that of the hips to the planar root (unit length).
     pub fn fit(skeleton: &Skeleton, num_frames: usize, rotation: impl Fn(usize, usize) -> Quat) -> Self {
-        let ranges: [_; NUM_JOINTS] = std::array::from_fn(|j| ranges(num_frames, |frame| rotation(frame, j)));
+        let of_joint = |j: usize| Ok::<_, std::convert::Infallible>((0..num_frames).map(|f| rotation(f, j)).collect());
+        let Ok(code) = Self::fit_joints(skeleton, of_joint);
+        code
+    }
+
+    /// As [`RotationCode::fit`], which has no more than the rotations of one joint in memory.
+    ///
+    /// - `of_joint`: its rotations in all frames; asked once for every joint, in their order.
+    ///
+    /// # Errors
+    /// Those of `of_joint`.
+    pub fn fit_joints<E>(
+        skeleton: &Skeleton,
+        mut of_joint: impl FnMut(usize) -> Result<Vec<Quat>, E>,
+    ) -> Result<Self, E> {
+        let mut ranges = [(JointCode::zeroed(), 1.0); NUM_JOINTS];
+        for (j, range) in ranges.iter_mut().enumerate() {
+            *range = ranges_of(&of_joint(j)?);
+        }
         let mut joints = ranges.map(|r| r.0);
         // An error of x, y and z makes one of w that is the larger, the smaller w is.
         let reach = reaches(skeleton);
@@ -179,7 +197,7 @@ impl RotationCode {
                     if most > 0.0 { (c.low[k], c.step[k] / most) } else { (c.low[k] + 0.5 * c.step[k], 0.0) };
             }
         }
-        Self { joints }
+        Ok(Self { joints })
     }
 
     /// Packs the rotations of a frame.
@@ -264,13 +282,13 @@ fn word(row: &FrameRow, byte: usize) -> u64 {
 
 /// The middle and the lowest and widest of each component, as a code without bits whose steps are whole ranges; and the
 /// smallest w of what derives it (1 where it is stored).
-fn ranges(num_frames: usize, rotation: impl Fn(usize) -> Quat) -> (JointCode, f32) {
-    let (centre, least) = centre(num_frames, &rotation);
+fn ranges_of(rotations: &[Quat]) -> (JointCode, f32) {
+    let (centre, least) = centre(rotations);
     let stores_w = least < LEAST_W;
     let (centre, least) = if stores_w { (Quat::IDENTITY, 1.0) } else { (centre, least) };
     let (mut low, mut high) = ([f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
-    for frame in 0..num_frames {
-        let coded = centre.conjugate() * rotation(frame);
+    for &rotation in rotations {
+        let coded = centre.conjugate() * rotation;
         let coded = if coded.w < 0.0 { -coded } else { coded };
         for (k, v) in coded.to_array().into_iter().enumerate() {
             (low[k], high[k]) = (low[k].min(v), high[k].max(v));
@@ -279,7 +297,7 @@ fn ranges(num_frames: usize, rotation: impl Fn(usize) -> Quat) -> (JointCode, f3
     if stores_w {
         // Signs follow the frame before, so either may come.
         (low, high) = ([-1.0; 4], [1.0; 4]);
-    } else if num_frames == 0 {
+    } else if rotations.is_empty() {
         (low, high) = ([0.0; 4], [0.0; 4]);
     } else {
         (low[3], high[3]) = (0.0, 0.0);
@@ -289,23 +307,22 @@ fn ranges(num_frames: usize, rotation: impl Fn(usize) -> Quat) -> (JointCode, f3
 }
 
 /// A rotation in the middle of all, and the cosine of half the angle to the farthest. The identity if it will do.
-fn centre(num_frames: usize, rotation: impl Fn(usize) -> Quat) -> (Quat, f32) {
+fn centre(rotations: &[Quat]) -> (Quat, f32) {
     let farthest = |all: &mut dyn Iterator<Item = Quat>, centre: Quat| {
         let least = all.map(|q| (centre.dot(q).abs(), q)).min_by(|a, b| a.0.total_cmp(&b.0));
         least.unwrap_or((1.0, centre))
     };
-    let (least, mut far) = farthest(&mut (0..num_frames).map(&rotation), Quat::IDENTITY);
+    let (least, mut far) = farthest(&mut rotations.iter().copied(), Quat::IDENTITY);
     if least >= WIDE_W {
         return (Quat::IDENTITY, least);
     }
     // Towards what lies farthest, in ever shorter steps: the middle of the smallest cap around all.
-    let all: Vec<Quat> = (0..num_frames).map(rotation).collect();
     let mut best = (Quat::IDENTITY, least);
     let mut centre = Quat::IDENTITY;
     for step in 2..64 {
         let towards = if centre.dot(far) < 0.0 { -far } else { far };
         centre = (centre + towards * (1.0 / step as f32)).normalize();
-        let (near, next) = farthest(&mut all.iter().copied(), centre);
+        let (near, next) = farthest(&mut rotations.iter().copied(), centre);
         far = next;
         if near > best.1 {
             best = (centre, near);

@@ -28,14 +28,18 @@ impl AlignedBytes {
     }
 
     /// Zeros; an error where there is no memory for them.
-    fn zeros(len: usize) -> std::io::Result<Self> {
+    ///
+    /// # Errors
+    /// [`ErrorKind::OutOfMemory`].
+    pub fn zeros(len: usize) -> std::io::Result<Self> {
         let mut lines = Vec::new();
         lines.try_reserve_exact(len.div_ceil(64)).map_err(|_| ErrorKind::OutOfMemory)?;
         lines.resize(len.div_ceil(64), Line([0; 64]));
         Ok(Self { lines, len })
     }
 
-    fn as_mut_slice(&mut self) -> &mut [u8] {
+    /// The bytes, to be changed.
+    pub fn as_mut_slice(&mut self) -> &mut [u8] {
         &mut bytemuck::cast_slice_mut(&mut self.lines)[..self.len]
     }
 

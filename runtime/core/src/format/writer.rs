@@ -21,6 +21,17 @@ impl BundleWriter {
         self.sections.push((tag, size_of::<T>() as u32, bytemuck::cast_slice(records).to_vec()));
     }
 
+    /// As [`BundleWriter::section`], of records of which the bytes are there already.
+    pub fn section_bytes<T: Pod>(&mut self, tag: Tag, records: Vec<u8>) {
+        self.sections.push((tag, size_of::<T>() as u32, records));
+    }
+
+    /// Length of the bundle (bytes).
+    pub fn byte_len(&self) -> usize {
+        let table = size_of::<Header>() + self.sections.len() * size_of::<Section>();
+        self.sections.iter().fold(table, |end, (_, _, bytes)| end.next_multiple_of(ALIGN as usize) + bytes.len())
+    }
+
     /// Writes header, section table and sections.
     ///
     /// # Errors

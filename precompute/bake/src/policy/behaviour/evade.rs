@@ -8,8 +8,10 @@ use super::super::config::{BehaviourConfig, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::{Behaviour, Spec};
 use crate::graph::MotionGraph;
+use crate::share::{by_owners, owners};
 use glam::Vec3;
-use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use throng_base::Comm;
 use throng_core::policy::{PATH_POINTS, PathRecord, RegionRecord, Reward, RewardRecord, SegmentRecord, TargetGrid};
 use throng_core::{Joint, Skeleton};
 use throng_motion::clip::ClipSet;
@@ -33,7 +35,12 @@ pub struct Evade {
 impl Evade {
     /// # Errors
     /// [`BuildError::Key`] names the key that is out of its range.
-    pub fn new(config: &BehaviourConfig, clips: &ClipSet, graph: &MotionGraph) -> Result<Self, BuildError> {
+    pub fn new(
+        config: &BehaviourConfig,
+        clips: &ClipSet,
+        graph: &MotionGraph,
+        comm: &dyn Comm,
+    ) -> Result<Self, BuildError> {
         let c = config;
         c.check()?;
         if c.reward.is_some_and(|r| r != RewardForm::Max) {
@@ -46,7 +53,7 @@ impl Evade {
             )
         })?;
         let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
-        let paths = paths(clips, graph, joint);
+        let paths = paths(clips, graph, joint, comm)?;
         let height = c.height.unwrap_or_else(|| median_height(&paths));
         let grid = c.grid.make_space_time()?;
         let r = grid.record();
@@ -67,11 +74,13 @@ impl Evade {
 }
 
 /// The way of a joint over every segment (num_segments).
-fn paths(clips: &ClipSet, graph: &MotionGraph, joint: Joint) -> Vec<PathRecord> {
+fn paths(clips: &ClipSet, graph: &MotionGraph, joint: Joint, comm: &dyn Comm) -> Result<Vec<PathRecord>, BuildError> {
     let starts = clips.frame_starts();
     let offset = guarded_offset(&clips.skeleton, joint);
-    let path = |s: &crate::graph::Segment| {
-        let clip = starts.partition_point(|&f| f <= s.start.0) - 1;
+    let clip_of = |s: &crate::graph::Segment| starts.partition_point(|&f| f <= s.start.0) - 1;
+    let path = |n: usize| {
+        let s = &graph.segments[n];
+        let clip = clip_of(s);
         let first = (s.start.0 - starts[clip]) as usize;
         let clip = &clips.clips[clip];
         let to_start = clip.planar(first).inverse();
@@ -86,8 +95,15 @@ fn paths(clips: &ClipSet, graph: &MotionGraph, joint: Joint) -> Vec<PathRecord> 
         });
         PathRecord { points, duration_s: s.num_frames as f32 / clip.rate_hz as f32 }
     };
-    graph.segments.par_iter().map(path).collect()
+    let of_clips = owners(clips, comm.num_ranks());
+    let of_segments: Vec<usize> = graph.segments.iter().map(|s| of_clips[clip_of(s)]).collect();
+    let sent: Vec<Sent> = by_owners(comm, &of_segments, |n| Sent(path(n)))?;
+    Ok(sent.into_iter().map(|s| s.0).collect())
 }
+
+/// A path as ranks send it.
+#[derive(Serialize, Deserialize)]
+struct Sent(#[serde(with = "throng_motion::pod::one")] PathRecord);
 
 /// The middle of the head, or the joint itself (m).
 fn guarded_offset(skeleton: &Skeleton, joint: Joint) -> Vec3 {

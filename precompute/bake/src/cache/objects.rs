@@ -1,0 +1,199 @@
+//! Entries as objects of a bucket, in a store that speaks the protocol of S3.
+
+use super::{STORE, Storage};
+use object_store::aws::{AmazonS3, AmazonS3Builder, AmazonS3ConfigKey};
+use object_store::path::Path;
+use object_store::{ClientConfigKey, Error, ObjectStore, ObjectStoreExt, RetryConfig};
+use std::error::Error as _;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, SystemTime};
+use throng_motion::error::BuildError;
+use tokio::runtime::{Builder, Runtime};
+
+/// Longer entries are sent in parts of this size, and come to be when all parts are there (bytes).
+const PART: usize = 64 << 20;
+/// How long a request is tried again where the store is away or busy.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A part of a bucket: the objects below a prefix.
+///
+/// Endpoint, region and credentials are those of the environment, by the names that `object_store` knows: `AWS_ENDPOINT_URL`,
+/// `AWS_REGION`, `AWS_ACCESS_KEY_ID`, `AWS_SECRET_ACCESS_KEY`, `AWS_ALLOW_HTTP` and others.
+#[derive(Debug)]
+pub(super) struct Objects {
+    /// As it was named, without a slash at its end.
+    address: String,
+    prefix: Path,
+    store: AmazonS3,
+    runtime: Runtime,
+    /// It did not answer: nobody waits for it again.
+    is_away: AtomicBool,
+}
+
+impl Objects {
+    /// - `address`: `s3://BUCKET/PREFIX`; the prefix may be left out.
+    ///
+    /// # Errors
+    /// [`BuildError::Store`] where it does not answer, refuses, or has no such bucket.
+    pub(super) fn open(address: &str) -> Result<Self, BuildError> {
+        let address = address.trim_end_matches('/');
+        let of = |why: String| BuildError::Store { address: address.into(), why };
+        let name = address.strip_prefix(STORE).unwrap_or_default();
+        let (bucket, prefix) = name.split_once('/').unwrap_or((name, ""));
+        if bucket.is_empty() {
+            return Err(of("expected s3://BUCKET/PREFIX".into()));
+        }
+        // rustls asks for a choice where a program has none or several; a choice that was made before stays.
+        _ = rustls::crypto::ring::default_provider().install_default();
+        let mut settings = AmazonS3Builder::from_env().with_bucket_name(bucket).with_retry(RetryConfig {
+            retry_timeout: PATIENCE,
+            max_retries: 6,
+            ..RetryConfig::default()
+        });
+        // An entry may take long; a connection over which nothing comes does not.
+        for (key, time) in [(ClientConfigKey::Timeout, "30min"), (ClientConfigKey::ReadTimeout, "60s")] {
+            let key = AmazonS3ConfigKey::Client(key);
+            if std::env::var_os(format!("AWS_{}", key.as_ref().to_uppercase())).is_none() {
+                settings = settings.with_config(key, time);
+            }
+        }
+        let store = settings.build().map_err(|e| of(e.to_string()))?;
+        let prefix = Path::parse(prefix).map_err(|e| of(e.to_string()))?;
+        // One thread for the connections; those who ask wait on their own.
+        let runtime = Builder::new_multi_thread().worker_threads(1).enable_all().build();
+        let runtime = runtime.map_err(|e| of(e.to_string()))?;
+        let objects = Self { address: address.into(), prefix, store, runtime, is_away: AtomicBool::new(false) };
+        // A bucket that is there says that it has no such object.
+        match objects.runtime.block_on(objects.store.get(&objects.path(".throng"))) {
+            Err(e @ Error::NotFound { .. }) if !e.to_string().contains("NoSuchBucket") => Ok(objects),
+            Err(e) => Err(objects.told("it cannot be asked for an object", e)),
+            Ok(_) => Ok(objects),
+        }
+    }
+
+    fn path(&self, name: &str) -> Path {
+        self.prefix.clone().join(name)
+    }
+
+    /// What a request comes to, which is not made where the store did not answer an earlier one.
+    fn asked<T>(
+        &self,
+        what: &str,
+        request: impl Future<Output = object_store::Result<T>>,
+    ) -> Result<Option<T>, BuildError> {
+        if self.is_away.load(Ordering::Relaxed) {
+            let why = "it is not asked any more, as it did not answer before".into();
+            return Err(BuildError::Store { address: self.address.clone(), why });
+        }
+        match self.runtime.block_on(request) {
+            Ok(got) => Ok(Some(got)),
+            Err(Error::NotFound { .. }) => Ok(None),
+            Err(e) => {
+                self.is_away.fetch_or(matches!(e, Error::Generic { .. }), Ordering::Relaxed);
+                Err(self.told(what, e))
+            }
+        }
+    }
+
+    /// What went wrong, and the way out.
+    fn told(&self, what: &str, e: Error) -> BuildError {
+        let way_out = match &e {
+            Error::PermissionDenied { .. } | Error::Unauthenticated { .. } => {
+                "Check AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY, and that they may list, read and write in this bucket"
+            }
+            Error::NotFound { .. } => "Make the bucket first, or check its name and AWS_ENDPOINT_URL",
+            _ => {
+                "Check AWS_ENDPOINT_URL, AWS_REGION, AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and the network; \
+                 AWS_ALLOW_HTTP=true allows http://"
+            }
+        };
+        let why = format!("{what}: {}. {way_out}", plain(&e));
+        BuildError::Store { address: self.address.clone(), why }
+    }
+
+    async fn put(&self, path: &Path, bytes: Vec<u8>) -> object_store::Result<()> {
+        if bytes.len() <= PART {
+            return self.store.put(path, bytes.into()).await.map(drop);
+        }
+        let mut upload = self.store.put_multipart(path).await?;
+        for part in bytes.chunks(PART) {
+            if let Err(e) = upload.put_part(part.to_vec().into()).await {
+                // Parts that stay are removed by the bucket's own rules.
+                _ = upload.abort().await;
+                return Err(e);
+            }
+        }
+        upload.complete().await.map(drop)
+    }
+}
+
+/// What the store answered, or else all causes, as the last one says most.
+fn plain(e: &Error) -> String {
+    let mut causes = vec![e.to_string()];
+    let mut cause = e.source();
+    while let Some(inner) = cause {
+        if !causes.iter().any(|c| c.contains(&inner.to_string())) {
+            causes.push(inner.to_string());
+        }
+        cause = inner.source();
+    }
+    let all = causes.join(": ");
+    let between = |tag: &str| {
+        let (_, after) = all.split_once(&format!("<{tag}>"))?;
+        Some(after.split_once('<')?.0)
+    };
+    match (between("Code"), between("Message")) {
+        (Some(code), Some(message)) => format!("{code}: {}", message.trim_end_matches('.')),
+        _ => all.split_whitespace().collect::<Vec<_>>().join(" "),
+    }
+}
+
+impl Storage for Objects {
+    fn read(&self, name: &str) -> Result<Option<Vec<u8>>, BuildError> {
+        let bytes = async { self.store.get(&self.path(name)).await?.bytes().await };
+        Ok(self.asked(&format!("{name} cannot be read"), bytes)?.map(Into::into))
+    }
+
+    fn has(&self, name: &str) -> Result<bool, BuildError> {
+        let path = self.path(name);
+        Ok(self.asked(&format!("{name} cannot be looked for"), self.store.head(&path))?.is_some())
+    }
+
+    fn write(&self, name: &str, bytes: Vec<u8>) -> Result<(), BuildError> {
+        let what = format!("{name} cannot be written");
+        match self.asked(&what, self.put(&self.path(name), bytes))? {
+            Some(()) => Ok(()),
+            None => {
+                Err(BuildError::Store { address: self.address.clone(), why: format!("{what}: the bucket is gone") })
+            }
+        }
+    }
+
+    fn remove(&self, name: &str) -> Result<(), BuildError> {
+        let path = self.path(name);
+        self.asked(&format!("{name} cannot be removed"), self.store.delete(&path)).map(drop)
+    }
+
+    fn list(&self) -> Result<Vec<(String, u64, SystemTime)>, BuildError> {
+        let listed = self.asked("its objects cannot be listed", self.store.list_with_delimiter(Some(&self.prefix)))?;
+        let of = |o: object_store::ObjectMeta| {
+            Some((o.location.filename()?.to_owned(), o.size, SystemTime::from(o.last_modified)))
+        };
+        Ok(listed.into_iter().flat_map(|all| all.objects).filter_map(of).collect())
+    }
+
+    fn touch(&self, _: &str, _: Option<SystemTime>) {}
+
+    fn tidy(&self) -> bool {
+        false
+    }
+
+    fn address(&self, name: &str) -> PathBuf {
+        PathBuf::from(format!("{}/{name}", self.address))
+    }
+
+    fn is_folder(&self) -> bool {
+        false
+    }
+}

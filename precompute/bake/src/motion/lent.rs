@@ -1,0 +1,88 @@
+//! Motion that is in the cache and not in memory: a file's is read again when it is needed, and given up after.
+
+use crate::cache::{Cache, Key};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use throng_motion::error::BuildError;
+use throng_motion::import::{self, ImportConfig, Imported, MotionFile};
+use throng_motion::retarget::Source;
+
+/// Where the motion of clips is.
+pub(super) struct Lent<'a> {
+    import: &'a ImportConfig,
+    cache: &'a Cache,
+    /// By path of the clip.
+    clips: Mutex<BTreeMap<PathBuf, Whereabouts>>,
+}
+
+/// Where the motion of a clip is.
+#[derive(Clone)]
+struct Whereabouts {
+    /// The file, and its key.
+    file: PathBuf,
+    key: Key,
+    /// Number of the clip in the file.
+    number: usize,
+    /// Of the motion.
+    hash: u64,
+}
+
+impl<'a> Lent<'a> {
+    pub(super) fn new(import: &'a ImportConfig, cache: &'a Cache) -> Self {
+        Self { import, cache, clips: Mutex::default() }
+    }
+
+    /// Takes the motion out of the clips of a file that was read.
+    pub(super) fn take_back(&self, file: &MotionFile, key: Key, clips: &mut [Imported]) {
+        for (number, one) in clips.iter_mut().enumerate() {
+            let hash = one.clip.motion_hash();
+            one.clip.forget_motion();
+            let at = Whereabouts { file: file.path.clone(), key, number, hash };
+            self.clips.lock().unwrap_or_else(PoisonError::into_inner).insert(one.clip.path.clone(), at);
+        }
+    }
+
+    fn at(&self, clip: &Imported) -> Option<Whereabouts> {
+        self.clips.lock().unwrap_or_else(PoisonError::into_inner).get(&clip.clip.path).cloned()
+    }
+
+    /// A clip with its motion.
+    ///
+    /// # Errors
+    /// As [`import::read_clips`] where the cache has given it up.
+    pub(super) fn whole(&self, clip: &Imported) -> Result<Imported, BuildError> {
+        let lost =
+            || BuildError::Format(format!("{}: changed while it was read; start again", clip.clip.path.display()));
+        let Whereabouts { file, key, number, .. } = self.at(clip).ok_or_else(lost)?;
+        let (clips, _) = self.cache.each("import", key, || import::read_clips(&file, self.import))?;
+        clips.into_iter().nth(number).ok_or_else(lost)
+    }
+
+    /// See [`throng_motion::retarget::Lender`].
+    ///
+    /// # Errors
+    /// As [`Lent::whole`].
+    pub(super) fn lend(
+        &self,
+        clips: &[Imported],
+        places: &[usize],
+        look: &mut dyn FnMut(&[Source]),
+    ) -> Result<(), BuildError> {
+        let whole = places.iter().map(|&i| self.whole(&clips[i])).collect::<Result<Vec<_>, _>>()?;
+        look(&whole.iter().map(Source::from).collect::<Vec<_>>());
+        Ok(())
+    }
+
+    /// Which clips hold the motion of others, as [`import::ImportedSet::repeated`] says.
+    ///
+    /// # Errors
+    /// As [`Lent::whole`].
+    pub(super) fn repeated(&self, clips: &[Imported]) -> Result<Vec<[usize; 2]>, BuildError> {
+        let hashes: Vec<u64> = clips.iter().map(|c| self.at(c).map_or(0, |at| at.hash)).collect();
+        let same = |i: usize, j: usize| {
+            Ok::<_, BuildError>(self.whole(&clips[i])?.clip.has_motion_of(&self.whole(&clips[j])?.clip))
+        };
+        import::repeated(&hashes, same)
+    }
+}

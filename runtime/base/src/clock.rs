@@ -1,0 +1,37 @@
+//! How long processors ran threads, where the system tells (Linux). Times of a run, never part of its outcome.
+
+use std::fs::{read_dir, read_to_string};
+
+/// Time that this thread was running so far (s).
+pub fn thread_ran_s() -> Option<f64> {
+    ran_s(&read_to_string("/proc/thread-self/schedstat").ok()?)
+}
+
+/// Time that the threads of this process were running so far, those left out that have ended (s).
+pub fn process_ran_s() -> Option<f64> {
+    let threads = read_dir("/proc/self/task").ok()?.flatten();
+    // A thread may end meanwhile.
+    let ran = threads.filter_map(|t| ran_s(&read_to_string(t.path().join("schedstat")).ok()?));
+    Some(ran.sum())
+}
+
+/// Nanoseconds on a processor come first.
+fn ran_s(schedstat: &str) -> Option<f64> {
+    Some(schedstat.split(' ').next()?.parse::<f64>().ok()? * 1e-9)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_takes_time_of_the_thread_and_of_its_process() {
+        let (Some(thread), Some(process)) = (thread_ran_s(), process_ran_s()) else { return };
+        let mut n = 1u64;
+        while thread_ran_s().unwrap() < thread + 0.02 {
+            n = std::hint::black_box(n.wrapping_mul(3));
+        }
+        assert!(process_ran_s().unwrap() >= process + 0.02);
+        assert!(std::thread::spawn(|| thread_ran_s().unwrap()).join().unwrap() < 0.02, "another thread's is its own");
+    }
+}
