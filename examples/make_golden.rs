@@ -1,7 +1,7 @@
 //! Writes the golden tables of the current format version, which `tests/golden.rs` opens:
 //!
 //! ```text
-//! cargo run --example make_golden -- data/golden/tables_v6.throng
+//! cargo run --example make_golden -- data/golden/tables_v7.throng
 //! ```
 //!
 //! They are made of synthetic motion alone, by the ordinary build. Tables of a version are written once, when the

@@ -7,7 +7,7 @@ use std::ops::Range;
 /// First bytes of every bundle.
 pub const MAGIC: [u8; 8] = *b"\x89THRONG\n";
 /// The version this code writes and reads.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 
 /// What a file with the frame of a bundle holds.
 #[derive(Clone, Copy, Debug)]
