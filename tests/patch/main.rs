@@ -9,6 +9,7 @@ mod inhabitants;
 mod made_up;
 #[path = "../format/patch.rs"]
 mod parts;
+mod pairs;
 mod plan;
 mod saved_inhabitants;
 mod stitch;
