@@ -7,9 +7,9 @@ mod glides;
 mod groups;
 mod inhabitants;
 mod made_up;
+mod pairs;
 #[path = "../format/patch.rs"]
 mod parts;
-mod pairs;
 mod plan;
 mod saved_inhabitants;
 mod stitch;

@@ -16,7 +16,8 @@ const FRAMES: u32 = 60;
 
 fn people(world: &World, seed: u64, num: usize) -> Inhabitants {
     let characters = CharactersConfig { seed, ..CharactersConfig::default() };
-    let mut people = Inhabitants::new(world, num, InhabitantsConfig { characters, ..Default::default() }).expect("room");
+    let mut people =
+        Inhabitants::new(world, num, InhabitantsConfig { characters, ..Default::default() }).expect("room");
     scatter(world.graph(), num, seed).into_iter().for_each(|start: Node| _ = people.spawn(start).expect("a start"));
     people
 }
@@ -60,7 +61,7 @@ fn two_are_to_each_other_as_in_capture_at_every_step_of_what_they_do_together() 
     let world = open(&PLAIN);
     for seed in 1..8 {
         let mut people = people(&world, seed, 6);
-        let two = [Id::first(0), Id::first(1 + seed as usize as u32 % 5)];
+        let two = [Id::first(0), Id::first(1 + seed as usize % 5)];
         people.meet(two, GIVE, 3.0).unwrap();
         until_begun(&mut people, two);
         let rows = two.map(|id| id.index as usize);
@@ -70,7 +71,9 @@ fn two_are_to_each_other_as_in_capture_at_every_step_of_what_they_do_together() 
             if people.state(two[0]).unwrap().num_fulfilled > 0 {
                 break;
             }
-            let Some([(a, at), (b, other)]) = rows.map(|c| captured(&people, c)).into_iter().collect::<Option<Vec<_>>>().map(|v| [v[0], v[1]]) else {
+            let Some([(a, at), (b, other)]) =
+                rows.map(|c| captured(&people, c)).into_iter().collect::<Option<Vec<_>>>().map(|v| [v[0], v[1]])
+            else {
                 continue;
             };
             assert_eq!((a + b, at.to_bits()), (1, other.to_bits()), "they play both sides in step");
@@ -116,11 +119,14 @@ fn everyone_holds_ground_of_their_own_while_two_do_something_together() {
             let units = world.view().units.iter().enumerate();
             let inside = |a: f32, b: f32| (a - b).abs() < SIDE * 0.5 - 0.1;
             for (unit, _) in units.filter(|(_, u)| inside(root.x, u.placement.x) && inside(root.z, u.placement.z)) {
-                assert_eq!(people.holder(unit as u32), Some(Id::first(c as u32)), "step {step}, character {c}");
+                assert_eq!(people.holder(unit as u32), Some(Id::first(c)), "step {step}, character {c}");
             }
             let plays = captured(&people, c).is_some();
-            let meets = people.meeting(Id::first(c as u32)).unwrap().is_some();
-            assert!(!plays || meets || people.state(Id::first(c as u32)).unwrap().doing == Doing::Arrived, "nobody does it alone");
+            let meets = people.meeting(Id::first(c)).unwrap().is_some();
+            assert!(
+                !plays || meets || people.state(Id::first(c)).unwrap().doing == Doing::Arrived,
+                "nobody does it alone"
+            );
         }
         begun += people.events().iter().filter(|(_, e)| matches!(e, InhabitantEvent::Began { .. })).count();
         fulfilled += people.events().iter().filter(|(_, e)| *e == InhabitantEvent::Fulfilled).count();

@@ -10,7 +10,9 @@ use throng_core::format::{
     SkeletonRecord,
 };
 use throng_core::graph::{MotionSegment, StateRecord};
-use throng_core::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PairRecord, PatchRecord, Placement};
+use throng_core::patch::{
+    CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PairRecord, PatchRecord, Placement,
+};
 use throng_core::planar::wrap_angle;
 use throng_core::policy::{PathRecord, PolicyRecord, SegmentRecord, StateGridRecord};
 use throng_core::{Bundle, Contacts, HitRecord, Joint, NUM_JOINTS, Planar, Skeleton, bundle::tags};
@@ -59,7 +61,11 @@ fn kinds() -> Vec<Kind> {
         Kind { name, begin, sway: 0.0, end, frames, walking }
     };
     // Two in one room: the second one faces the first.
-    let give = |name, z, heading, sway| Kind { begin: Planar::new(0.0, z, heading), sway, ..kind(name, 0.0, 0.0, 0.0, 60, false) };
+    let give = |name, z, heading, sway| Kind {
+        begin: Planar::new(0.0, z, heading),
+        sway,
+        ..kind(name, 0.0, 0.0, 0.0, 60, false)
+    };
     vec![
         kind("straight", 0.0, SIDE, 0.0, 50, true),
         // From the edge behind, right of its middle, out of the edge on the left or right, right of its middle.

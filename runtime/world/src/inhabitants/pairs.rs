@@ -123,7 +123,8 @@ pub(super) fn offers(graph: &WorldGraph) -> Vec<PairOffer> {
                 steps: [a, b],
             };
             let can_stay = |n: &Node| graph.is_enabled(*n) && graph.is_rest(*n) && graph.is_stop(*n);
-            if offer.starts.iter().chain(&offer.ends).all(can_stay) {
+            if offer.starts.iter().chain(&offer.ends).all(can_stay) && offer.starts.iter().all(|n| graph.is_entered(*n))
+            {
                 out.push(offer);
             }
         }

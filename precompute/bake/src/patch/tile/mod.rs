@@ -70,7 +70,7 @@ pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchR
             Vocabulary::of_rising(&source, &region, edges, config)
         };
         let mut layout = lay_out(unit, edges, &region, &words, config);
-        let (takes, reports) = pairs::find(given, config, &words.rest)?;
+        let (takes, reports) = pairs::find(given, config, &pairs::poses_of_rest(&source, &words.rest))?;
         let joints = pairs::lay_out(given, &takes, unit, &region, edges, &mut layout);
         let links = all_links(&Search::new(&source, &layout, &region, config, min_frames));
         let graph = graph_of(unit, &layout, &links);

@@ -7,6 +7,7 @@
 use super::Given;
 use super::layout::{Kind, Layout, Spot};
 use super::region::Region;
+use super::source::Source;
 use crate::environment::{TileEdges, Unit};
 use crate::patch::config::starred;
 use crate::patch::{PairReport, TileConfig};
@@ -19,6 +20,8 @@ use throng_motion::error::BuildError;
 
 /// Both stand still this near to the beginning and the end of what the tag names (s).
 const SETTLE_S: f64 = 1.5;
+/// Who begins may be this far from a pose of rest: joints on average (rad).
+const REST_RAD: f32 = 0.2;
 /// Roots keep this far from the line between the two (m).
 const APART_M: f32 = 0.12;
 /// Partners may begin this far from each other (m).
@@ -27,12 +30,21 @@ const REACH_M: [f32; 2] = [0.3, 2.0];
 /// (m, rad).
 const SAME: (f32, f32) = (0.03, 0.05);
 
+/// A pose of rest on the tile: a frame of it.
+pub(super) struct Rest {
+    group: u32,
+    clip: usize,
+    frame: usize,
+}
+
 /// What two do together.
 pub(super) struct Take {
     /// The clips of the two, by number.
     clips: [usize; 2],
     /// From the frame in which both stand before it to that in which both stand after it.
     range: FrameRange,
+    /// Pose groups of rest from which the two begin, and in which they end.
+    rest: [[u32; 2]; 2],
     /// 1 + number of the tag.
     tag: u16,
 }
@@ -45,16 +57,26 @@ pub(super) struct Joint {
     pub links: [LinkRecord; 2],
 }
 
+/// A frame of somebody who stands still, for each pose group of rest.
+pub(super) fn poses_of_rest(source: &Source, groups: &[u32]) -> Vec<Rest> {
+    let of = |group: u32| {
+        let standing: Vec<(usize, usize)> =
+            source.frames_in(group).filter(|&(c, f)| source.tracks[c].stands(f)).collect();
+        standing.get(standing.len() / 2).map(|&(clip, frame)| Rest { group, clip, frame })
+    };
+    groups.iter().filter_map(|&g| of(g)).collect()
+}
+
 /// Finds what two do together in the clips that the config names as pairs.
 ///
-/// - `rest`: pose groups of rest.
+/// - `rest`: poses of rest.
 ///
 /// # Errors
 /// [`BuildError::Key`] for a pattern that no clip matches.
 pub(super) fn find(
     given: &Given,
     config: &TileConfig,
-    rest: &[u32],
+    rest: &[Rest],
 ) -> Result<(Vec<Take>, Vec<PairReport>), BuildError> {
     let (mut takes, mut reports) = (Vec::new(), Vec::new());
     for (i, patterns) in config.pairs.iter().enumerate() {
@@ -87,7 +109,7 @@ pub(super) fn find(
 }
 
 /// What two clips show together, or the tag and why not.
-fn find_in(given: &Given, clips: [usize; 2], rest: &[u32]) -> Vec<Result<Take, (String, String)>> {
+fn find_in(given: &Given, clips: [usize; 2], rest: &[Rest]) -> Vec<Result<Take, (String, String)>> {
     let [a, b] = clips.map(|c| &given.clips.clips[c]);
     if a.num_frames() != b.num_frames() {
         let why = format!(
@@ -104,9 +126,10 @@ fn find_in(given: &Given, clips: [usize; 2], rest: &[u32]) -> Vec<Result<Take, (
         for other in b.tags.iter().filter(|t| t.name == tag.name) {
             let range = tag.range.start.max(other.range.start)..tag.range.end.min(other.range.end).min(a.num_frames());
             if range.len() > given.min_frames {
-                let found = settle(given, clips, &range, rest).and_then(|range| keeps_apart(given, clips, range));
+                let found = settle(given, clips, &range, rest)
+                    .and_then(|(range, rest)| Ok((keeps_apart(given, clips, range)?, rest)));
                 let number = given.tags.iter().position(|t| *t == tag.name).unwrap_or(0) as u16 + 1;
-                let take = found.map(|range| Take { clips, range, tag: number });
+                let take = found.map(|(range, rest)| Take { clips, range, rest, tag: number });
                 out.push(take.map_err(|why| (tag.name.clone(), why)));
             }
         }
@@ -118,30 +141,52 @@ fn find_in(given: &Given, clips: [usize; 2], rest: &[u32]) -> Vec<Result<Take, (
     out
 }
 
-/// The frames from where both stand in poses of rest, near the beginning and the end of a range.
-fn settle(given: &Given, clips: [usize; 2], range: &FrameRange, rest: &[u32]) -> Result<FrameRange, String> {
+/// The frames from where both stand near the beginning of a range to where both stand near its end, and the poses of
+/// rest that they are nearest to there.
+fn settle(
+    given: &Given,
+    clips: [usize; 2],
+    range: &FrameRange,
+    rest: &[Rest],
+) -> Result<(FrameRange, [[u32; 2]; 2]), String> {
     let (rate, tracks) = (given.clips.clips[clips[0]].rate_hz, clips.map(|c| &given.tracks[c]));
     let near = (SETTLE_S * rate) as usize;
-    let rests = |f: usize| tracks.iter().all(|t| t.run_end[f] > 0 && rest.contains(&t.groups[f]) && t.stands(f));
+    let stand = |f: usize| tracks.iter().all(|t| t.run_end[f] > 0 && t.stands(f));
     let num = tracks[0].places.len();
-    let nearest = |at: usize| {
-        let around = at.saturating_sub(near)..(at + near).min(num - 1);
-        around.filter(|&f| rests(f)).min_by_key(|f| f.abs_diff(at))
-    };
     let found = |at: usize, which: &str| {
-        nearest(at).ok_or_else(|| {
-            format!(
-                "expected both to stand in a pose of rest within {SETTLE_S} s of its {which} at {:.1} s",
-                at as f64 / rate
-            )
-        })
+        let around = at.saturating_sub(near)..(at + near).min(num - 1);
+        let standing = around.filter(|&f| stand(f)).min_by_key(|f| f.abs_diff(at)).ok_or_else(|| {
+            format!("expected both to stand still within {SETTLE_S} s of its {which} at {:.1} s", at as f64 / rate)
+        })?;
+        let [a, b] = clips.map(|c| nearest(given, c, standing, rest));
+        match (a, b) {
+            ((off, _), _) | (_, (off, _)) if off > REST_RAD => Err(format!(
+                "at {:.1} s somebody stands otherwise than people rest on this tile: joints are {:.0} deg off on average, \
+                 {:.0} at most are mended",
+                standing as f64 / rate,
+                off.to_degrees(),
+                REST_RAD.to_degrees()
+            )),
+            ((_, a), (_, b)) => Ok((standing, [a, b])),
+        }
     };
-    let (start, end) = (found(range.start, "beginning")?, found(range.end, "end")?);
+    let ((start, first), (end, last)) = (found(range.start, "beginning")?, found(range.end, "end")?);
     let whole = tracks.iter().all(|t| t.run_end[start] > end);
     if end < start + given.min_frames || end - start > usize::from(u16::MAX) || !whole {
         return Err(format!("frames {start} to {end} are too few, too many, or not all of use"));
     }
-    Ok(start..end)
+    Ok((start..end, [first, last]))
+}
+
+/// The pose of rest that a frame is nearest to: how far joints are turned from it on average (rad), and its group.
+fn nearest(given: &Given, clip: usize, frame: usize, rest: &[Rest]) -> (f32, u32) {
+    let pose = &given.clips.clips[clip].frame_rotations(frame)[1..];
+    let off = |r: &Rest| {
+        let own = &given.clips.clips[r.clip].frame_rotations(r.frame)[1..];
+        pose.iter().zip(own).map(|(a, b)| a.angle_between(*b)).sum::<f32>() / pose.len() as f32
+    };
+    let all = rest.iter().map(|r| (off(r), r.group));
+    all.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f32::MAX, NONE))
 }
 
 /// Checks that each keeps to its side of the line between the two.
@@ -209,7 +254,7 @@ pub(super) fn lay_out(
                     let place = bases[side].compose(track.places[f]);
                     let spot = layout.pair_spot(
                         Planar { heading: wrap_angle(place.heading), ..place },
-                        track.groups[f],
+                        take.rest[end][side],
                         level,
                     );
                     (spot, Placement::at(place, level - track.support[f]))
