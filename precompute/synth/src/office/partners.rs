@@ -54,7 +54,10 @@ pub fn together(what: Together, variation: f64, rng: &mut impl Rng) -> [Script; 
         Stance { at: DVec2::new(0.0, side * 0.5 * APART), heading: if k == 0 { 0.0 } else { PI } }
     };
     let mut two = [0, 1].map(|k| Script::new(stance(k), variation));
-    two.iter_mut().for_each(|s| s.wait_until(BEFORE));
+    for s in &mut two {
+        greet(s, 0.45);
+        s.wait_until(BEFORE);
+    }
     match what {
         Together::Chat => talk(&mut two, 0.0, rng),
         Together::Dispute => talk(&mut two, 1.0, rng),
@@ -66,9 +69,16 @@ pub fn together(what: Together, variation: f64, rng: &mut impl Rng) -> [Script; 
     for s in &mut two {
         s.wait_until(end);
         s.tag(what.name(), BEFORE);
+        greet(s, end + 0.9);
         s.wait_until(end + BEFORE);
     }
     two
+}
+
+/// A nod, before and after.
+fn greet(s: &mut Script, at: f64) {
+    s.look(at, 0.25, 0.0, 0.16, 0.0);
+    s.look(at + 0.35, 0.3, 0.0, 0.0, 0.0);
 }
 
 /// A wrist of the right hand at a point on the way to the other one: aside (to the right), up and back from the middle.

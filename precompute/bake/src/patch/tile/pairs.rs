@@ -154,21 +154,27 @@ fn settle(
     let stand = |f: usize| tracks.iter().all(|t| t.run_end[f] > 0 && t.stands(f));
     let num = tracks[0].places.len();
     let found = |at: usize, which: &str| {
-        let around = at.saturating_sub(near)..(at + near).min(num - 1);
-        let standing = around.filter(|&f| stand(f)).min_by_key(|f| f.abs_diff(at)).ok_or_else(|| {
-            format!("expected both to stand still within {SETTLE_S} s of its {which} at {:.1} s", at as f64 / rate)
-        })?;
-        let [a, b] = clips.map(|c| nearest(given, c, standing, rest));
-        match (a, b) {
-            ((off, _), _) | (_, (off, _)) if off > REST_RAD => Err(format!(
-                "at {:.1} s somebody stands otherwise than people rest on this tile: joints are {:.0} deg off on average, \
-                 {:.0} at most are mended",
-                standing as f64 / rate,
+        let mut standing: Vec<usize> =
+            (at.saturating_sub(near)..(at + near).min(num - 1)).filter(|&f| stand(f)).collect();
+        standing.sort_by_key(|f| f.abs_diff(at));
+        let mut least = f32::MAX;
+        for f in standing {
+            let [a, b] = clips.map(|c| nearest(given, c, f, rest));
+            if a.0.max(b.0) <= REST_RAD {
+                return Ok((f, [a.1, b.1]));
+            }
+            least = least.min(a.0.max(b.0));
+        }
+        let wanted =
+            format!("expected both to stand still within {SETTLE_S} s of its {which} at {:.1} s", at as f64 / rate);
+        Err(match least {
+            f32::MAX => wanted,
+            off => format!(
+                "{wanted}, as people rest on this tile: joints are {:.0} deg off on average, {:.0} at most are mended",
                 off.to_degrees(),
                 REST_RAD.to_degrees()
-            )),
-            ((_, a), (_, b)) => Ok((standing, [a, b])),
-        }
+            ),
+        })
     };
     let ((start, first), (end, last)) = (found(range.start, "beginning")?, found(range.end, "end")?);
     let whole = tracks.iter().all(|t| t.run_end[start] > end);
