@@ -4,6 +4,7 @@ use crate::compile::CompiledScene;
 use crate::kind::{Kind, Tick, joints, load_same, refused};
 use crate::scene::{ANY_PARTNER, Scene, WeightedWish, WishConfig};
 use crate::{Event, Happened};
+use glam::Vec3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
@@ -19,6 +20,9 @@ use throng_world::{Node, WorldGraph};
 
 /// Longest that somebody looks for another one who wishes the same (s).
 const LOOKS_S: f64 = 30.0;
+/// Others are asked who are no farther away (m), and heights count so many times.
+const NEAR_M: f32 = 15.0;
+const FLOOR: f32 = 5.0;
 /// Who finds nobody looks again so much later (s).
 const AGAIN_S: f64 = 1.0;
 /// Longest that somebody looks for what cannot be reached before it wishes something else (s).
@@ -47,6 +51,9 @@ struct Want {
     look_s: f64,
 }
 
+/// What a snapshot has of all: of [`Inhabited`] the fields that are not of the scene.
+type Minds = (Vec<Pcg64Mcg>, Vec<f64>, Vec<bool>, Vec<Option<Want>>, Vec<Option<usize>>);
+
 /// What can be wished for, and how often beside the others.
 type Shares = Vec<(f64, Choice)>;
 
@@ -67,6 +74,8 @@ pub struct Inhabited {
     told: Vec<bool>,
     /// Who wishes to do something with another one.
     wants: Vec<Option<Want>>,
+    /// With whom each did something last; somebody else is asked first.
+    partners: Vec<Option<usize>>,
 }
 
 impl Inhabited {
@@ -119,6 +128,7 @@ impl Inhabited {
             until_s: vec![0.0; num],
             told: vec![false; num],
             wants: vec![None; num],
+            partners: vec![None; num],
             inhabitants,
             choices,
             rngs,
@@ -193,19 +203,18 @@ impl Inhabited {
     fn match_partners(&mut self, now_s: f64) -> Result<()> {
         for c in 0..self.num_characters() {
             let Some(want) = self.wants[c].as_ref().filter(|w| now_s >= w.look_s) else { continue };
-            let here = self.inhabitants.characters().root(c);
-            let away = |o: usize| {
-                let root = self.inhabitants.characters().root(o);
-                (root.x - here.x).hypot(root.z - here.z)
-            };
-            let others = (0..self.num_characters()).filter(|&o| o != c && self.accepts(o, c, want));
-            let found = others.min_by(|&a, &b| away(a).total_cmp(&away(b)));
+            let place = |c: usize| self.graph().place(self.state(c).node).translation();
+            // Stairs between floors are a long way.
+            let away = |o: usize| ((place(o) - place(c)) * Vec3::new(1.0, FLOOR, 1.0)).length();
+            let others = (0..self.num_characters()).filter(|&o| o != c && self.accepts(o, c, want) && away(o) < NEAR_M);
+            let last = |o: usize| self.partners[c] == Some(o);
+            let found = others.min_by(|&a, &b| last(a).cmp(&last(b)).then(away(a).total_cmp(&away(b))));
             let (tag, seconds) = (want.tag, want.seconds);
             let met = found.map(|o| (o, self.inhabitants.meet([self.id(c), self.id(o)], tag, seconds)));
             match met {
                 Some((o, Ok(()))) => {
-                    for c in [c, o] {
-                        (self.wants[c], self.until_s[c]) = (None, f64::INFINITY);
+                    for (c, o) in [(c, o), (o, c)] {
+                        (self.wants[c], self.until_s[c], self.partners[c]) = (None, f64::INFINITY, Some(o));
                     }
                 }
                 None | Some((_, Err(Error::Occupied { .. }))) => {
@@ -343,24 +352,25 @@ impl Kind for Inhabited {
     fn save(&self, out: &mut Vec<u8>) {
         let mut inhabitants = Bytes::default();
         self.inhabitants.save(&mut inhabitants.0);
-        let minds = (&self.rngs, &self.until_s, &self.told, &self.wants);
+        let minds = (&self.rngs, &self.until_s, &self.told, &self.wants, &self.partners);
         WISHES.write(&(minds, inhabitants), out);
     }
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
         let (minds, inhabitants): (_, Bytes) = WISHES.read_all(bytes)?;
-        let (rngs, until_s, told, wants): (Vec<Pcg64Mcg>, Vec<f64>, Vec<bool>, Vec<Option<Want>>) = minds;
+        let (rngs, until_s, told, wants, partners): Minds = minds;
         let num = self.until_s.len();
         let is_sound = |w: &Want| {
             let in_range = w.with.as_ref().is_none_or(|r| r.start <= r.end && r.end <= num);
             in_range && w.look_s.is_finite() && (0.0..1e9).contains(&w.seconds) && self.inhabitants.offers_pair(w.tag)
         };
         let are_sound = until_s.iter().all(|t| !t.is_nan()) && wants.iter().flatten().all(is_sound);
-        if [rngs.len(), until_s.len(), told.len(), wants.len()] != [num; 4] || !are_sound {
+        let lengths = [rngs.len(), until_s.len(), told.len(), wants.len(), partners.len()];
+        if lengths != [num; 5] || !are_sound || partners.iter().flatten().any(|&o| o >= num) {
             return Err(refused(WISHES.what, "somebody wishes what nobody can"));
         }
         load_same(&mut self.inhabitants, &inhabitants.0)?;
-        (self.rngs, self.until_s, self.told, self.wants) = (rngs, until_s, told, wants);
+        (self.rngs, self.until_s, self.told, self.wants, self.partners) = (rngs, until_s, told, wants, partners);
         Ok(())
     }
 

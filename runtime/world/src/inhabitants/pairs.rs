@@ -42,6 +42,14 @@ pub(super) struct PairOffer {
     steps: [Step; 2],
 }
 
+impl PairOffer {
+    /// The first frames of what one of the two plays; it is still where it begins then.
+    fn entry(&self, side: usize) -> Step {
+        let whole = self.steps[side];
+        Step { to: self.starts[side], to_offset: ENTRY.min(whole.to_offset / 2).max(1), ..whole }
+    }
+}
+
 /// How far two have come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 enum Stage {
@@ -330,13 +338,12 @@ impl Inhabitants {
             Stage::Beginning => {
                 self.set_stage(c, Stage::Entering);
                 self.states[c].doing = Doing::Performing;
-                let entry = Step { to: offer.starts[side], to_offset: ENTRY.min(whole.to_offset / 2).max(1), ..whole };
-                Some(Some(self.play(c, entry)))
+                Some(Some(self.play(c, offer.entry(side))))
             }
             Stage::Entering => {
                 self.set_stage(c, Stage::Together);
-                let entry = ENTRY.min(whole.to_offset / 2).max(1);
-                Some(Some(self.play(c, Step { from_offset: entry, ..whole })))
+                let entered = offer.entry(side).to_offset;
+                Some(Some(self.play(c, Step { from_offset: entered, ..whole })))
             }
             Stage::Together => Some(self.go_on_together(graph, c, m, &offer)),
         }
@@ -360,9 +367,9 @@ impl Inhabitants {
         let next = (0u32..).zip(&self.pair_offers).filter(|(_, o)| fits(o)).nth(drawn.min(num - 1));
         let (number, next) = next.map(|(k, o)| (k, *o))?;
         if let Some(m) = &mut self.states[c].meeting {
-            (m.offer, m.rounds) = (number, m.rounds.wrapping_add(1));
+            (m.offer, m.rounds, m.stage) = (number, m.rounds.wrapping_add(1), Stage::Entering);
         }
-        Some(self.play(c, next.steps[usize::from(m.side)]))
+        Some(self.play(c, next.entry(usize::from(m.side))))
     }
 
     /// Counts what one of two plays.

@@ -10,12 +10,13 @@ use super::region::Region;
 use super::source::Source;
 use crate::environment::{TileEdges, Unit};
 use crate::patch::config::starred;
+use crate::patch::track::is_slow;
 use crate::patch::{PairReport, TileConfig};
 use glam::Vec2;
 use throng_core::Planar;
 use throng_core::patch::{LinkRecord, NONE, Placement};
 use throng_core::planar::wrap_angle;
-use throng_motion::clip::FrameRange;
+use throng_motion::clip::{ExclusionReason, FrameRange};
 use throng_motion::error::BuildError;
 
 /// Both stand still this near to the beginning and the end of what the tag names (s).
@@ -151,7 +152,14 @@ fn settle(
 ) -> Result<(FrameRange, [[u32; 2]; 2]), String> {
     let (rate, tracks) = (given.clips.clips[clips[0]].rate_hz, clips.map(|c| &given.tracks[c]));
     let near = (SETTLE_S * rate) as usize;
-    let stand = |f: usize| tracks.iter().all(|t| t.run_end[f] > 0 && t.stands(f));
+    // Who stands still at the end of a clip is of use here, but what is left out for other reasons is not.
+    let is_usable = |c: usize, f: usize| {
+        let mut excluded = given.clips.clips[c].excluded.iter();
+        !excluded.any(|e| e.range.contains(&f) && e.reason != ExclusionReason::Still)
+    };
+    let stand = |f: usize| {
+        clips.iter().zip(tracks).all(|(&c, t)| is_usable(c, f) && is_slow(&given.clips.clips[c], &t.places, f))
+    };
     let num = tracks[0].places.len();
     let found = |at: usize, which: &str| {
         let mut standing: Vec<usize> =
@@ -177,7 +185,7 @@ fn settle(
         })
     };
     let ((start, first), (end, last)) = (found(range.start, "beginning")?, found(range.end, "end")?);
-    let whole = tracks.iter().all(|t| t.run_end[start] > end);
+    let whole = clips.iter().all(|&c| (start..=end).all(|f| is_usable(c, f)));
     if end < start + given.min_frames || end - start > usize::from(u16::MAX) || !whole {
         return Err(format!("frames {start} to {end} are too few, too many, or not all of use"));
     }
@@ -284,11 +292,11 @@ pub(super) fn lay_out(
 }
 
 impl Layout {
-    /// The spot at which partners begin or end, which may be there already.
+    /// The spot at which partners begin or end, which may be there already. All poses of rest serve: who begins comes from
+    /// one to the capture's in any case.
     fn pair_spot(&mut self, place: Planar, group: u32, support: f32) -> u32 {
         let is_same = |s: &Spot| {
-            s.group == group
-                && (s.place.x - place.x).hypot(s.place.z - place.z) < SAME.0
+            (s.place.x - place.x).hypot(s.place.z - place.z) < SAME.0
                 && wrap_angle(s.place.heading - place.heading).abs() < SAME.1
         };
         if let Some(k) = self.spots[self.first_of_pairs..].iter().position(is_same) {
