@@ -438,10 +438,11 @@ fn with_partners() -> (ClipSet, PoseGroups) {
     let (mut clips, mut groups) = (WALK.0.clone(), WALK.1.clone());
     let pairs: Vec<_> = made.clips.into_iter().filter(|c| c.name.starts_with("office_pair") && !c.mirrored).collect();
     let mut longer = pairs[..2].to_vec();
-    longer[1].root_positions.push(*longer[1].root_positions.last().unwrap());
+    let (root, contact) = (*longer[1].root_positions.last().unwrap(), *longer[1].contacts.last().unwrap());
+    longer[1].root_positions.push(root);
     let last = longer[1].rotations[longer[1].rotations.len() - throng_runtime::NUM_JOINTS..].to_vec();
     longer[1].rotations.extend(last);
-    longer[1].contacts.push(*longer[1].contacts.last().unwrap());
+    longer[1].contacts.push(contact);
     let mut unnamed = pairs[..2].to_vec();
     unnamed[1].tags.clear();
     let mut near = pairs[..2].to_vec();

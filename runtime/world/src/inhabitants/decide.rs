@@ -77,9 +77,14 @@ impl Inhabitants {
             if target.is_at(graph, from) {
                 continue;
             }
+            // Nobody gets to its place through where the other one of two will stand.
+            let partners = self.place_of_partner(c);
             let (reservations, impatient) = (&self.reservations, self.states[c].impatience > 0);
             let states = &self.states;
             let toll = |i: u32| {
+                if partners == Some(i) {
+                    return TOLL_OF_WHO_STAYS;
+                }
                 let is_passed = impatient && i != target.instance();
                 match reservations.other(graph.resources(i), c as u32).filter(|_| is_passed) {
                     None => 0.0,
@@ -90,7 +95,13 @@ impl Inhabitants {
                 }
             };
             match self.planner.plan_around(graph, from, target, toll, self.paths.room(c)) {
-                Some(plan) => self.paths.set(c, from, plan),
+                Some(plan) => {
+                    self.paths.set(c, from, plan);
+                    let steps = self.paths.of(c).iter().map(|s| Some(s.to.instance));
+                    if partners.is_some() && steps.skip_while(|i| *i == partners).any(|i| i == partners) {
+                        self.states[c].doing = Doing::Unreachable;
+                    }
+                }
                 None => {
                     self.states[c].doing = Doing::Unreachable;
                     self.events.push((self.roster.ids()[c], InhabitantEvent::NoWay));

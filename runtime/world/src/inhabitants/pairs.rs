@@ -20,6 +20,8 @@ use throng_core::{Contacts, Planar};
 const ENTRY: u16 = 15;
 /// Two who have not begun so long after they were told to give it up (s).
 const GIVE_UP_S: f64 = 60.0;
+/// Who rests this near to its place need not walk there (m, rad).
+const NEAR_START: (f32, f32) = (0.06, 0.1);
 /// Who breaks off stands this near to where it may rest (m, rad).
 const NEAR_REST: (f32, f32) = (0.06, 0.15);
 /// Heels and toes.
@@ -316,6 +318,12 @@ impl Inhabitants {
         }
     }
 
+    /// The instance in which the other one of two will stand, where one is on its way to it.
+    pub(super) fn place_of_partner(&self, c: usize) -> Option<u32> {
+        let m = self.states[c].meeting.filter(|m| m.stage == Stage::Coming)?;
+        Some(self.pair_offers[m.offer as usize].starts[1 - usize::from(m.side)].instance)
+    }
+
     /// The next step of one of two; the inner `None` where it has to wait.
     ///
     /// - returns `None` where it is on its way, or does nothing with another one.
@@ -325,7 +333,7 @@ impl Inhabitants {
         let side = usize::from(m.side);
         let whole = offer.steps[side];
         match m.stage {
-            Stage::Coming if self.states[c].at == offer.starts[side] => {
+            Stage::Coming if is_near(graph, self.states[c].at, offer.starts[side]) => {
                 self.calm(c);
                 (self.states[c].doing, self.states[c].detour) = (Doing::Meeting, 0);
                 if let Some(m) = &mut self.states[c].meeting {
@@ -420,6 +428,13 @@ impl Inhabitants {
         let other = self.roster.row(self.states[c].meeting?.with).ok()?;
         self.states[other].meeting.is_some_and(|m| m.with == self.roster.ids()[c]).then_some(other)
     }
+}
+
+/// True where one rests at a node, or so near to it that the rest goes over when two begin.
+fn is_near(graph: &WorldGraph, at: Node, start: Node) -> bool {
+    let [a, b] = [at, start].map(|n| graph.place(n));
+    let near = (a.x - b.x).hypot(a.z - b.z) < NEAR_START.0 && wrap_angle(a.heading - b.heading).abs() < NEAR_START.1;
+    at == start || at.instance == start.instance && near && graph.is_rest(at)
 }
 
 impl Meeting {
