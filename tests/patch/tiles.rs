@@ -475,7 +475,7 @@ fn two_who_were_captured_together_stand_across_an_edge_as_they_did() {
     for (name, reason) in [
         ("longer", "equally long"),
         ("unnamed", "no tag names what both do"),
-        ("near", "begin 0.3 to 2 m apart, found 0.2"),
+        ("near", "begin 0.3 to 2 m apart, found 0.18 m"),
         ("alone", "expected a clip `alone_b`, found none"),
     ] {
         assert!(why(name).contains(reason), "{name}: {}", why(name));
