@@ -70,7 +70,7 @@ pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchR
             Vocabulary::of_rising(&source, &region, edges, config)
         };
         let mut layout = lay_out(unit, edges, &region, &words, config);
-        let (takes, reports) = pairs::find(given, config, &pairs::poses_of_rest(&source, &words.rest))?;
+        let (takes, reports) = pairs::find(given, config, &pairs::poses_of_rest(&source, &words.rest, min_frames))?;
         let joints = pairs::lay_out(given, &takes, unit, &region, edges, &mut layout);
         let links = all_links(&Search::new(&source, &layout, &region, config, min_frames));
         let graph = graph_of(unit, &layout, &links);
@@ -253,14 +253,19 @@ fn with_pairs(
 ) -> (Vec<LinkRecord>, Vec<PairRecord>, Vec<PairReport>) {
     let mut reports = reports.to_vec();
     let mut found: Vec<usize> = (0..reports.len()).filter(|&r| reports[r].refused.is_none()).collect();
-    let is_left = |l: &LinkRecord| alive[l.from as usize] && alive[l.to as usize];
+    let stays: std::collections::BTreeSet<u32> = links.iter().filter(|l| l.from == l.to).map(|l| l.from).collect();
+    let is_left = |l: &LinkRecord| {
+        let ends = [l.from, l.to].iter().all(|&c| alive[c as usize]);
+        ends && [renumbered(l).from, renumbered(l).to].iter().all(|c| stays.contains(c))
+    };
     let left: Vec<_> = joints.iter().filter(|(_, j)| j.links.iter().all(is_left)).collect();
     for (number, _) in &left {
         reports[found[*number]].edges += 1;
     }
     found.retain(|&r| reports[r].edges == 0);
     for r in found {
-        reports[r].refused = Some("no motion leads to where both begin and away from where they end".into());
+        reports[r].refused =
+            Some("no motion leads to where both begin and away from where they end, or nobody can wait there".into());
     }
     let joined = |j: &Joint| j.links.map(|l| renumbered(&l));
     let key = |l: &LinkRecord| (l.from, l.to, l.tag, l.frame, l.num_frames);

@@ -58,14 +58,22 @@ pub(super) struct Joint {
     pub links: [LinkRecord; 2],
 }
 
-/// A frame of somebody who stands still, for each pose group of rest.
-pub(super) fn poses_of_rest(source: &Source, groups: &[u32]) -> Vec<Rest> {
+/// A frame of somebody who stands still, for each pose group of rest in which one can wait.
+pub(super) fn poses_of_rest(source: &Source, groups: &[u32], min_frames: usize) -> Vec<Rest> {
+    let waits = |group: &&u32| {
+        let mut stops = source.clips.iter().flat_map(|&c| source.tracks[c].standing.iter().map(move |s| (c, s)));
+        stops.any(|(c, stop)| {
+            let mut frames =
+                stop.clone().filter(|&f| source.run_end(c, f) > 0 && source.tracks[c].groups[f] == **group);
+            frames.next().is_some_and(|first| frames.last().is_some_and(|last| last >= first + min_frames))
+        })
+    };
     let of = |group: u32| {
         let standing: Vec<(usize, usize)> =
             source.frames_in(group).filter(|&(c, f)| source.tracks[c].stands(f)).collect();
         standing.get(standing.len() / 2).map(|&(clip, frame)| Rest { group, clip, frame })
     };
-    groups.iter().filter_map(|&g| of(g)).collect()
+    groups.iter().filter(waits).filter_map(|&g| of(g)).collect()
 }
 
 /// Finds what two do together in the clips that the config names as pairs.
