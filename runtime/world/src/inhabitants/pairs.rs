@@ -10,7 +10,7 @@ use crate::plan::Target;
 use crate::{Node, Step, WorldGraph};
 use serde::{Deserialize, Serialize};
 use throng_base::error::check;
-use throng_base::{Error, Id, Result};
+use throng_base::{Error, Id, Result, maths};
 use throng_core::characters::uniform;
 use throng_core::patch::{LinkRecord, NONE};
 use throng_core::planar::wrap_angle;
@@ -306,7 +306,7 @@ impl Inhabitants {
             let root = self.roots[c];
             let near = graph.rest_cells(state.at.instance).find(|&node| {
                 let place = graph.place(node);
-                (place.x - root.x).hypot(place.z - root.z) < NEAR_REST.0
+                maths::hypot(place.x - root.x, place.z - root.z) < NEAR_REST.0
                     && wrap_angle(place.heading - root.heading).abs() < NEAR_REST.1
             });
             if let Some(node) = near {
@@ -433,7 +433,8 @@ impl Inhabitants {
 /// True where one rests at a node, or so near to it that the rest goes over when two begin.
 fn is_near(graph: &WorldGraph, at: Node, start: Node) -> bool {
     let [a, b] = [at, start].map(|n| graph.place(n));
-    let near = (a.x - b.x).hypot(a.z - b.z) < NEAR_START.0 && wrap_angle(a.heading - b.heading).abs() < NEAR_START.1;
+    let near =
+        maths::hypot(a.x - b.x, a.z - b.z) < NEAR_START.0 && wrap_angle(a.heading - b.heading).abs() < NEAR_START.1;
     at == start || at.instance == start.instance && near && graph.is_rest(at)
 }
 
