@@ -194,7 +194,7 @@ fn hand_over(two: &mut [Script; 2], rng: &mut impl Rng) {
 fn dance(two: &mut [Script; 2]) {
     let from = two[0].now();
     for (k, s) in two.iter_mut().enumerate() {
-        let hands = held([0.17, -0.33, 0.38], [0.7, -1.0, -0.2], 0.35);
+        let hands = held([0.17, -0.33, 0.31], [0.7, -1.0, -0.2], 0.35);
         for side in Side::BOTH {
             s.hand(side, from + 1.0, 0.9, on(side, hands));
         }
