@@ -65,7 +65,7 @@ pub(super) fn poses_of_rest(source: &Source, groups: &[u32], min_frames: usize) 
         stops.any(|(c, stop)| {
             let mut frames =
                 stop.clone().filter(|&f| source.run_end(c, f) > 0 && source.tracks[c].groups[f] == **group);
-            frames.next().is_some_and(|first| frames.last().is_some_and(|last| last >= first + min_frames))
+            frames.next().is_some_and(|first| frames.next_back().is_some_and(|last| last >= first + min_frames))
         })
     };
     let of = |group: u32| {
