@@ -68,6 +68,7 @@ fn pair(change: fn(&mut PairRecord)) -> impl Fn(&mut Parts) {
 
 #[test]
 fn what_two_cannot_do_together_is_refused() {
+    #[expect(clippy::type_complexity, reason = "what it is, and what is done")]
     let damages: [(&str, &dyn Fn(&mut Parts)); 8] = [
         ("no such patch", &pair(|p| p.patch = 7)),
         ("a patch without edges", &pair(|p| p.patch = 1)),
