@@ -213,6 +213,15 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
             ),
         ));
     }
+    for p in r.patches.iter().flat_map(|p| &p.pairs) {
+        let [a, b] = &p.clips;
+        let what = if p.tag.is_empty() { String::new() } else { format!(" ({})", p.tag) };
+        let found = match &p.refused {
+            Some(why) => format!("left out: {why}"),
+            None => format!("across {} edges", p.edges),
+        };
+        rows.push(("pair", format!("{a} and {b}{what}: {found}")));
+    }
     rows.extend(r.blend_spaces.iter().flat_map(blend));
     rows.extend(activities(&r.activities));
     for p in &r.policies {

@@ -303,6 +303,17 @@ pub fn figures(r: &Figures) -> Vec<(&'static str, String)> {
         let waiting = 100.0 * w.waiting_fraction;
         rows.push(("wishes", format!("{wishes} a minute and character; waiting {waiting:.1} % of the time")));
     }
+    if let Some(p) = &r.partners {
+        let ends = format!("{} finished, {} broken off", p.pairs_finished, p.pairs_broken_off);
+        rows.push(("pairs", format!("{} begun, {ends}; {} did not come together", p.pairs_begun, p.pairs_given_up)));
+        let off =
+            format!("{:.0} mm and {:.1} deg off the capture", 1e3 * p.partner_off_p95_m, p.partner_turned_p95_deg);
+        let most = format!("{:.0} mm and {:.1} deg at most", 1e3 * p.partner_off_max_m, p.partner_turned_max_deg);
+        rows.push((
+            "partners",
+            format!("{off} (95th percentile), {most}; waited {:.1} s on average", p.partner_wait_mean_s),
+        ));
+    }
     if let Some(p) = &r.paths {
         rows.push(("paths", format!("{:.2} m/s on average, {:.2} at most", p.speed_mean_mps, p.speed_max_mps)));
         rows.push(("knees", format!("{:.1} rad/s at most", p.knee_rate_max_radps)));

@@ -3,7 +3,7 @@
 use crate::made_up_world as made_up;
 use crate::parts::{Parts, refusal};
 use throng_runtime::characters::{Characters, CharactersConfig, MotionSet, Start};
-use throng_runtime::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord};
+use throng_runtime::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PairRecord, PatchRecord};
 use throng_runtime::{Planar, bundle::tags};
 
 #[test]
@@ -29,6 +29,7 @@ fn a_bundle_with_neither_graph_nor_patches_is_refused() {
     parts.edit::<EdgeRecord>(tags::PATCH_EDGES, Vec::clear);
     parts.edit::<CellRecord>(tags::PATCH_CELLS, Vec::clear);
     parts.edit::<LinkRecord>(tags::PATCH_LINKS, Vec::clear);
+    parts.edit::<PairRecord>(tags::PATCH_PAIRS, Vec::clear);
     parts.edit_meta(|m| m.patches.clear());
     let e = refusal(&parts.join(), "neither");
     assert!(e.to_string().contains("neither a motion graph nor a motion patch"), "{e}");
@@ -59,6 +60,38 @@ fn cell(index: usize, change: fn(&mut CellRecord)) -> impl Fn(&mut Parts) {
 
 fn link(change: fn(&mut LinkRecord)) -> impl Fn(&mut Parts) {
     move |p| p.edit::<LinkRecord>(tags::PATCH_LINKS, |v| change(&mut v[2]))
+}
+
+fn pair(change: fn(&mut PairRecord)) -> impl Fn(&mut Parts) {
+    move |p| p.edit::<PairRecord>(tags::PATCH_PAIRS, |v| change(&mut v[1]))
+}
+
+#[test]
+fn what_two_cannot_do_together_is_refused() {
+    #[expect(clippy::type_complexity, reason = "what it is, and what is done")]
+    let damages: [(&str, &dyn Fn(&mut Parts)); 8] = [
+        ("no such patch", &pair(|p| p.patch = 7)),
+        ("a patch without edges", &pair(|p| p.patch = 1)),
+        ("no such edge", &pair(|p| p.edge = 4)),
+        ("no such link", &pair(|p| p.link = 999)),
+        ("a link of one alone", &pair(|p| p.partner_link = 0)),
+        ("the same twice", &|p| p.edit::<PairRecord>(tags::PATCH_PAIRS, |v| v[1] = v[0])),
+        ("links that show nothing", &|p| {
+            p.edit::<LinkRecord>(tags::PATCH_LINKS, |v| {
+                v.iter_mut().filter(|l| l.is_for_two()).for_each(|l| l.tag = LinkRecord::FOR_TWO);
+            });
+        }),
+        ("links of unequal length", &|p| {
+            p.edit::<LinkRecord>(tags::PATCH_LINKS, |v| {
+                v.iter_mut().filter(|l| l.is_for_two()).take(1).for_each(|l| l.num_frames -= 1);
+            });
+        }),
+    ];
+    for (what, damage) in damages {
+        let mut parts = Parts::of(&made_up::bundle("made up"));
+        damage(&mut parts);
+        refusal(&parts.join(), what);
+    }
 }
 
 #[test]
@@ -93,7 +126,7 @@ fn patches_that_cannot_be_are_refused() {
         ("a link without frames", &link(|l| l.num_frames = 0)),
         ("a link past its clip", &link(|l| l.num_frames = 60)),
         ("a link past all clips", &link(|l| l.frame = u32::MAX)),
-        ("no such tag", &link(|l| l.tag = 3)),
+        ("no such tag", &link(|l| l.tag = 4)),
         ("a link nowhere", &link(|l| l.end.heading = f32::NAN)),
         ("no such group of a frame", &|p: &mut Parts| p.edit::<u32>(tags::POSE_GROUPS, |g| g[5] = 3)),
     ];

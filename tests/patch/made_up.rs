@@ -116,6 +116,7 @@ impl MadeUp {
             edges: (&self.edges).into(),
             cells: (&self.cells).into(),
             links: (&self.links).into(),
+            pairs: [].as_slice().into(),
         }
     }
 

@@ -7,6 +7,7 @@ mod glides;
 mod groups;
 mod inhabitants;
 mod made_up;
+mod pairs;
 #[path = "../format/patch.rs"]
 mod parts;
 mod plan;

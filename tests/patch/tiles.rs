@@ -17,7 +17,8 @@ use throng_precompute::patch::{
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::{self, ResampleConfig};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
-use throng_precompute::{BuildError, ClipSet};
+use throng_precompute::{BuildError, Clip, ClipSet};
+use throng_runtime::Planar;
 use throng_runtime::patch::{CellRecord, LinkRecord, NONE, Placement};
 use throng_runtime::planar::wrap_angle;
 
@@ -426,5 +427,100 @@ fn headings_of_entries_spread_about_straight_ahead() {
         let ahead = (-step[0]).atan2(-step[2]);
         assert!(wrap_angle(c.placement.heading - ahead).abs() < PI / 6.0 + 1e-3);
         assert!((c.placement.x * step[0] + c.placement.z * step[2] - PANEL_M * PANEL_M / 2.0).abs() < 1e-3);
+    }
+}
+
+/// Walking, and what two people do together, of whom some lack what it takes.
+fn with_partners() -> (ClipSet, PoseGroups) {
+    let config = SynthConfig { minutes: 0.5, ..SynthConfig::for_set(SynthSet::Office) };
+    let made =
+        resample::resample(&synth::make(SynthSet::Office, &config).unwrap(), &ResampleConfig::default()).unwrap();
+    let (mut clips, mut groups) = (WALK.0.clone(), WALK.1.clone());
+    let pairs: Vec<_> = made.clips.into_iter().filter(|c| c.name.starts_with("office_pair") && !c.mirrored).collect();
+    let mut longer = pairs[..2].to_vec();
+    let (root, contact) = (*longer[1].root_positions.last().unwrap(), *longer[1].contacts.last().unwrap());
+    longer[1].root_positions.push(root);
+    let last = longer[1].rotations[longer[1].rotations.len() - throng_runtime::NUM_JOINTS..].to_vec();
+    longer[1].rotations.extend(last);
+    longer[1].contacts.push(contact);
+    let mut unnamed = pairs[..2].to_vec();
+    unnamed[1].tags.clear();
+    let mut near = pairs[..2].to_vec();
+    near[1].root_positions.iter_mut().for_each(|p| p.z -= 0.7);
+    for (what, mut two) in [("longer", longer), ("unnamed", unnamed), ("near", near)] {
+        two.iter_mut().zip(["a", "b"]).for_each(|(c, who)| c.name = format!("{what}_{who}"));
+        clips.clips.extend(two);
+    }
+    clips.clips.push(Clip { name: "alone_a".into(), ..pairs[0].clone() });
+    clips.clips.extend(pairs);
+    groups.groups.resize(clips.num_frames(), NO_GROUP);
+    (clips, groups)
+}
+
+#[test]
+fn two_who_were_captured_together_stand_across_an_edge_as_they_did() {
+    let (clips, groups) = with_partners();
+    let names = ["longer", "unnamed", "near", "alone"].map(|n| format!("{n}*"));
+    let patterns = std::iter::once("office_pair_*".to_owned()).chain(names);
+    let pairs = patterns.map(|p| [format!("{p}_a"), format!("{p}_b")]);
+    let walks = vec!["walk_*".to_owned()];
+    let tile = TileConfig { clips: walks, pairs: pairs.collect(), ..TileConfig::of("panel") };
+    let built = built(&clips, &groups, &panel(), &with_tile(tile)).unwrap();
+    let (patch, report) = (&built.patches[0], &built.report[0].pairs);
+    let found: Vec<&str> = report.iter().filter(|r| r.refused.is_none()).map(|r| r.tag.as_str()).collect();
+    assert_eq!(found, ["chat", "dispute", "handshake", "handover", "dance"], "{report:?}");
+    assert!(report.iter().filter(|r| r.refused.is_none()).all(|r| r.edges == 4), "{report:?}");
+    let why =
+        |name: &str| report.iter().find(|r| r.clips[0].starts_with(name)).and_then(|r| r.refused.clone()).unwrap();
+    for (name, reason) in [
+        ("longer", "equally long"),
+        ("unnamed", "no tag names what both do"),
+        ("near", "begin 0.3 to 2 m apart, found 0.18 m"),
+        ("alone", "expected a clip `alone_b`, found none"),
+    ] {
+        assert!(why(name).contains(reason), "{name}: {}", why(name));
+    }
+    assert_eq!(patch.pairs.len(), 5 * 4);
+    // Brute force: where each frame of both lies, beside where the clips have it.
+    let starts = clips.frame_starts();
+    let laid = |l: &LinkRecord, k: u32| {
+        let c = starts.partition_point(|&s| s <= l.frame) - 1;
+        let place = |k: u32| clips.clips[c].planar((l.frame - starts[c] + k) as usize);
+        let [first, here, last] = [0, k, u32::from(l.num_frames)].map(place);
+        let [at, end] = [here, last].map(|p| l.start.planar().compose(first.to_local(p)));
+        let share = k as f32 / f32::from(l.num_frames);
+        let missing = [l.end.x - end.x, l.end.z - end.z, wrap_angle(l.end.heading - end.heading)];
+        assert!(missing.iter().all(|m| m.abs() < 1e-4), "nothing is edited: {missing:?}");
+        (Planar::new(at.x + share * missing[0], at.z + share * missing[1], at.heading + share * missing[2]), here)
+    };
+    for p in &patch.pairs {
+        let [own, other] = [p.link, p.partner_link].map(|l| &patch.links[l as usize]);
+        assert!(own.is_for_two() && own.tag == other.tag && own.num_frames == other.num_frames);
+        let [x, _, z] = patch.edges[p.edge as usize].step;
+        for k in 0..=u32::from(own.num_frames) {
+            let ((a, captured_a), (b, captured_b)) = (laid(own, k), laid(other, k));
+            for at in [a, b] {
+                assert!(at.x.abs().max(at.z.abs()) < PANEL_M / 2.0 - 0.1, "each stays on ground of its own: {at:?}");
+            }
+            let is = a.to_local(Planar::new(b.x + x, b.z + z, b.heading));
+            let was = captured_a.to_local(captured_b);
+            let off = (is.x - was.x).hypot(is.z - was.z).max(wrap_angle(is.heading - was.heading).abs());
+            assert!(off < 1e-4, "{off} at frame {k} of {p:?}");
+            assert!(
+                was.x.hypot(was.z) < 1.3 && (wrap_angle(was.heading).abs() - PI).abs() < 0.3,
+                "face to face: {was:?}"
+            );
+        }
+        for (l, end) in [(own, own.from), (own, own.to), (other, other.from), (other, other.to)] {
+            let cell = &patch.cells[end as usize];
+            assert!(cell.is(CellRecord::IS_REST), "one can wait there");
+            let near = if end == l.from { l.start } else { l.end };
+            let off = (cell.placement.x - near.x).hypot(cell.placement.z - near.z);
+            assert!(off < 0.03 + 1e-4, "{off} m from the place of rest");
+        }
+    }
+    // Nobody does alone what two do, and everybody can come and go.
+    for l in patch.links.iter().filter(|l| l.tag != 0 && !l.is_for_two()) {
+        assert!(patch.pairs.iter().all(|p| patch.links[p.link as usize].from != l.from));
     }
 }

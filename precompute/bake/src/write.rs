@@ -19,7 +19,7 @@ use throng_core::format::{
 };
 use throng_core::graph::{MotionSegment, StateRecord};
 use throng_core::hits::KIND_NAMES;
-use throng_core::patch::PatchRecord;
+use throng_core::patch::{PairRecord, PatchRecord};
 use throng_core::planar::wrap_angle;
 use throng_core::{Bundle, Contacts, HitRecord, Planar, bundle::tags};
 use throng_motion::clip::{Clip, ClipSet, Hit, joint_transforms};
@@ -179,6 +179,9 @@ fn patches(patches: &[Patch], out: &mut BundleWriter) {
     out.section(tags::PATCH_EDGES, &patches.iter().flat_map(|p| p.edges.iter().copied()).collect::<Vec<_>>());
     out.section(tags::PATCH_CELLS, &patches.iter().flat_map(|p| p.cells.iter().copied()).collect::<Vec<_>>());
     out.section(tags::PATCH_LINKS, &patches.iter().flat_map(|p| p.links.iter().copied()).collect::<Vec<_>>());
+    let pairs =
+        (0u32..).zip(patches).flat_map(|(patch, p)| p.pairs.iter().map(move |&pair| PairRecord { patch, ..pair }));
+    out.section(tags::PATCH_PAIRS, &pairs.collect::<Vec<_>>());
 }
 
 fn clip_meta(c: &Clip) -> ClipMeta {

@@ -1,12 +1,13 @@
 //! A scene with everything that it names, opened and checked.
 
 use crate::scenario::{Primitives, Scenario};
-use crate::scene::{GroupConfig, Motion, Scene, WishConfig};
+use crate::scene::{ANY_PARTNER, GroupConfig, Motion, Scene, WishConfig};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_base::{Hash128, Result};
 use throng_core::Bundle;
 use throng_core::blend::BlendSpace;
+use throng_core::patch::LinkRecord;
 use throng_world::World;
 
 /// A scene with its bundles and worlds, ready to run. Clones share them.
@@ -218,13 +219,42 @@ impl CompiledScene {
             self.space(g, t)?;
         }
         for (i, w) in group.wishes.iter().enumerate() {
-            let WishConfig::Perform { tag, .. } = &w.wish else { continue };
-            let tags = &self.bundle(g)?.meta().link_tags;
-            if !tags.contains(tag) {
-                let why = format!("expected one of {}, found `{tag}`", tags.join(", "));
-                return Err(self.scene.fault(&format!("groups[{g}].wishes[{i}].wish.perform.tag"), why));
+            let WishConfig::Perform { tag, with, .. } = &w.wish else { continue };
+            let key = |name: &str| format!("groups[{g}].wishes[{i}].wish.perform.{name}");
+            let [alone, together] = self.performed(g)?;
+            let (tags, others, hint) = match with {
+                Some(_) => (&together, &alone, "; one person does that alone: leave out `with`"),
+                None => (&alone, &together, "; two do that together: add `with = \"partner\"`"),
+            };
+            if !tags.contains(&tag.as_str()) {
+                let hint = if others.contains(&tag.as_str()) { hint } else { "" };
+                let why = format!("expected one of {}, found `{tag}`{hint}", tags.join(", "));
+                return Err(self.scene.fault(&key("tag"), why));
+            }
+            if let Some(with) = with.as_deref().filter(|w| *w != ANY_PARTNER) {
+                let groups = self.scene.groups.iter().filter(|o| o.motion == Motion::Patches && !o.name.is_empty());
+                let names: Vec<&str> = groups.map(|o| o.name.as_str()).collect();
+                if !names.contains(&with) {
+                    let why = format!(
+                        "expected `{ANY_PARTNER}` or a group with `motion = \"patches\"` ({}), found `{with}`",
+                        names.join(", ")
+                    );
+                    return Err(self.scene.fault(&key("with"), why));
+                }
             }
         }
         Ok(())
+    }
+
+    /// What a group's motion is tagged with: what one does alone, and what two do together.
+    fn performed(&self, g: usize) -> Result<[Vec<&str>; 2]> {
+        let bundle = self.bundle(g)?;
+        let mut are_shown = [vec![false; bundle.meta().link_tags.len()], vec![false; bundle.meta().link_tags.len()]];
+        for link in bundle.patches().links.iter().filter(|l| l.tag != 0) {
+            let number = usize::from(link.tag & !LinkRecord::FOR_TWO) - 1;
+            are_shown[usize::from(link.is_for_two())][number] = true;
+        }
+        let tags = &bundle.meta().link_tags;
+        Ok(are_shown.map(|shown| tags.iter().zip(shown).filter(|(_, s)| *s).map(|(t, _)| t.as_str()).collect()))
     }
 }

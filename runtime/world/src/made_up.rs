@@ -63,6 +63,7 @@ impl Tile {
             edges: (&self.edges).into(),
             cells: (&self.cells).into(),
             links: (&self.links).into(),
+            pairs: [].as_slice().into(),
         }
     }
 

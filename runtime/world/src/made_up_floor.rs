@@ -1,5 +1,5 @@
-//! Small worlds made up in code: a floor of tiles that are crossed straight on or with a turn and stood on, and benches
-//! that are sat on.
+//! Small worlds made up in code: a floor of tiles that are crossed straight on or with a turn and stood on, where two give
+//! each other something across edges, and benches that are sat on.
 
 use crate::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord, WorldData, WorldMeta};
 use glam::Quat;
@@ -10,7 +10,9 @@ use throng_core::format::{
     SkeletonRecord,
 };
 use throng_core::graph::{MotionSegment, StateRecord};
-use throng_core::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord, Placement};
+use throng_core::patch::{
+    CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PairRecord, PatchRecord, Placement,
+};
 use throng_core::planar::wrap_angle;
 use throng_core::policy::{PathRecord, PolicyRecord, SegmentRecord, StateGridRecord};
 use throng_core::{Bundle, Contacts, HitRecord, Joint, NUM_JOINTS, Planar, Skeleton, bundle::tags};
@@ -25,6 +27,8 @@ pub const BENCH: u32 = 1;
 pub const CHAT: u16 = 1;
 /// Tag of links on which people sit.
 pub const SIT: u16 = 2;
+/// Tag of what two do together.
+pub const GIVE: u16 = 3;
 
 /// Edges: +x, -x, +z, -z.
 const HEADINGS: [f32; 4] = [std::f32::consts::FRAC_PI_2, -std::f32::consts::FRAC_PI_2, 0.0, std::f32::consts::PI];
@@ -36,10 +40,15 @@ const STAND: u32 = 1;
 const SEATED: u32 = 2;
 /// Frame of a straight crossing at which a bench may be turned to, or be left for it.
 const AT_BENCH: u32 = 25;
+/// Kinds of motion of the one who gives and the one who takes.
+const GIVING: [usize; 2] = [9, 10];
 
-/// One kind of motion: from the origin at heading 0 to `end`, over a number of frames.
+/// One kind of motion: from `begin` to `end` as seen from there, over a number of frames.
 struct Kind {
     name: &'static str,
+    begin: Planar,
+    /// How far it goes forward and back on the way (m).
+    sway: f32,
     end: Planar,
     frames: u32,
     walking: bool,
@@ -47,7 +56,16 @@ struct Kind {
 
 fn kinds() -> Vec<Kind> {
     let quarter = std::f32::consts::FRAC_PI_2;
-    let kind = |name, x, z, heading, frames, walking| Kind { name, end: Planar::new(x, z, heading), frames, walking };
+    let kind = |name, x, z, heading, frames, walking| {
+        let (begin, end) = (Planar::IDENTITY, Planar::new(x, z, heading));
+        Kind { name, begin, sway: 0.0, end, frames, walking }
+    };
+    // Two in one room: the second one faces the first.
+    let give = |name, z, heading, sway| Kind {
+        begin: Planar::new(0.0, z, heading),
+        sway,
+        ..kind(name, 0.0, 0.0, 0.0, 60, false)
+    };
     vec![
         kind("straight", 0.0, SIDE, 0.0, 50, true),
         // From the edge behind, right of its middle, out of the edge on the left or right, right of its middle.
@@ -59,6 +77,8 @@ fn kinds() -> Vec<Kind> {
         kind("start", -RIGHT, 1.0, 0.0, 32, true),
         kind("sit", 0.0, 0.3, 0.0, 30, false),
         kind("get-up", 0.0, -0.3, 0.0, 28, false),
+        give("give", 0.0, 0.0, 0.2),
+        give("take", SIDE, std::f32::consts::PI, 0.3),
     ]
 }
 
@@ -86,8 +106,10 @@ fn poses(kind: &Kind, number: usize) -> Vec<[Quat; NUM_JOINTS]> {
 fn rows(kind: &Kind, poses: &[[Quat; NUM_JOINTS]], code: &RotationCode) -> Vec<FrameRow> {
     let row = |(f, pose): (usize, &[Quat; NUM_JOINTS])| {
         let s = f as f32 / kind.frames as f32;
-        let planar = [kind.end.x * s, kind.end.z * s, kind.end.heading * s];
-        let mut row = FrameRow { planar, height: 0.93, rotations: [0; ROTATION_BYTES] };
+        let there = maths::sin(std::f32::consts::PI * s);
+        let moved = Planar::new(kind.end.x * s, kind.end.z * s + kind.sway * there * there, kind.end.heading * s);
+        let at = kind.begin.compose(moved);
+        let mut row = FrameRow { planar: [at.x, at.z, at.heading], height: 0.93, rotations: [0; ROTATION_BYTES] };
         code.encode(pose, None, &mut row);
         row
     };
@@ -117,7 +139,7 @@ pub fn bundle(name: &str) -> Vec<u8> {
             PatchMeta { name: "floor".into(), units: unit("floor") },
             PatchMeta { name: "bench".into(), units: unit("bench") },
         ],
-        link_tags: vec!["chat".into(), "sit".into()],
+        link_tags: vec!["chat".into(), "sit".into(), "give".into()],
         pose_groups: 3,
         ..Meta::default()
     };
@@ -132,7 +154,9 @@ pub fn bundle(name: &str) -> Vec<u8> {
     let rows: Vec<FrameRow> = kinds.iter().zip(&poses).flat_map(|(k, p)| rows(k, p, &code)).collect();
     out.section(tags::FRAMES, &rows);
     out.section(tags::ROTATION_CODE, &[code]);
-    out.section(tags::CONTACTS, &vec![Contacts::NONE; rows.len()]);
+    let feet = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
+    let contacts = |k: &Kind| vec![if k.sway > 0.0 { feet } else { Contacts::NONE }; k.frames as usize + 1];
+    out.section(tags::CONTACTS, &kinds.iter().flat_map(contacts).collect::<Vec<_>>());
     out.section::<HitRecord>(tags::HITS, &[]);
     out.section::<StateRecord>(tags::STATES, &[]);
     out.section::<MotionSegment>(tags::SEGMENTS, &[]);
@@ -171,6 +195,7 @@ pub fn bundle(name: &str) -> Vec<u8> {
     out.section(tags::PATCH_EDGES, &edges);
     out.section(tags::PATCH_CELLS, &cells);
     out.section(tags::PATCH_LINKS, &links);
+    out.section(tags::PATCH_PAIRS, &pairs(&patches[FLOOR as usize]));
     out.section(tags::POSE_GROUPS, &vec![WALK; rows.len()]);
     out.section::<BlendRecord>(tags::BLENDS, &[]);
     out.section::<ExampleRecord>(tags::BLEND_EXAMPLES, &[]);
@@ -262,8 +287,25 @@ fn floor() -> Patch {
         }
         links.push(link(&cells, 8 + e, 8 + e, 4, 0));
         links.push(link(&cells, 8 + e, 8 + e, 5, CHAT));
+        for kind in GIVING {
+            links.push(link(&cells, 8 + e, 8 + e, kind, GIVE | LinkRecord::FOR_TWO));
+        }
     }
     patch(KIND_TILE, edges, cells, links)
+}
+
+/// What two do across each edge: the first one in the tile, the other one beyond the edge, facing back.
+fn pairs(floor: &Patch) -> Vec<PairRecord> {
+    let kinds = kinds();
+    let plays = |l: &LinkRecord, cell: u32, kind: usize| l.from == cell && l.frame == record(&kinds, kind).first_frame;
+    let number = |cell: u32, kind: usize| floor.links.iter().position(|l| plays(l, cell, kind)).expect("a link") as u32;
+    let pair = |edge: u32| PairRecord {
+        patch: FLOOR,
+        edge,
+        link: number(8 + edge, GIVING[0]),
+        partner_link: number(8 + OPPOSITE[edge as usize], GIVING[1]),
+    };
+    (0..4).map(pair).collect()
 }
 
 /// Cell 0 is walked into, 1 sat on, 2 walked out of. The bench is turned to where a straight crossing in +z passes.

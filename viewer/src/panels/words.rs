@@ -87,6 +87,7 @@ pub fn doing(state: &InhabitantState) -> String {
         Doing::Walking => "on its way",
         Doing::Waiting => return format!("has waited {:.1} s for others", state.waited_s),
         Doing::Detour => "makes way for others",
+        Doing::Meeting => "waits for a partner",
         Doing::Performing => "does it",
         Doing::Arrived => "is there",
         Doing::Unreachable => "finds no path",
@@ -129,6 +130,10 @@ pub fn wish(wish: Wish, tags: &[String]) -> String {
         Wish::Perform { tag, seconds } => {
             let name = tags.get(usize::from(tag).wrapping_sub(1)).map_or("something", String::as_str);
             format!("{name} for {seconds:.0} s")
+        }
+        Wish::Meet { tag, seconds } => {
+            let name = tags.get(usize::from(tag).wrapping_sub(1)).map_or("something", String::as_str);
+            format!("{name} with a partner for {seconds:.0} s")
         }
     }
 }

@@ -27,11 +27,12 @@ pub const DISABLED: Rgba = Rgba::hex(0xe0564f);
 pub const PLANNED: Rgba = Rgba::hex(0xf2b134);
 
 /// What the colours of characters tell, for a key.
-pub const KINDS: [(Doing, &str); 8] = [
+pub const KINDS: [(Doing, &str); 9] = [
     (Doing::Roaming, "roams"),
     (Doing::Walking, "on its way"),
     (Doing::Waiting, "waits"),
     (Doing::Detour, "detour"),
+    (Doing::Meeting, "waits for a partner"),
     (Doing::Performing, "performs"),
     (Doing::Arrived, "there"),
     (Doing::Unreachable, "finds no path"),
@@ -45,6 +46,7 @@ pub fn colour_of(doing: Doing) -> Rgba {
         Doing::Planning | Doing::Walking => Rgba::hex(0xe8743b),
         Doing::Waiting => Rgba::hex(0xe0457b),
         Doing::Detour => Rgba::hex(0xf2b134),
+        Doing::Meeting => Rgba::hex(0x4f9fd6),
         Doing::Performing => Rgba::hex(0x8f6fd6),
         Doing::Arrived => Rgba::hex(0x2fb39b),
         Doing::Unreachable => Rgba::hex(0x9c2f2f),

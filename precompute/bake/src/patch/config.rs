@@ -66,6 +66,11 @@ pub struct TileConfig {
     /// Clips whose motion is embedded, by name or pattern with one `*`; all those in no environment where empty.
     #[serde(default)]
     pub clips: Vec<String>,
+    /// Clips of two people who were captured together, by the patterns of the one's and the other's names, with one `*` each
+    /// that stands for the same text. What both are tagged with at the same time, they do together across an edge of the
+    /// tile (level ground).
+    #[serde(default)]
+    pub pairs: Vec<[String; 2]>,
     /// Entries and exits along an edge, evenly (>= 1).
     #[serde(default = "slots")]
     pub slots: usize,
@@ -171,6 +176,7 @@ impl TileConfig {
         Self {
             unit: unit.to_owned(),
             clips: Vec::new(),
+            pairs: Vec::new(),
             slots: slots(),
             headings: headings(),
             heading_step_deg: heading_step(),
@@ -199,18 +205,25 @@ impl TileConfig {
             ("variety", self.variety as f64, 1.0, 1000.0),
             ("margin_m", self.margin_m, 0.0, 10.0),
         ];
+        for (i, pattern) in self.pairs.iter().enumerate().flat_map(|(i, p)| p.iter().map(move |p| (i, p))) {
+            if pattern.matches('*').count() != 1 {
+                let why = format!("expected patterns with one `*` each, found `{pattern}`. Correct the config.");
+                return Err(BuildError::key(format!("pairs[{i}]"), why));
+            }
+        }
         check_ranges(limits)
     }
 }
 
 /// True where `name` is `pattern`, in which one `*` may stand for any text.
 pub(super) fn matches(pattern: &str, name: &str) -> bool {
-    match pattern.split_once('*') {
-        None => pattern == name,
-        Some((first, last)) => {
-            name.len() >= first.len() + last.len() && name.starts_with(first) && name.ends_with(last)
-        }
-    }
+    if pattern.contains('*') { starred(pattern, name).is_some() } else { pattern == name }
+}
+
+/// What the `*` of a pattern stands for in a name that it matches.
+pub(super) fn starred<'n>(pattern: &str, name: &'n str) -> Option<&'n str> {
+    let (first, last) = pattern.split_once('*')?;
+    name.strip_prefix(first)?.strip_suffix(last)
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use crate::cluster::PoseGroups;
 use crate::environment::{Environment, Unit, UnitSet};
 use bounds::Bounds;
 use serde::{Deserialize, Serialize};
-use throng_core::patch::{CellRecord, EdgeRecord, LinkRecord, Placement};
+use throng_core::patch::{CellRecord, EdgeRecord, LinkRecord, PairRecord, Placement};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
@@ -37,6 +37,8 @@ pub struct Patch {
     pub cells: Vec<CellRecord>,
     /// Links, sorted by the cell they begin in; tags count in [`Patches::link_tags`].
     pub links: Vec<LinkRecord>,
+    /// What two do together across its edges, ascending; `patch` is not set.
+    pub pairs: Vec<PairRecord>,
     /// Lowest and highest corner of all that bodies reach, in the patch's frame (m).
     pub bounds: [[f32; 3]; 2],
 }
@@ -74,6 +76,22 @@ pub struct PatchReport {
     pub pruned_directions: usize,
     /// Links taken out because they were outside the largest strongly connected component of the torus (second one).
     pub pruned_component: usize,
+    /// What two people were found to do together.
+    #[serde(default)]
+    pub pairs: Vec<PairReport>,
+}
+
+/// What two people do together, or why it was left out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct PairReport {
+    /// The clips of the two.
+    pub clips: [String; 2],
+    /// What they do; empty where no tag says so.
+    pub tag: String,
+    /// Why they cannot do it here.
+    pub refused: Option<String>,
+    /// Edges of the tile across which they can.
+    pub edges: usize,
 }
 
 /// Where a clip was captured, and what the character is at.
@@ -110,15 +128,15 @@ pub fn build(
     let mut out = Patches { link_tags: tags, ..Patches::default() };
     let hips = hips_heights(clips, groups);
     let (tracks, hips, min_frames) = (tracks.as_slice(), hips.as_slice(), config.min_link_frames);
-    let given = tile::Given { clips, tracks, settings, units, hips, bounds: &bounds, min_frames };
+    let given = tile::Given { clips, tracks, tags: &out.link_tags, settings, units, hips, bounds: &bounds, min_frames };
+    let mut tiles = Vec::new();
     progress.begin("patch", config.tiles.len() as u64, "tiles");
     for (i, tile) in config.tiles.iter().enumerate() {
         progress.check()?;
-        let (patch, report) = tile::build(&given, tile).map_err(|e| e.within(&format!("patches.tiles[{i}]")))?;
-        out.patches.push(patch);
-        out.report.push(report);
+        tiles.push(tile::build(&given, tile).map_err(|e| e.within(&format!("patches.tiles[{i}]")))?);
         progress.advance(1);
     }
+    (out.patches, out.report) = tiles.into_iter().unzip();
     progress.end();
     let heights: Vec<f32> = clips.clips.iter().flat_map(|c| &c.root_positions).map(|p| p.y).collect();
     for (patch, report) in block::build(tracks, settings, units, config, &bounds, &heights, progress)? {
@@ -148,7 +166,7 @@ impl Patches {
     fn keep_used_tags(&mut self) {
         let mut number = vec![0u16; self.link_tags.len() + 1];
         for link in self.patches.iter().flat_map(|p| &p.links) {
-            number[usize::from(link.tag)] = 1;
+            number[usize::from(link.tag & !LinkRecord::FOR_TWO)] = 1;
         }
         number[0] = 0;
         let mut used = 0;
@@ -159,7 +177,8 @@ impl Patches {
         let mut tags = number[1..].iter();
         self.link_tags.retain(|_| tags.next().is_some_and(|&n| n > 0));
         for link in self.patches.iter_mut().flat_map(|p| &mut p.links) {
-            link.tag = number[usize::from(link.tag)];
+            let for_two = link.tag & LinkRecord::FOR_TWO;
+            link.tag = number[usize::from(link.tag & !LinkRecord::FOR_TWO)] | for_two;
         }
     }
 }

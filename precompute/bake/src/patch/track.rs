@@ -112,18 +112,19 @@ fn unwrapped(clip: &Clip) -> Vec<Planar> {
 
 /// Runs in which neither the root nor any joint moves much.
 fn standing(clip: &Clip, places: &[Planar]) -> Vec<FrameRange> {
-    let rate = clip.rate_hz as f32;
-    let slow = |f: usize| {
-        let g = f.max(1);
-        let (a, b) = (places[g - 1], places[g]);
-        let speed = (b.x - a.x).hypot(b.z - a.z) * rate;
-        let (before, after) = (clip.frame_rotations(g - 1), clip.frame_rotations(g));
-        let turning = |j: usize| before[j].angle_between(after[j]) * rate;
-        speed < STANDING_MPS && (0..NUM_JOINTS).all(|j| turning(j) < STANDING_RADPS)
-    };
     let usable = clip.usable_ranges().into_iter().filter(|r| r.len() > 1);
-    let found = usable.flat_map(|r| runs(r, slow));
+    let found = usable.flat_map(|r| runs(r, |f| is_slow(clip, places, f)));
     found.filter(|r| r.len() >= STANDING_FRAMES).collect()
+}
+
+/// True where neither the root nor any joint moves much from the frame before.
+pub(super) fn is_slow(clip: &Clip, places: &[Planar], frame: usize) -> bool {
+    let (rate, g) = (clip.rate_hz as f32, frame.max(1));
+    let (a, b) = (places[g - 1], places[g]);
+    let speed = (b.x - a.x).hypot(b.z - a.z) * rate;
+    let (before, after) = (clip.frame_rotations(g - 1), clip.frame_rotations(g));
+    let turning = |j: usize| before[j].angle_between(after[j]) * rate;
+    speed < STANDING_MPS && (0..NUM_JOINTS).all(|j| turning(j) < STANDING_RADPS)
 }
 
 /// How many frames before each frame lie in one of the ranges (len + 1).

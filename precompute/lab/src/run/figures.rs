@@ -1,6 +1,7 @@
 //! What is measured of a scene, and of each of its groups.
 
 use super::meter::Flow;
+use super::watch::PartnerFigures;
 use crate::touch::TouchFigures;
 use serde::Serialize;
 
@@ -34,6 +35,9 @@ pub struct Figures {
     /// Of opponents.
     #[serde(flatten)]
     pub touch: Option<TouchFigures>,
+    /// Of characters in worlds who do something together.
+    #[serde(flatten)]
+    pub partners: Option<PartnerFigures>,
     /// Of characters in worlds.
     #[serde(flatten)]
     pub world: Option<InhabitedFigures>,

@@ -1,6 +1,7 @@
 //! Looks at some groups of a simulation after every step.
 
 mod agents;
+mod partners;
 mod world;
 
 use super::figures::{BlowFigures, Figures, PathFigures};
@@ -9,6 +10,7 @@ use crate::overlap::{OverlapMeter, Present};
 use crate::slip::SlipMeter;
 use crate::touch::{TouchFigures, TouchMeter};
 use glam::{Vec2, Vec3};
+use partners::PartnerMeter;
 use throng_motion::error::BuildError;
 use throng_runtime::blend::HeightField;
 use throng_runtime::simulation::scene::engine;
@@ -21,6 +23,7 @@ use world::WorldWatch;
 
 pub(super) use agents::AgentWatch;
 pub use agents::{AgentsMeter, AgentsNow};
+pub use partners::PartnerFigures;
 
 /// Time between looks for overlaps and penetrations (s).
 pub(super) const LOOK_S: f64 = 0.1;
@@ -37,6 +40,7 @@ pub(crate) struct Watch {
     feet: SlipMeter,
     fights: FightWatch,
     touch: TouchMeter,
+    partners: PartnerMeter,
     paths: PathWatch,
     worlds: Vec<WorldWatch>,
     agents: Option<AgentsMeter>,
@@ -53,6 +57,7 @@ impl Watch {
             feet: SlipMeter::new(sim.num_characters()),
             fights: FightWatch::default(),
             touch: TouchMeter::default(),
+            partners: PartnerMeter::default(),
             paths: PathWatch::default(),
             worlds: Vec::new(),
             agents: AgentsMeter::of_groups(sim, |g| groups.contains(&g)),
@@ -90,6 +95,11 @@ impl Watch {
                     (GroupCast::Paths(p), member) => self.paths.observe(sim, who, p.speed(member), p.ground(), dt_s),
                     _ => {}
                 }
+            }
+        }
+        for world in &self.worlds {
+            if let GroupCast::Patches(people) = &sim.casts()[world.cast] {
+                self.partners.look(people);
             }
         }
         if due(LOOK_S) {
@@ -174,6 +184,7 @@ impl Watch {
             blows: number(&|m, _| matches!(m, Motion::Policy | Motion::Sparring))
                 .map(|n| self.fights.figures(sim, &self.groups, n, seconds)),
             touch: self.touch_figures(sim),
+            partners: self.partners.figures(),
             world: (!self.worlds.is_empty()).then(|| WorldWatch::figures(&self.worlds, sim, seconds)),
             paths: number(&|_, c| matches!(c, GroupCast::Paths(_))).map(|_| self.paths.figures()),
             character_overlaps: characters.map(|_| self.overlaps.pairs()),

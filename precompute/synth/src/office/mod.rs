@@ -1,6 +1,6 @@
 //! People in an office: at the desk, and standing about.
 //!
-//! From intention to pose, in this order: `visit` (with `work`) and `stand` (with `gesture`) say what happens, as steps,
+//! From intention to pose, in this order: `visit` (with `work`), `stand` (with `gesture`) and `partners` say what happens, as steps,
 //! stays on the chair (`seat`) and keys of trunk, head and hands (`posture`) in a `script`; `route` finds the way around
 //! the furniture of `desk`; `assemble` walks the steps with the walker's own body, moves it by the keys and onto the
 //! chair, and `hands` puts the hands where they are wanted. With no keys the body is the walker's, to the bit, so that
@@ -10,6 +10,7 @@ pub(super) mod assemble;
 pub(super) mod desk;
 pub(super) mod gesture;
 mod hands;
+mod partners;
 pub(super) mod posture;
 mod route;
 pub(super) mod script;
@@ -19,6 +20,7 @@ pub(super) mod visit;
 mod work;
 
 use super::SynthConfig;
+use partners::{Together, together};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use script::Script;
@@ -29,13 +31,16 @@ use visit::Visitor;
 
 /// Share of the set that takes place at the desk.
 const AT_DESK: f64 = 7.0 / 13.0;
+/// Whatever two people do together is shown once in so many minutes of the rest, and once at least (min).
+const MINUTES_A_PAIR: f64 = 6.0;
 
 /// Makes the `office` set: walking up to a desk from all sides, sitting down, working, chatting there, standing up and
 /// walking away; and idling, chatting, disputing and presenting while standing; on the default skeleton, with the true
 /// contacts and a tag on everything that happens.
 ///
-/// - returns clips `office_desk_00`, ..., around the desk of `data/environments/office_source.toml`, and
-///   `office_stand_00`, ..., on empty ground; all begin and end standing.
+/// - returns clips `office_desk_00`, ..., around the desk of `data/environments/office_source.toml`,
+///   `office_stand_00`, ..., on empty ground, and `office_pair_00_a` with `office_pair_00_b`, ... of two who chat, dispute,
+///   shake hands, hand something over, or dance, in one room; all begin and end standing.
 pub fn office(cfg: &SynthConfig) -> ClipSet {
     let mut set = ClipSet { skeleton: Skeleton::default(), clips: Vec::new() };
     let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed);
@@ -45,6 +50,14 @@ pub fn office(cfg: &SynthConfig) -> ClipSet {
     let spent = fill(&mut set, "office_desk", AT_DESK * whole, cfg, &mut rng, &mut visits);
     let mut stands = |seconds: f64, rng: &mut Pcg64Mcg| stander.stand(seconds, cfg.variation, rng);
     fill(&mut set, "office_stand", whole - spent, cfg, &mut rng, &mut stands);
+    let times = (cfg.minutes / MINUTES_A_PAIR).round().clamp(1.0, 4.0) as usize;
+    for (number, what) in (0..times).flat_map(|_| Together::ALL).enumerate() {
+        let scripts = together(what, cfg.variation, &mut rng);
+        for (script, who) in scripts.iter().zip(["a", "b"]) {
+            let name = format!("office_pair_{number:02}_{who}");
+            set.clips.push(assemble::clip(("office", name), script, &set.skeleton, cfg, &mut rng));
+        }
+    }
     set
 }
 

@@ -148,6 +148,7 @@ impl Bundle {
                 edges: s.patch_edges.clone(),
                 cells: s.patch_cells.clone(),
                 links: s.patch_links.clone(),
+                pairs: s.patch_pairs.clone(),
             },
             blends: Blends {
                 spaces: s.blends.clone(),

@@ -5,7 +5,7 @@ use crate::contacts::Contacts;
 use crate::format::{ClipRecord, FormatError, FrameRow, Layout, RotationCode, SkeletonRecord, Storage, Table};
 use crate::graph::{MotionSegment, StateRecord};
 use crate::hits::HitRecord;
-use crate::patch::{CellRecord, EdgeRecord, LinkRecord, PatchRecord};
+use crate::patch::{CellRecord, EdgeRecord, LinkRecord, PairRecord, PatchRecord};
 use crate::policy::{PathRecord, PolicyRecord, SegmentRecord, StateGridRecord};
 use crate::stops::{StopRecord, SweepNode, SweepRecord};
 use std::sync::Arc;
@@ -86,6 +86,8 @@ sections! {
     PATCH_CELLS = b"PCEL", patch_cells: CellRecord;
     /// [`crate::patch::LinkRecord`] per link of each patch.
     PATCH_LINKS = b"PLNK", patch_links: LinkRecord;
+    /// [`crate::patch::PairRecord`] per action of two people and edge of a tile.
+    PATCH_PAIRS = b"PPAR", patch_pairs: PairRecord;
     /// Pose group per frame (u32), [`crate::patch::NONE`] where it has none; empty where frames were not grouped.
     POSE_GROUPS = b"GRPS", pose_groups: u32;
     /// [`crate::blend::BlendRecord`] per blend space.

@@ -117,6 +117,7 @@ pub fn bytes(hits: &[HitRecord], adaptive: bool) -> Vec<u8> {
     out.section::<crate::patch::EdgeRecord>(tags::PATCH_EDGES, &[]);
     out.section::<crate::patch::CellRecord>(tags::PATCH_CELLS, &[]);
     out.section::<crate::patch::LinkRecord>(tags::PATCH_LINKS, &[]);
+    out.section::<crate::patch::PairRecord>(tags::PATCH_PAIRS, &[]);
     out.section::<u32>(tags::POSE_GROUPS, &[]);
     out.section::<crate::blend::BlendRecord>(tags::BLENDS, &[]);
     out.section::<crate::blend::ExampleRecord>(tags::BLEND_EXAMPLES, &[]);

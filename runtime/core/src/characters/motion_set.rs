@@ -141,7 +141,7 @@ impl MotionSet {
     }
 
     /// Planar root within its clip, some frames after one; the last frame is not passed.
-    pub(crate) fn planar_at(&self, first: u32, frames: f32) -> Planar {
+    pub fn planar_at(&self, first: u32, frames: f32) -> Planar {
         let whole = frames.max(0.0) as u32;
         let share = frames - whole as f32;
         if share <= 0.0 {

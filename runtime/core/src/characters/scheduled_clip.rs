@@ -156,6 +156,23 @@ impl Characters {
         Ok(())
     }
 
+    /// Lets what a character plays end in so many frames, sooner than it would, so that it can go on with something else
+    /// there. Characters that are cut with the same `left_frames` are in step afterwards: of what is played, less than
+    /// a frame is skipped for that. What has fewer frames left is not changed.
+    ///
+    /// - `left_frames`: rounded to 1/1024, so that it is exact (frames, 0 to 1).
+    ///
+    /// (character < num_characters)
+    pub fn cut(&mut self, character: usize, left_frames: f32) {
+        let (b, lane) = (&mut self.blocks[character / LANES], character % LANES);
+        let left_frames = (left_frames * 1024.0).round() / 1024.0;
+        let end = (b.time[lane] + left_frames).ceil().max(b.drift_from[lane] + 1.0);
+        if end < b.length[lane] as f32 {
+            b.length[lane] = end as u32;
+            b.time[lane] = end - left_frames;
+        }
+    }
+
     /// Where what a character plays will end, if it was not bent on the way.
     /// (character < num_characters)
     pub fn scheduled_end(&self, motion_set: &MotionSet, character: usize) -> Planar {

@@ -12,7 +12,7 @@
 //! - 4: blend spaces; a motion graph may be absent where there are any.
 //! - 5: frame rows of 96 bytes, whose rotations are packed as a section of its own says.
 //! - 6: stop tables. META may be followed by a list of activities, where there are any.
-//! - 7: activities say when hands hold a thing.
+//! - 7: activities say when hands hold a thing; links and pairs of links that two people play together.
 
 #[cfg(not(target_endian = "little"))]
 compile_error!("bundles are little-endian and viewed in place; this target is big-endian");

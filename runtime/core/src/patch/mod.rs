@@ -3,7 +3,7 @@
 mod records;
 
 pub use crate::placement::Placement;
-pub use records::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord};
+pub use records::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PairRecord, PatchRecord};
 
 use crate::format::Table;
 
@@ -18,6 +18,8 @@ pub struct Patches {
     pub cells: Table<CellRecord>,
     /// Links of all patches.
     pub links: Table<LinkRecord>,
+    /// What two people do together, ascending.
+    pub pairs: Table<PairRecord>,
 }
 
 impl Patches {

@@ -106,7 +106,8 @@ pub struct LinkRecord {
     pub frame: u32,
     /// Frames played (> 0).
     pub num_frames: u16,
-    /// What it shows: 0 nothing in particular, else 1 + index into [`crate::format::Meta::link_tags`].
+    /// What it shows: 0 nothing in particular, else 1 + index into [`crate::format::Meta::link_tags`]; with
+    /// [`LinkRecord::FOR_TWO`] where it is one side of a [`PairRecord`].
     pub tag: u16,
     /// Planar root of the first frame in the patch's frame; y is the height of the clip's ground.
     pub start: Placement,
@@ -115,3 +116,30 @@ pub struct LinkRecord {
 }
 
 const _: () = assert!(size_of::<LinkRecord>() == 48);
+
+impl LinkRecord {
+    /// Bit of a tag: two people do this together. Nobody takes such a link alone.
+    pub const FOR_TWO: u16 = 1 << 15;
+
+    /// True for one side of what two people do together.
+    pub fn is_for_two(&self) -> bool {
+        self.tag & Self::FOR_TWO != 0
+    }
+}
+
+/// What two people do together across an edge of a tile, as they were captured together: one plays a link of the tile, the
+/// other one at the same time a link of the copy beyond the edge.
+///
+/// Both links have the same number of frames and the same tag, with [`LinkRecord::FOR_TWO`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable, Serialize, Deserialize)]
+#[repr(C)]
+pub struct PairRecord {
+    /// Number of the patch: a tile.
+    pub patch: u32,
+    /// Edge, within the patch, beyond which the other one is.
+    pub edge: u32,
+    /// The link of the one who is in the tile, within the patch.
+    pub link: u32,
+    /// The link of the other one, within the patch.
+    pub partner_link: u32,
+}

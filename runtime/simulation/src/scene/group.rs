@@ -301,8 +301,15 @@ pub enum WishConfig {
         tag: String,
         /// For how long: at least, at most (s).
         seconds: [f64; 2],
+        /// Whom to do it with, where two do it together: `partner` for anybody who wishes it too, or the name of a group.
+        /// One roams until somebody wishes the same, and then both come together.
+        #[serde(default)]
+        with: Option<String>,
     },
 }
+
+/// Whoever wishes the same.
+pub const ANY_PARTNER: &str = "partner";
 
 impl WishConfig {
     /// How long it takes, where that is given (s).

@@ -14,8 +14,8 @@ mod story;
 pub use environment::{AgentsConfig, EnvironmentConfig, SpaceConfig, engine};
 pub use goal::{AtEndConfig, GoalConfig};
 pub use group::{
-    BehaviourConfig, BodiesConfig, DragPoint, GroupConfig, Motion, PathsConfig, StruckTargetConfig, WeightedWish,
-    WishConfig,
+    ANY_PARTNER, BehaviourConfig, BodiesConfig, DragPoint, GroupConfig, Motion, PathsConfig, StruckTargetConfig,
+    WeightedWish, WishConfig,
 };
 pub use happening::{HappeningConfig, NearConfig};
 pub use measure::{GateConfig, LanesConfig, MeasureConfig, PictureConfig, ShownStyle};

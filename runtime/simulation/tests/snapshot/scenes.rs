@@ -112,6 +112,7 @@ wishes = [
     { share = 1.0, wish = { perform = { tag = "sit", seconds = [0.5, 1.5] } } },
     { share = 1.0, wish = { roam = { seconds = [0.5, 2.0] } } },
     { share = 1.0, wish = { visit = {} } },
+    { share = 0.3, wish = { perform = { tag = "give", seconds = [0.5, 3.0], with = "partner" } } },
 ]
 "#;
 

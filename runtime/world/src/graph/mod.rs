@@ -106,8 +106,9 @@ impl WorldGraph {
         let to_rest = |instance: u32| {
             let first = self.first_node[instance as usize] as usize;
             let (links, here) = (self.links(instance), &self.to_rest[first..][..self.cells(instance).len()]);
-            let begins =
-                |(cell, &link): (u32, &u32)| link == NONE || links.get(link as usize).is_some_and(|l| l.from == cell);
+            let begins = |(cell, &link): (u32, &u32)| {
+                link == NONE || links.get(link as usize).is_some_and(|l| l.from == cell && !l.is_for_two())
+            };
             (0u32..).zip(here).all(begins)
         };
         self.to_rest.len() == self.num_nodes()

@@ -43,7 +43,7 @@ impl Search {
         self.heap.clear();
         for (k, l) in links.iter().enumerate() {
             let inside = |cell| graph.is_node(Node { instance, cell });
-            if !graph.is_link_enabled(instance, k as u32) || !inside(l.from) || !inside(l.to) {
+            if l.is_for_two() || !graph.is_link_enabled(instance, k as u32) || !inside(l.from) || !inside(l.to) {
                 continue;
             }
             if l.from == l.to && cells[l.from as usize].is(CellRecord::IS_REST) {

@@ -158,7 +158,8 @@ impl WorldGraph {
         let part = Part::of(self, from.instance);
         let cell = &part.cells[from.cell as usize];
         let links = cell.first_link..cell.first_link + cell.num_links;
-        links.filter_map(|l| part.step_along(self, from.instance, l)).for_each(&mut visit);
+        let alone = links.filter(|&l| !part.links[l as usize].is_for_two());
+        alone.filter_map(|l| part.step_along(self, from.instance, l)).for_each(&mut visit);
     }
 
     /// The step that plays a whole link, where the link and the node it leads to are enabled.

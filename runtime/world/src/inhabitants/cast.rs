@@ -23,6 +23,15 @@ pub enum InhabitantEvent {
     Fulfilled,
     /// It found no way to where it was to go.
     NoWay,
+    /// It begins what it was to do together with another one.
+    Began {
+        /// The other one.
+        with: Id,
+    },
+    /// It or the other one was told something else, or left, in the middle of what they did together.
+    BrokenOff,
+    /// The same before they began, or they could not come together.
+    GaveUp,
 }
 
 impl Inhabitants {
@@ -106,6 +115,7 @@ impl Cast for Inhabitants {
 
     /// What it held is free at once. The last one takes its place in [`Cast::bodies`].
     fn despawn(&mut self, id: Id) -> Result<()> {
+        self.part(self.roster.row(id)?);
         let (at, last) = self.roster.leave(id)?;
         self.num_orders = self.num_orders.wrapping_add(1);
         self.reservations.clear_marks();
@@ -133,6 +143,7 @@ impl Cast for Inhabitants {
         let world = self.world.clone();
         let graph = world.graph();
         let node = self.place_for(graph, id, c, root)?;
+        self.part(c);
         self.num_orders = self.num_orders.wrapping_add(1);
         let clip = self.standing(graph, node).unwrap_or_default();
         self.characters.start_laid(world.motion_set(), c, &clip)?;
@@ -140,7 +151,7 @@ impl Cast for Inhabitants {
         self.reservations.release(c as u32);
         self.reservations.take(graph.resources(node.instance), c as u32);
         let state = &mut self.states[c];
-        *state = State { at: node, through: [node.instance; 2], ..*state }.wishing(state.wish);
+        *state = State { at: node, through: [node.instance; 2], plays_pair: false, ..*state }.wishing(state.wish);
         self.roots[c] = clip.root;
         self.chains.set(c, &[]);
         let target = self.paths.target(c);
@@ -159,6 +170,7 @@ impl Cast for Inhabitants {
     fn order(&mut self, id: Id, wish: Wish) -> Result<()> {
         let c = self.roster.row(id)?;
         let target = self.target_of(id, c, wish)?;
+        self.part(c);
         self.num_orders = self.num_orders.wrapping_add(1);
         self.paths.forget(c, target);
         self.states[c] = self.states[c].wishing(wish);
@@ -186,7 +198,7 @@ impl Cast for Inhabitants {
         Ok(match self.states[c].doing {
             Doing::Arrived | Doing::Performing => Status::There,
             Doing::Unreachable => Status::NoWay,
-            Doing::Waiting | Doing::Blocked => {
+            Doing::Waiting | Doing::Meeting | Doing::Blocked => {
                 let by = self.taken_by(graph, c).or_else(|| self.barred_by(graph, c));
                 Status::Blocked { by: by.map(|other| self.roster.ids()[other]) }
             }

@@ -70,6 +70,14 @@ pub enum Wish {
         /// How long (s, >= 0).
         seconds: f32,
     },
+    /// Do something together with another one, again and again, then stay; see [`super::Inhabitants::meet`], which alone
+    /// gives this wish.
+    Meet {
+        /// What they do, as for [`Wish::Perform`].
+        tag: u16,
+        /// How long (s, >= 0).
+        seconds: f32,
+    },
 }
 
 impl Wish {
@@ -93,6 +101,8 @@ pub enum Doing {
     Waiting,
     /// Moves out of the way, or tries another way.
     Detour,
+    /// Is where it is to meet another one, who is on its way.
+    Meeting,
     /// Does what it was to perform.
     Performing,
     /// Has done what it was to do, and stays.

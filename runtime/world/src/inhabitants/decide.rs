@@ -10,6 +10,7 @@ use crate::plan::{Found, Target};
 use crate::{Step, World, WorldGraph};
 use throng_base::Result;
 use throng_core::characters::uniform;
+use throng_core::patch::LinkRecord;
 
 /// Random steps that are tried before those that need no search are taken.
 const TRIES: usize = 4;
@@ -36,12 +37,14 @@ impl Inhabitants {
     pub(super) fn control(&mut self, world: &World, dt_s: f32) -> Result<()> {
         let (motion_set, graph) = (world.motion_set(), world.graph());
         self.plan_paths(graph);
+        self.begin_meetings(graph);
         let frames = dt_s * self.rate_hz;
         for c in 0..self.states.len() {
             while self.characters.frames_left(c) <= frames {
                 let Some(step) = self.decide(graph, c) else { break };
                 let from = std::mem::replace(&mut self.states[c].at, step.to);
                 self.states[c].through = [from.instance, step.instance];
+                self.states[c].plays_pair = graph.link(&step).is_some_and(LinkRecord::is_for_two);
                 let root = self.characters.scheduled_end(motion_set, c);
                 let Some(scheduled_clip) = lay::scheduled_clip(graph, motion_set, &step, Some(root)) else { break };
                 self.characters.lay(motion_set, c, &scheduled_clip)?;
@@ -74,9 +77,14 @@ impl Inhabitants {
             if target.is_at(graph, from) {
                 continue;
             }
+            // Nobody gets to its place through where the other one of two will stand.
+            let partners = self.place_of_partner(c);
             let (reservations, impatient) = (&self.reservations, self.states[c].impatience > 0);
             let states = &self.states;
             let toll = |i: u32| {
+                if partners == Some(i) {
+                    return TOLL_OF_WHO_STAYS;
+                }
                 let is_passed = impatient && i != target.instance();
                 match reservations.other(graph.resources(i), c as u32).filter(|_| is_passed) {
                     None => 0.0,
@@ -87,7 +95,13 @@ impl Inhabitants {
                 }
             };
             match self.planner.plan_around(graph, from, target, toll, self.paths.room(c)) {
-                Some(plan) => self.paths.set(c, from, plan),
+                Some(plan) => {
+                    self.paths.set(c, from, plan);
+                    let steps = self.paths.of(c).iter().map(|s| Some(s.to.instance));
+                    if partners.is_some() && steps.skip_while(|i| *i == partners).any(|i| i == partners) {
+                        self.states[c].doing = Doing::Unreachable;
+                    }
+                }
                 None => {
                     self.states[c].doing = Doing::Unreachable;
                     self.events.push((self.roster.ids()[c], InhabitantEvent::NoWay));
@@ -101,6 +115,9 @@ impl Inhabitants {
         if let Some(step) = self.chains.pop(c) {
             self.count(graph, c, &step);
             return Some(step);
+        }
+        if let Some(step) = self.decide_together(graph, c) {
+            return step;
         }
         if self.states[c].detour == 0 && self.time_s < self.states[c].until_s {
             return self.rest(graph, c);
@@ -334,7 +351,7 @@ impl Inhabitants {
     }
 
     /// Nothing is in the way any more.
-    fn calm(&mut self, c: usize) {
+    pub(super) fn calm(&mut self, c: usize) {
         let state = &mut self.states[c];
         (state.refused_s, state.impatience, state.progress) = (None, 0, 0);
     }
@@ -356,7 +373,7 @@ impl Inhabitants {
     }
 
     /// Stays at rest, or goes there within what is held.
-    fn rest(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
+    pub(super) fn rest(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
         let at = self.states[c].at;
         if !graph.is_rest(at) {
             return graph.step_to_rest(at);
@@ -426,7 +443,7 @@ impl Inhabitants {
     }
 
     /// What random numbers of a character depend on, beside the seed and their number.
-    fn name(&self, c: usize) -> u64 {
+    pub(super) fn name(&self, c: usize) -> u64 {
         let id = self.roster.ids()[c];
         u64::from(id.generation) << 32 | u64::from(id.index)
     }

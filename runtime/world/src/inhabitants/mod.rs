@@ -7,6 +7,7 @@ mod decide;
 mod ground;
 mod lay;
 mod offers;
+mod pairs;
 mod paths;
 mod reservations;
 mod scatter;
@@ -15,12 +16,14 @@ mod targets;
 
 pub use cast::{InhabitantEvent, PLACED_WITHIN_M};
 pub use config::{Doing, InhabitantState, InhabitantsConfig, Wish};
+pub use pairs::MeetingState;
 pub use scatter::scatter;
 
 use super::plan::{Plan, Planner};
 use super::{Node, Step, World};
 use chain::Chains;
 use ground::Grounds;
+use pairs::{Meeting, PairOffer, Parted};
 use paths::Paths;
 use reservations::Reservations;
 use serde::{Deserialize, Serialize};
@@ -58,6 +61,12 @@ struct State {
     /// Times that it lost patience, and of these behind characters that do not go on; since when, see `num_orders`.
     tries: [u32; 2],
     told: u32,
+    /// What it does with another one, if anything.
+    meeting: Option<Meeting>,
+    /// True while it plays what two do together.
+    plays_pair: bool,
+    /// Why it was freed of a meeting since the last step, if it was.
+    parted: Option<Parted>,
 }
 
 impl State {
@@ -79,14 +88,17 @@ impl State {
             in_the_way: false,
             tries: [0; 2],
             told: 0,
+            meeting: None,
+            plays_pair: false,
+            parted: None,
         }
     }
 
     /// The same with another wish, which it has not begun with.
     fn wishing(self, wish: Wish) -> Self {
         let doing = if wish.is_roaming() { Doing::Roaming } else { Doing::Planning };
-        let Self { at, through, num_fulfilled, draws, progress, .. } = self;
-        Self { wish, doing, through, num_fulfilled, draws, progress, ..Self::at(at) }
+        let Self { at, through, num_fulfilled, draws, progress, plays_pair, parted, .. } = self;
+        Self { wish, doing, through, num_fulfilled, draws, progress, plays_pair, parted, ..Self::at(at) }
     }
 }
 
@@ -114,6 +126,8 @@ pub struct Inhabitants {
     planner: Planner,
     /// Instances that offer each tag, by `tag - 1`.
     offers: Vec<Vec<u32>>,
+    /// Where two can do something together.
+    pair_offers: Vec<PairOffer>,
     events: Vec<(Id, InhabitantEvent)>,
     rate_hz: f32,
     time_s: f64,
@@ -141,8 +155,9 @@ impl Inhabitants {
             grounds: None,
             planner: Planner::new(graph),
             offers: offers::by_tag(graph),
-            // In one step, one may find no way and another may arrive.
-            events: Vec::with_capacity(2 * capacity),
+            pair_offers: pairs::offers(graph),
+            // In one step, one may be freed, find no way, begin and arrive.
+            events: Vec::with_capacity(4 * capacity),
             rate_hz: motion_set.rate_hz,
             time_s: 0.0,
             num_orders: 0,

@@ -2,14 +2,16 @@
 
 use super::{Doing, Inhabitants, Wish};
 use crate::{Node, WorldGraph};
+use throng_core::patch::LinkRecord;
 
 /// Instances that offer each tag, by `tag - 1`.
 pub(super) fn by_tag(graph: &WorldGraph) -> Vec<Vec<u32>> {
-    let num_tags = graph.patches().links.iter().map(|l| usize::from(l.tag)).max().unwrap_or(0);
+    let alone = |l: &&LinkRecord| !l.is_for_two();
+    let num_tags = graph.patches().links.iter().filter(alone).map(|l| usize::from(l.tag)).max().unwrap_or(0);
     let mut out = vec![Vec::new(); num_tags];
     for instance in 0..graph.num_instances() as u32 {
         let mut come_to = None;
-        for l in graph.links(instance) {
+        for l in graph.links(instance).iter().filter(alone) {
             let Some(list) = usize::from(l.tag).checked_sub(1).map(|t| &mut out[t]) else { continue };
             let from = Node { instance, cell: l.from };
             if list.last() == Some(&instance) || !graph.begins(from, l.tag) {

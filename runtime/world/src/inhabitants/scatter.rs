@@ -42,7 +42,7 @@ impl WorldGraph {
     }
 
     /// False for a node of a tile that nothing leads to from its edges. Allocates nothing.
-    fn is_entered(&self, node: Node) -> bool {
+    pub(super) fn is_entered(&self, node: Node) -> bool {
         let (cells, links) = (self.cells(node.instance), self.links(node.instance));
         // One bit each; what has more of them is taken for entered, as is what blocks lead into.
         let mut found = [0u64; 64];

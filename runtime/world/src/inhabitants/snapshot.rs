@@ -42,7 +42,7 @@ impl Inhabitants {
         let mut setup = Hash128::default();
         setup.bytes(&self.world.hash().to_le_bytes());
         setup.bytes(format!("{:?} {}", self.config, self.capacity()).as_bytes());
-        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 2, setup: setup.finish() }
+        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 3, setup: setup.finish() }
     }
 
     /// Takes a state of unknown origin, or changes nothing and says what does not fit.
@@ -64,6 +64,8 @@ impl Inhabitants {
         let is_laid = |c| bodies.segment(c).0 == u32::MAX;
         check(bodies.num_characters() == n && (0..n).all(is_laid), "its rows do not fit together")?;
         check(states.iter().all(|s| is_sound(graph, s)), "a character is where the world has no place")?;
+        let are_offered = states.iter().filter_map(|s| s.meeting).all(|m| m.is_sound(&self.pair_offers));
+        check(are_offered, "two meet where the world has no place for two")?;
         for (c, (state, chain)) in states.iter().zip(chains).enumerate() {
             let (end, place) = (bodies.scheduled_end(world.motion_set(), c), graph.place(state.at));
             check(maths::hypot(end.x - place.x, end.z - place.z) < ASTRAY_M, "a character's motion leads elsewhere")?;

@@ -18,6 +18,10 @@ impl Inhabitants {
         let graph = world.graph();
         let target = match wish {
             Wish::Roam => return Ok(None),
+            Wish::Meet { tag, .. } => {
+                check("wish", who, tag, false, "not to meet somebody: tell two with `Inhabitants::meet`")?;
+                return Ok(None);
+            }
             Wish::GoTo { instance } => {
                 check_index("instance", who, instance as usize, graph.num_instances())?;
                 let has_place = graph.rest_cells(instance).next().is_some();
@@ -102,7 +106,7 @@ impl Inhabitants {
     /// True for a character that has come to stay. One that came in this step may be told to go on before the next one.
     pub(super) fn stays(&self, c: usize) -> bool {
         let came = (self.roster.ids()[c], InhabitantEvent::Fulfilled);
-        self.states[c].doing == Doing::Arrived && !self.events.contains(&came)
+        self.states[c].doing == Doing::Meeting || self.states[c].doing == Doing::Arrived && !self.events.contains(&came)
     }
 
     /// Sends a character to another free place near its target; false where there is none.

@@ -148,7 +148,8 @@ impl PathHierarchy {
     pub fn is_sound(&self, graph: &WorldGraph) -> bool {
         let patches = graph.patches();
         let records = &patches.patches;
-        let longest = patches.links.iter().map(|l| u32::from(l.num_frames)).max().unwrap_or(0);
+        let longest =
+            patches.links.iter().filter(|l| !l.is_for_two()).map(|l| u32::from(l.num_frames)).max().unwrap_or(0);
         let plane = |(p, plane): (&PatchRecord, &Option<Plane>)| {
             plane.as_ref().is_none_or(|plane| plane.is_sound(p.num_cells, p.num_edges))
         };

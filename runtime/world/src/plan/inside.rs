@@ -22,7 +22,14 @@ impl Inside {
     pub fn new(graph: &WorldGraph, hierarchy: &PathHierarchy) -> Self {
         let num_states =
             (0..hierarchy.num_clusters() as u32).map(|d| hierarchy.costs_in(d).num_states()).max().unwrap_or(0);
-        let longest = graph.patches().links.iter().map(|l| u32::from(l.num_frames)).max().unwrap_or(0);
+        let longest = graph
+            .patches()
+            .links
+            .iter()
+            .filter(|l| !l.is_for_two())
+            .map(|l| u32::from(l.num_frames))
+            .max()
+            .unwrap_or(0);
         Self {
             cluster: 0,
             costs: vec![0; num_states],

@@ -78,7 +78,10 @@ pub(super) fn build(
             ..PatchReport::default()
         };
         let bounds = bounds.of_links(tracks, &whole(tracks, &block.segments));
-        out.push((Patch { name, units: placed, kind: KIND_BLOCK, edges: Vec::new(), cells, links, bounds }, report));
+        out.push((
+            Patch { name, units: placed, kind: KIND_BLOCK, edges: Vec::new(), cells, links, pairs: Vec::new(), bounds },
+            report,
+        ));
     }
     progress.end();
     Ok(out)

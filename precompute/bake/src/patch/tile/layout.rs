@@ -43,6 +43,8 @@ pub(super) struct Layout {
     pub spots: Vec<Spot>,
     /// Number of edges.
     pub num_edges: usize,
+    /// First of the spots at which two people begin or end what they do together.
+    pub first_of_pairs: usize,
 }
 
 /// Spots along the edges and within, before it is known which of them motion can serve.
@@ -84,7 +86,8 @@ pub(super) fn lay_out(
         e.twin = (num_entries + i) as u32;
     }
     let rest = rest_spots(unit, region, words, config);
-    Layout { spots: entries.into_iter().chain(exits).chain(rest).collect(), num_edges }
+    let spots: Vec<Spot> = entries.into_iter().chain(exits).chain(rest).collect();
+    Layout { first_of_pairs: spots.len(), spots, num_edges }
 }
 
 /// Height of the middle of an edge (m).

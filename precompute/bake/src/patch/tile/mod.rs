@@ -2,6 +2,7 @@
 
 mod best;
 mod layout;
+mod pairs;
 mod prune;
 mod refusal;
 mod region;
@@ -15,14 +16,15 @@ pub use prune::{Freedom, Pruned, TileCell, TileGraph, prune};
 
 use super::bounds::Bounds;
 use super::track::Track;
-use super::{Patch, PatchReport, Setting, TileConfig, is_ground};
+use super::{PairReport, Patch, PatchReport, Setting, TileConfig, is_ground};
 use crate::environment::{TileEdges, Unit, UnitSet};
 use layout::{Kind, Layout, lay_out};
+use pairs::Joint;
 use rayon::prelude::*;
 use region::Region;
 use search::Search;
 use source::Source;
-use throng_core::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, Placement};
+use throng_core::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, PairRecord, Placement};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 use vocabulary::Vocabulary;
@@ -38,6 +40,8 @@ const MORE_POSES: [usize; 3] = [1, 2, 4];
 pub(super) struct Given<'a> {
     pub clips: &'a ClipSet,
     pub tracks: &'a [Track],
+    /// Names of all tags.
+    pub tags: &'a [String],
     pub settings: &'a [Option<Setting>],
     pub units: &'a UnitSet,
     /// Mean height of the hips above what holds the character up, by pose group (m).
@@ -65,29 +69,41 @@ pub(super) fn build(given: &Given, config: &TileConfig) -> Result<(Patch, PatchR
         } else {
             Vocabulary::of_rising(&source, &region, edges, config)
         };
-        let layout = lay_out(unit, edges, &region, &words, config);
+        let mut layout = lay_out(unit, edges, &region, &words, config);
+        let (takes, reports) = pairs::find(given, config, &pairs::poses_of_rest(&source, &words.rest, min_frames))?;
+        let joints = pairs::lay_out(given, &takes, unit, &region, edges, &mut layout);
         let links = all_links(&Search::new(&source, &layout, &region, config, min_frames));
         let graph = graph_of(unit, &layout, &links);
-        (layout, links, graph)
+        Ok::<_, BuildError>(Tried { layout, links, graph, joints, reports })
     };
     // Few poses make a small tile; motion that is not all of one kind needs more of them.
     let mut tried = Vec::new();
     for times in if is_ground(unit) { &MORE_POSES[..] } else { &MORE_POSES[..1] } {
-        tried.push(with_poses(*times));
-        let (layout, links, graph) = &tried[tried.len() - 1];
-        let pruned = prune(graph, Freedom::EachTile);
+        tried.push(with_poses(*times)?);
+        let last = &tried[tried.len() - 1];
+        let pruned = prune(&last.graph, Freedom::EachTile);
         if pruned.links.contains(&true) {
-            return Ok(finish(given, unit, edges, layout, links, &pruned));
+            return Ok(finish(given, unit, edges, last, &pruned));
         }
     }
-    for (layout, links, graph) in &tried {
-        let pruned = prune(graph, Freedom::FurtherTiles);
+    for one in &tried {
+        let pruned = prune(&one.graph, Freedom::FurtherTiles);
         if pruned.links.contains(&true) {
-            let (patch, report) = finish(given, unit, edges, layout, links, &pruned);
+            let (patch, report) = finish(given, unit, edges, one, &pruned);
             return Ok((patch, PatchReport { freedom: Freedom::FurtherTiles, ..report }));
         }
     }
-    Err(refusal::nothing_left(unit, &source, &region, &tried[tried.len() - 1].2))
+    Err(refusal::nothing_left(unit, &source, &region, &tried[tried.len() - 1].graph))
+}
+
+/// A tile before pruning.
+struct Tried {
+    layout: Layout,
+    links: Vec<LinkRecord>,
+    graph: TileGraph,
+    /// What two do together, each with the number of its report.
+    joints: Vec<(usize, Joint)>,
+    reports: Vec<PairReport>,
 }
 
 /// The clips of a tile, and the copies of a rising one that they were captured on.
@@ -163,8 +179,7 @@ fn finish(
     given: &Given,
     unit: &Unit,
     edges: &TileEdges,
-    layout: &Layout,
-    links: &[LinkRecord],
+    Tried { layout, links, joints, reports, .. }: &Tried,
     pruned: &Pruned,
 ) -> (Patch, PatchReport) {
     let mut number = vec![NONE; layout.spots.len()];
@@ -175,11 +190,12 @@ fn finish(
     let renumbered = |l: &LinkRecord| LinkRecord { from: number[l.from as usize], to: number[l.to as usize], ..*l };
     let links: Vec<LinkRecord> =
         links.iter().zip(&pruned.links).filter(|(_, left)| **left).map(|(l, _)| renumbered(l)).collect();
+    let (links, pairs, reports) = with_pairs(links, joints, reports, &pruned.cells, renumbered);
     let cells = alive.iter().enumerate().map(|(new, &old)| {
         let s = &layout.spots[old];
         let first = links.partition_point(|l| (l.from as usize) < new);
         let num_links = links.partition_point(|l| l.from as usize <= new) - first;
-        let stays = links[first..first + num_links].iter().any(|l| l.to as usize == new);
+        let stays = links[first..first + num_links].iter().any(|l| l.to as usize == new && !l.is_for_two());
         CellRecord {
             placement: Placement::at(s.place, s.support + given.hips[s.group as usize]),
             group: s.group,
@@ -208,6 +224,7 @@ fn finish(
         pruned_directions: pruned.directions,
         freedom: Freedom::default(),
         pruned_component: pruned.component,
+        pairs: reports,
     };
     let edge = |e: usize| {
         let sign = if e.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -221,6 +238,47 @@ fn finish(
         bounds: given.bounds.of_links(given.tracks, &links),
         cells,
         links,
+        pairs,
     };
     (patch, report)
+}
+
+/// Adds the links of those who do something together, where all their cells are left.
+fn with_pairs(
+    mut links: Vec<LinkRecord>,
+    joints: &[(usize, Joint)],
+    reports: &[PairReport],
+    alive: &[bool],
+    renumbered: impl Fn(&LinkRecord) -> LinkRecord,
+) -> (Vec<LinkRecord>, Vec<PairRecord>, Vec<PairReport>) {
+    let mut reports = reports.to_vec();
+    let mut found: Vec<usize> = (0..reports.len()).filter(|&r| reports[r].refused.is_none()).collect();
+    let stays: std::collections::BTreeSet<u32> = links.iter().filter(|l| l.from == l.to).map(|l| l.from).collect();
+    let is_left = |l: &LinkRecord| {
+        let ends = [l.from, l.to].iter().all(|&c| alive[c as usize]);
+        ends && [renumbered(l).from, renumbered(l).to].iter().all(|c| stays.contains(c))
+    };
+    let left: Vec<_> = joints.iter().filter(|(_, j)| j.links.iter().all(is_left)).collect();
+    for (number, _) in &left {
+        reports[found[*number]].edges += 1;
+    }
+    found.retain(|&r| reports[r].edges == 0);
+    for r in found {
+        reports[r].refused =
+            Some("no motion leads to where both begin and away from where they end, or nobody can wait there".into());
+    }
+    let joined = |j: &Joint| j.links.map(|l| renumbered(&l));
+    let key = |l: &LinkRecord| (l.from, l.to, l.tag, l.frame, l.num_frames);
+    links.extend(left.iter().flat_map(|(_, j)| joined(j)));
+    links.sort_by_key(key);
+    let number = |l: &LinkRecord| links.partition_point(|k| key(k) < key(l)) as u32;
+    let mut pairs: Vec<PairRecord> = left
+        .iter()
+        .map(|(_, j)| {
+            let [own, other] = joined(j);
+            PairRecord { patch: 0, edge: j.edge, link: number(&own), partner_link: number(&other) }
+        })
+        .collect();
+    pairs.sort_by_key(|p| (p.edge, p.link, p.partner_link));
+    (links, pairs, reports)
 }

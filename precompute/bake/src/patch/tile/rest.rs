@@ -121,6 +121,8 @@ fn everywhere<'a>(
     let track = &search.source.tracks[c.clip];
     let turned = track.places[c.end].heading - track.places[c.start].heading + c.missing.heading;
     let spots = search.layout.spots.iter().enumerate().filter(move |(_, s)| s.kind == Kind::Rest && s.group == from);
+    // Partners wait for each other; what one does alone is done elsewhere.
+    let spots = spots.filter(move |(i, _)| tag == 0 || *i < search.layout.first_of_pairs);
     spots.filter_map(move |(i, spot)| {
         let end = Planar { heading: spot.place.heading + turned, ..spot.place };
         let to = search.layout.rest_at(end, to)?;

@@ -171,6 +171,7 @@ mod tests {
             edges: [].as_slice().into(),
             cells: (&cells).into(),
             links: (&links).into(),
+            pairs: [].as_slice().into(),
         };
         let surroundings = Surroundings { patch: 0, obstacles: Vec::new() };
         // Something is in the way of the last link.

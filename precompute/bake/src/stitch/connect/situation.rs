@@ -40,7 +40,8 @@ impl Situation {
             link_words.iter_mut().zip(mask).for_each(|(w, m)| *w &= !m);
         }
         // Links are sorted by the cell they begin in.
-        let left = (0u32..).zip(links).filter(|(l, _)| is_set(&link_words, 0, *l));
+        // Nobody gets anywhere alone by what two people do together.
+        let left = (0u32..).zip(links).filter(|(l, link)| is_set(&link_words, 0, *l) && !link.is_for_two());
         let into = Rows::new(cells.len(), left.map(|(_, link)| (link.to, link.from)));
         let out = into.transposed(cells.len());
         Self { surroundings, link_words, out, into }

@@ -202,7 +202,8 @@ impl Spots {
     pub fn new(patches: &Patches, library: &Library<'_>, paths: &Paths, patch: usize, min_frames: u32) -> Self {
         let mut of_groups: Vec<(u32, Spot)> = Vec::new();
         if patches.patches[patch].kind == KIND_TILE {
-            for (l, link) in patches.links_of(patch).iter().enumerate() {
+            // Nobody leaves what two people do together on the way.
+            for (l, link) in patches.links_of(patch).iter().enumerate().filter(|(_, link)| !link.is_for_two()) {
                 let frames = u32::from(link.num_frames);
                 // Slides cross a tile in a few frames: of short links, a quarter is enough.
                 let margin = min_frames.min(frames / 4).max(1);
@@ -322,6 +323,7 @@ mod tests {
             edges: [].as_slice().into(),
             cells: [].as_slice().into(),
             links: (&links).into(),
+            pairs: [].as_slice().into(),
         };
         let paths = Paths::new(&patches, &library, 0);
         // Frames 2 to 10 and 15 to 18 once, and the edited link's own four.

@@ -26,7 +26,7 @@ struct Progress {
 
 /// Looks at some characters of one world every tenth of a second.
 pub(super) struct WorldWatch {
-    cast: usize,
+    pub cast: usize,
     /// Their numbers in the simulation.
     characters: Vec<usize>,
     body: Body,
@@ -77,8 +77,8 @@ impl WorldWatch {
             let (_, number) = sim.locate(self.characters[k]);
             let (doing, progress) = (people.state(number).doing, &mut self.progress[k]);
             self.looks += 1;
-            self.waiting += u64::from(doing == Doing::Waiting);
-            let at_will = matches!(doing, Doing::Performing | Doing::Arrived);
+            self.waiting += u64::from(matches!(doing, Doing::Waiting | Doing::Meeting));
+            let at_will = matches!(doing, Doing::Performing | Doing::Meeting | Doing::Arrived);
             if at_will || (trunk[0] - progress.at).length() > STUCK_M {
                 *progress = Progress { at: trunk[0], since_s: sim.time_s() };
             } else if sim.time_s() - progress.since_s > STUCK_S {

@@ -2,7 +2,7 @@
 
 use super::super::{Bundle, tags};
 use crate::format::FormatError;
-use crate::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord};
+use crate::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PairRecord, PatchRecord};
 
 /// Coordinates within a patch stay below this (m).
 const FAR: f32 = 1e4;
@@ -60,8 +60,31 @@ pub fn patches(t: &Bundle) -> Result<(), FormatError> {
         Some(((tag, used), len)) => {
             Err(FormatError::layout(format!("section {tag} has {len} elements, its patches need {used}")))
         }
-        None => Ok(()),
+        None => pairs(t),
     }
+}
+
+/// Both links of a pair are for two, play the same time and show the same; pairs ascend.
+fn pairs(t: &Bundle) -> Result<(), FormatError> {
+    let all = t.patches();
+    let order = |p: &PairRecord| (p.patch, p.edge, p.link, p.partner_link);
+    for (i, p) in all.pairs.iter().enumerate() {
+        let wrong = |what: &str| Err(FormatError::value(tags::PATCH_PAIRS, i, format!("{what}: {p:?}")));
+        if i > 0 && order(&all.pairs[i - 1]) >= order(p) {
+            return wrong("it does not follow the pair before it");
+        }
+        if all.patches.get(p.patch as usize).is_none_or(|patch| p.edge >= patch.num_edges) {
+            return wrong("no such patch or edge");
+        }
+        let links = all.links_of(p.patch as usize);
+        let [Some(own), Some(other)] = [p.link, p.partner_link].map(|l| links.get(l as usize)) else {
+            return wrong("no such link");
+        };
+        if !own.is_for_two() || own.tag != other.tag || own.num_frames != other.num_frames {
+            return wrong("its links are not of two who do the same together");
+        }
+    }
+    Ok(())
 }
 
 /// Every patch has a name of its own and units that stand somewhere.
@@ -157,10 +180,11 @@ fn links(t: &Bundle, p: &PatchRecord, cells: &[CellRecord], links: &[LinkRecord]
             if l.num_frames == 0 || !inside {
                 return wrong("it leaves its clip");
             }
-            if usize::from(l.tag) > num_tags || !l.start.is_moderate(FAR) || !l.end.is_moderate(FAR) {
+            let tag = usize::from(l.tag & !LinkRecord::FOR_TWO);
+            if tag > num_tags || l.is_for_two() && tag == 0 || !l.start.is_moderate(FAR) || !l.end.is_moderate(FAR) {
                 return wrong("no such tag or place");
             }
-            stays |= l.to == l.from;
+            stays |= l.to == l.from && !l.is_for_two();
         }
         if c.is(CellRecord::IS_REST) && !stays {
             let index = p.first_cell as usize + from;

@@ -377,7 +377,7 @@ impl Plane {
 /// Arcs from each cell back to where links to it begin.
 fn arcs_back(patches: &Patches, patch: usize, steps: &[[i32; 2]]) -> Back {
     let cells = patches.cells_of(patch);
-    let list = patches.links_of(patch).iter().map(|l| {
+    let list = patches.links_of(patch).iter().filter(|l| !l.is_for_two()).map(|l| {
         let to = &cells[l.to as usize];
         let exit = to.is(CellRecord::IS_EXIT);
         let (cell, step) = if exit { (to.twin, steps[to.edge as usize]) } else { (l.to, [0, 0]) };

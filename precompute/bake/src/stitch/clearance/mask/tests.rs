@@ -85,6 +85,7 @@ impl Walks {
             edges: [].as_slice().into(),
             cells: [].as_slice().into(),
             links: (&self.links).into(),
+            pairs: [].as_slice().into(),
         };
         let paths = Paths::new(&patches, &library, 0);
         let bodies = Bodies::new((&self.frames, &self.rotation_code), &self.contacts, &self.skeleton, DEPTH_M);

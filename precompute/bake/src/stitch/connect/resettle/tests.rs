@@ -85,6 +85,7 @@ impl Kinds {
             edges: (&self.edges).into(),
             cells: (&self.cells).into(),
             links: (&self.links).into(),
+            pairs: [].as_slice().into(),
         }
     }
 }

@@ -71,6 +71,7 @@ fn with<T>(look: impl FnOnce(&Placer<'_>) -> T) -> T {
         edges: (&edges).into(),
         cells: [].as_slice().into(),
         links: [].as_slice().into(),
+        pairs: [].as_slice().into(),
     };
     let config = StitchConfig { obstacles: vec!["post".into()], ..StitchConfig::default() };
     look(&Placer::new(&patches, library, &config).expect("a placer"))

@@ -1,0 +1,316 @@
+//! What two people do together: clips of two who were captured in one take, laid across the edges of level ground.
+//!
+//! The middle between the two is put on the middle of an edge, and each stands in a copy of the tile of its own. So each
+//! holds ground of its own, walks there and away as to any other place of rest, and the two are to each other as they
+//! were in capture.
+
+use super::Given;
+use super::layout::{Kind, Layout, Spot};
+use super::region::Region;
+use super::source::Source;
+use crate::environment::{TileEdges, Unit};
+use crate::patch::config::starred;
+use crate::patch::track::is_slow;
+use crate::patch::{PairReport, TileConfig};
+use glam::Vec2;
+use throng_core::Planar;
+use throng_core::patch::{LinkRecord, NONE, Placement};
+use throng_core::planar::wrap_angle;
+use throng_motion::clip::{ExclusionReason, FrameRange};
+use throng_motion::error::BuildError;
+
+/// Both stand still this near to the beginning and the end of what the tag names (s).
+const SETTLE_S: f64 = 1.5;
+/// Who begins may be this far from a pose of rest: joints on average (rad).
+const REST_RAD: f32 = 0.2;
+/// Roots keep this far from the line between the two (m).
+const APART_M: f32 = 0.12;
+/// Partners may begin this far from each other (m).
+const REACH_M: [f32; 2] = [0.3, 2.0];
+/// Places and headings of rest that are this near to each other are one; what is missing goes over when they begin
+/// (m, rad).
+const SAME: (f32, f32) = (0.03, 0.05);
+
+/// A pose of rest on the tile: a frame of it.
+pub(super) struct Rest {
+    group: u32,
+    clip: usize,
+    frame: usize,
+}
+
+/// What two do together.
+pub(super) struct Take {
+    /// The clips of the two, by number.
+    clips: [usize; 2],
+    /// From the frame in which both stand before it to that in which both stand after it.
+    range: FrameRange,
+    /// Pose groups of rest from which the two begin, and in which they end.
+    rest: [[u32; 2]; 2],
+    /// 1 + number of the tag.
+    tag: u16,
+}
+
+/// What two do together, across one edge: links between spots.
+pub(super) struct Joint {
+    /// The edge beyond which the other one is.
+    pub edge: u32,
+    /// Of the one in the tile, and of the other one in the tile beyond the edge.
+    pub links: [LinkRecord; 2],
+}
+
+/// A frame of somebody who stands still, for each pose group of rest in which one can wait.
+pub(super) fn poses_of_rest(source: &Source, groups: &[u32], min_frames: usize) -> Vec<Rest> {
+    let waits = |group: &&u32| {
+        let mut stops = source.clips.iter().flat_map(|&c| source.tracks[c].standing.iter().map(move |s| (c, s)));
+        stops.any(|(c, stop)| {
+            let mut frames =
+                stop.clone().filter(|&f| source.run_end(c, f) > 0 && source.tracks[c].groups[f] == **group);
+            frames.next().is_some_and(|first| frames.next_back().is_some_and(|last| last >= first + min_frames))
+        })
+    };
+    let of = |group: u32| {
+        let standing: Vec<(usize, usize)> =
+            source.frames_in(group).filter(|&(c, f)| source.tracks[c].stands(f)).collect();
+        standing.get(standing.len() / 2).map(|&(clip, frame)| Rest { group, clip, frame })
+    };
+    groups.iter().filter(waits).filter_map(|&g| of(g)).collect()
+}
+
+/// Finds what two do together in the clips that the config names as pairs.
+///
+/// - `rest`: poses of rest.
+///
+/// # Errors
+/// [`BuildError::Key`] for a pattern that no clip matches.
+pub(super) fn find(
+    given: &Given,
+    config: &TileConfig,
+    rest: &[Rest],
+) -> Result<(Vec<Take>, Vec<PairReport>), BuildError> {
+    let (mut takes, mut reports) = (Vec::new(), Vec::new());
+    for (i, patterns) in config.pairs.iter().enumerate() {
+        let clips = given.clips.clips.iter().enumerate().filter(|(_, c)| !c.mirrored);
+        let firsts: Vec<(usize, &str)> =
+            clips.filter_map(|(c, clip)| Some((c, starred(&patterns[0], &clip.name)?))).collect();
+        if firsts.is_empty() {
+            let why = format!("expected a clip whose name matches {}, found none. Correct the config.", patterns[0]);
+            return Err(BuildError::key(format!("pairs[{i}][0]"), why));
+        }
+        for (first, star) in firsts {
+            let partner = patterns[1].replace('*', star);
+            let second = given.clips.clips.iter().position(|c| !c.mirrored && c.name == partner);
+            let found = match second {
+                Some(second) => find_in(given, [first, second], rest),
+                None => vec![Err((String::new(), format!("expected a clip `{partner}`, found none")))],
+            };
+            let name = &given.clips.clips[first].name;
+            for f in found {
+                let (tag, refused) = match &f {
+                    Ok(take) => (given.tags[usize::from(take.tag) - 1].clone(), None),
+                    Err((tag, why)) => (tag.clone(), Some(why.clone())),
+                };
+                reports.push(PairReport { clips: [name.clone(), partner.clone()], tag, refused, edges: 0 });
+                takes.extend(f);
+            }
+        }
+    }
+    Ok((takes, reports))
+}
+
+/// What two clips show together, or the tag and why not.
+fn find_in(given: &Given, clips: [usize; 2], rest: &[Rest]) -> Vec<Result<Take, (String, String)>> {
+    let [a, b] = clips.map(|c| &given.clips.clips[c]);
+    if a.num_frames() != b.num_frames() {
+        let why = format!(
+            "`{}` has {} frames and `{}` {}; clips that were captured together are equally long",
+            a.name,
+            a.num_frames(),
+            b.name,
+            b.num_frames()
+        );
+        return vec![Err((String::new(), why))];
+    }
+    let mut out = Vec::new();
+    for tag in &a.tags {
+        for other in b.tags.iter().filter(|t| t.name == tag.name) {
+            let range = tag.range.start.max(other.range.start)..tag.range.end.min(other.range.end).min(a.num_frames());
+            if range.len() > given.min_frames {
+                let found = settle(given, clips, &range, rest)
+                    .and_then(|(range, rest)| Ok((keeps_apart(given, clips, range)?, rest)));
+                let number = given.tags.iter().position(|t| *t == tag.name).unwrap_or(0) as u16 + 1;
+                let take = found.map(|(range, rest)| Take { clips, range, rest, tag: number });
+                out.push(take.map_err(|why| (tag.name.clone(), why)));
+            }
+        }
+    }
+    if out.is_empty() {
+        let why = "no tag names what both do at the same time; give them one in their sidecar files";
+        out.push(Err((String::new(), why.into())));
+    }
+    out
+}
+
+/// The frames from where both stand near the beginning of a range to where both stand near its end, and the poses of
+/// rest that they are nearest to there.
+fn settle(
+    given: &Given,
+    clips: [usize; 2],
+    range: &FrameRange,
+    rest: &[Rest],
+) -> Result<(FrameRange, [[u32; 2]; 2]), String> {
+    let (rate, tracks) = (given.clips.clips[clips[0]].rate_hz, clips.map(|c| &given.tracks[c]));
+    let near = (SETTLE_S * rate) as usize;
+    // Who stands still at the end of a clip is of use here, but what is left out for other reasons is not.
+    let is_usable = |c: usize, f: usize| {
+        let mut excluded = given.clips.clips[c].excluded.iter();
+        !excluded.any(|e| e.range.contains(&f) && e.reason != ExclusionReason::Still)
+    };
+    let stand = |f: usize| {
+        clips.iter().zip(tracks).all(|(&c, t)| is_usable(c, f) && is_slow(&given.clips.clips[c], &t.places, f))
+    };
+    let num = tracks[0].places.len();
+    let found = |at: usize, which: &str| {
+        let mut standing: Vec<usize> =
+            (at.saturating_sub(near)..(at + near).min(num - 1)).filter(|&f| stand(f)).collect();
+        standing.sort_by_key(|f| f.abs_diff(at));
+        let mut least = f32::MAX;
+        for f in standing {
+            let [a, b] = clips.map(|c| nearest(given, c, f, rest));
+            if a.0.max(b.0) <= REST_RAD {
+                return Ok((f, [a.1, b.1]));
+            }
+            least = least.min(a.0.max(b.0));
+        }
+        let wanted =
+            format!("expected both to stand still within {SETTLE_S} s of its {which} at {:.1} s", at as f64 / rate);
+        Err(match least {
+            f32::MAX => wanted,
+            off => format!(
+                "{wanted}, as people rest on this tile: joints are {:.0} deg off on average, {:.0} at most are mended",
+                off.to_degrees(),
+                REST_RAD.to_degrees()
+            ),
+        })
+    };
+    let ((start, first), (end, last)) = (found(range.start, "beginning")?, found(range.end, "end")?);
+    let whole = clips.iter().all(|&c| (start..=end).all(|f| is_usable(c, f)));
+    if end < start + given.min_frames || end - start > usize::from(u16::MAX) || !whole {
+        return Err(format!("frames {start} to {end} are too few, too many, or not all of use"));
+    }
+    Ok((start..end, [first, last]))
+}
+
+/// The pose of rest that a frame is nearest to: how far joints are turned from it on average (rad), and its group.
+fn nearest(given: &Given, clip: usize, frame: usize, rest: &[Rest]) -> (f32, u32) {
+    let pose = &given.clips.clips[clip].frame_rotations(frame)[1..];
+    let off = |r: &Rest| {
+        let own = &given.clips.clips[r.clip].frame_rotations(r.frame)[1..];
+        pose.iter().zip(own).map(|(a, b)| a.angle_between(*b)).sum::<f32>() / pose.len() as f32
+    };
+    let all = rest.iter().map(|r| (off(r), r.group));
+    all.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f32::MAX, NONE))
+}
+
+/// Checks that each keeps to its side of the line between the two.
+fn keeps_apart(given: &Given, clips: [usize; 2], range: FrameRange) -> Result<FrameRange, String> {
+    let rate = given.clips.clips[clips[0]].rate_hz;
+    let at = |side: usize, f: usize| {
+        let p = given.tracks[clips[side]].places[f];
+        Vec2::new(p.x, p.z)
+    };
+    let apart = at(0, range.start).distance(at(1, range.start));
+    if !(REACH_M[0]..=REACH_M[1]).contains(&apart) {
+        return Err(format!("expected two who begin {} to {} m apart, found {apart:.2} m", REACH_M[0], REACH_M[1]));
+    }
+    let middle = between(given, clips, range.start);
+    for f in range.clone() {
+        for (side, sign) in [(0, -1.0), (1, 1.0)] {
+            if sign * middle.inverse_transform_point(at(side, f)).y < APART_M {
+                return Err(format!(
+                    "one comes within {APART_M} m of the line between the two at {:.1} s: they have no room side by side",
+                    f as f64 / rate
+                ));
+            }
+        }
+    }
+    Ok(range)
+}
+
+/// The middle between two at a frame; its heading is from the first to the second.
+fn between(given: &Given, clips: [usize; 2], frame: usize) -> Planar {
+    let [a, b] = clips.map(|c| given.tracks[c].places[frame]);
+    Planar::new(0.5 * (a.x + b.x), 0.5 * (a.z + b.z), (b.x - a.x).atan2(b.z - a.z))
+}
+
+/// The capture of a take as it lies in the tile, for an edge: that of the first, and that of the second as seen from the
+/// tile beyond the edge.
+fn laid(given: &Given, take: &Take, edge: usize, region: &Region, edges: &TileEdges) -> [Planar; 2] {
+    let side = &region.sides[edge];
+    let at = region.centre + side.normal * (side.offset - side.normal.dot(region.centre));
+    let middle = Planar::new(at.x, at.y, side.normal.x.atan2(side.normal.y));
+    let base = middle.compose(between(given, take.clips, take.range.start).inverse());
+    let (step, sign) = (edges.steps[edge / 2], if edge.is_multiple_of(2) { 1.0 } else { -1.0 });
+    [base, Planar::new(base.x - sign * step[0], base.z - sign * step[2], base.heading)]
+}
+
+/// Adds the spots at which partners begin and end.
+///
+/// - returns links between them, for each take and each edge.
+pub(super) fn lay_out(
+    given: &Given,
+    takes: &[Take],
+    unit: &Unit,
+    region: &Region,
+    edges: &TileEdges,
+    layout: &mut Layout,
+) -> Vec<(usize, Joint)> {
+    let level = unit.tile.as_ref().map_or(0.0, |t| t.centre[1]);
+    let mut out = Vec::new();
+    for (number, take) in takes.iter().enumerate() {
+        for edge in 0..layout.num_edges {
+            let bases = laid(given, take, edge, region, edges);
+            let links = [0, 1].map(|side| {
+                let track = &given.tracks[take.clips[side]];
+                let mut ends = [0, 1].map(|end| {
+                    let f = if end == 0 { take.range.start } else { take.range.end };
+                    let place = bases[side].compose(track.places[f]);
+                    let spot = layout.pair_spot(
+                        Planar { heading: wrap_angle(place.heading), ..place },
+                        take.rest[end][side],
+                        level,
+                    );
+                    (spot, Placement::at(place, level - track.support[f]))
+                });
+                let turns = ends[0].1.heading - wrap_angle(ends[0].1.heading);
+                ends.iter_mut().for_each(|(_, at)| at.heading -= turns);
+                LinkRecord {
+                    from: ends[0].0,
+                    to: ends[1].0,
+                    frame: track.first_row + take.range.start as u32,
+                    num_frames: take.range.len() as u16,
+                    tag: take.tag | LinkRecord::FOR_TWO,
+                    start: ends[0].1,
+                    end: ends[1].1,
+                }
+            });
+            out.push((number, Joint { edge: edge as u32, links }));
+        }
+    }
+    out
+}
+
+impl Layout {
+    /// The spot at which partners begin or end, which may be there already. All poses of rest serve: who begins comes from
+    /// one to the capture's in any case.
+    fn pair_spot(&mut self, place: Planar, group: u32, support: f32) -> u32 {
+        let is_same = |s: &Spot| {
+            (s.place.x - place.x).hypot(s.place.z - place.z) < SAME.0
+                && wrap_angle(s.place.heading - place.heading).abs() < SAME.1
+        };
+        if let Some(k) = self.spots[self.first_of_pairs..].iter().position(is_same) {
+            return (self.first_of_pairs + k) as u32;
+        }
+        self.spots.push(Spot { place, support, group, edge: NONE, twin: NONE, kind: Kind::Rest });
+        self.spots.len() as u32 - 1
+    }
+}

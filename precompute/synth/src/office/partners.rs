@@ -1,0 +1,219 @@
+//! What two people do together: they stand face to face and chat, dispute, shake hands, hand something over, or dance.
+
+use super::super::attitude::Attitude;
+use super::super::side::{Side, leftward};
+use super::super::walk::footsteps::Stance;
+use super::gesture::{self, Talk, held};
+use super::posture::{HandPose, Posture};
+use super::script::{Script, Step};
+use super::stand::lean_on;
+use super::visit::on;
+use glam::{DVec2, DVec3};
+use rand::{Rng, RngExt};
+use std::f64::consts::PI;
+
+/// Distance between the two (m).
+const APART: f64 = 0.9;
+/// Both stand this long before and after (s).
+const BEFORE: f64 = 1.5;
+/// Wrists of hands that grip each other are this far from the middle: aside, up and back (m).
+const GRIP: DVec3 = DVec3::new(0.03, 1.0, 0.085);
+/// The same of hands at the two ends of what is handed over (m).
+const ENDS: DVec3 = DVec3::new(0.0, 1.02, 0.13);
+
+/// What two people do together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Together {
+    Chat,
+    Dispute,
+    Handshake,
+    Handover,
+    Dance,
+}
+
+impl Together {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Chat, Self::Dispute, Self::Handshake, Self::Handover, Self::Dance];
+
+    /// Its tag.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Chat => "chat",
+            Self::Dispute => "dispute",
+            Self::Handshake => "handshake",
+            Self::Handover => "handover",
+            Self::Dance => "dance",
+        }
+    }
+}
+
+/// The scripts of the two, equally long: from neutral stand to neutral stand. The first one faces +Z.
+pub fn together(what: Together, variation: f64, rng: &mut impl Rng) -> [Script; 2] {
+    let stance = |k: usize| {
+        let side = if k == 0 { -1.0 } else { 1.0 };
+        Stance { at: DVec2::new(0.0, side * 0.5 * APART), heading: if k == 0 { 0.0 } else { PI } }
+    };
+    let mut two = [0, 1].map(|k| Script::new(stance(k), variation));
+    for s in &mut two {
+        greet(s, 0.45);
+        s.wait_until(BEFORE);
+    }
+    match what {
+        Together::Chat => talk(&mut two, 0.0, rng),
+        Together::Dispute => talk(&mut two, 1.0, rng),
+        Together::Handshake => shake_hands(&mut two, rng),
+        Together::Handover => hand_over(&mut two, rng),
+        Together::Dance => dance(&mut two),
+    }
+    let end = two.iter().map(Script::now).fold(0.0, f64::max);
+    for s in &mut two {
+        s.wait_until(end);
+        s.tag(what.name(), BEFORE);
+        greet(s, end + 0.9);
+        s.wait_until(end + BEFORE);
+    }
+    two
+}
+
+/// A nod, before and after.
+fn greet(s: &mut Script, at: f64) {
+    s.look(at, 0.25, 0.0, 0.16, 0.0);
+    s.look(at + 0.35, 0.3, 0.0, 0.0, 0.0);
+}
+
+/// A wrist of the right hand at a point on the way to the other one: aside (to the right), up and back from the middle.
+fn met(k: usize, DVec3 { x, y, z }: DVec3, twist: f64) -> HandPose {
+    let turn = if k == 0 { -1.0 } else { 1.0 };
+    let pose = on(Side::Right, held([0.1, -0.35, 0.3], [0.35, -1.0, -0.2], twist));
+    HandPose { room: DVec3::new(turn * x, y, turn * z), placed: 1.0, reach: 0.2, ..pose }
+}
+
+fn chest(yaw: f64, pitch: f64) -> Posture {
+    Posture { chest: Attitude { yaw, pitch, list: 0.0 }, ..Posture::default() }
+}
+
+/// One speaks and the other one listens and nods, in turns; in a dispute they do not wait for each other.
+fn talk(two: &mut [Script; 2], heat: f64, rng: &mut impl Rng) {
+    let from = two[0].now();
+    let facing = [0, 1].map(|k: usize| {
+        let lean = lean_on(Side::BOTH[rng.random_range(0..2)], &two[k], rng);
+        let share = 1.0 - 0.6 * heat;
+        let hips = Attitude { list: share * lean.hips.list, ..Attitude::default() };
+        Posture {
+            hips,
+            chest: Attitude { pitch: 0.1 * heat, ..Attitude::default() },
+            shift: [share * lean.shift[0], 0.03 * heat],
+            dip: 0.01 * heat,
+        }
+    });
+    for (s, facing) in two.iter_mut().zip(facing) {
+        s.pose(from + 0.9, 0.85, facing);
+    }
+    let mut free = [from + 0.2; 2];
+    let mut at = from + 0.2;
+    for turn in 0..3 {
+        let (speaker, long) = (turn % 2, rng.random_range(2.6..3.6));
+        let begin = at.max(free[speaker]);
+        let said = Talk { from: begin, to: begin + long, facing: facing[speaker], gaze: 0.0, seated: false, heat };
+        free[speaker] = gesture::talk(&mut two[speaker], &said, rng);
+        if heat < 0.5 {
+            nod(&mut two[1 - speaker], begin.max(free[1 - speaker]) + 0.5, free[speaker] - 0.6, rng);
+            free[1 - speaker] = free[1 - speaker].max(free[speaker] - 0.4);
+        }
+        at = begin + long * (1.0 - 0.45 * heat);
+    }
+    let end = free[0].max(free[1]) + 0.2;
+    for s in two {
+        s.pose(end, 0.9, Posture::default());
+        s.look(end, 0.7, 0.0, 0.0, 0.0);
+        s.wait_until(end + 0.1);
+    }
+}
+
+/// Nods now and then.
+fn nod(s: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
+    let mut t = from;
+    while t < to - 0.6 {
+        let yaw = s.vary(0.06, rng);
+        s.look(t + 0.28, 0.25, yaw, 0.16, 0.0);
+        s.look(t + 0.58, 0.28, yaw, 0.01, 0.0);
+        t += rng.random_range(0.9..1.8);
+    }
+}
+
+/// Hands meet in the middle, go up and down together, and part.
+fn shake_hands(two: &mut [Script; 2], rng: &mut impl Rng) {
+    let from = two[0].now();
+    let beats: Vec<f64> = [0.035, -0.04, 0.03, -0.035, 0.0].iter().map(|u| u * rng.random_range(0.8..1.2)).collect();
+    let over = rng.random_range(0.16..0.19);
+    for (k, s) in two.iter_mut().enumerate() {
+        s.look(from + 0.4, 0.4, 0.0, 0.05, 0.0);
+        s.pose(from + 0.8, 0.8, chest(0.14, 0.1));
+        s.hand(Side::Right, from + 0.8, 0.75, met(k, GRIP, 0.0));
+        let mut t = from + 0.9;
+        s.hand(Side::Right, t, 0.1, met(k, GRIP, 0.0));
+        for up in &beats {
+            t += over;
+            s.hand(Side::Right, t, over, met(k, GRIP + DVec3::Y * *up, 0.0));
+        }
+        s.look(t, 0.3, 0.0, 0.13, 0.0);
+        s.hand(Side::Right, t + 0.2, 0.15, met(k, GRIP, 0.0));
+        s.relax(t + 1.1, 0.85);
+        s.wait_until(t + 1.2);
+    }
+}
+
+/// The first one holds something out, the second one takes it.
+fn hand_over(two: &mut [Script; 2], rng: &mut impl Rng) {
+    let from = two[0].now();
+    let near = on(Side::Right, held([0.1, -0.36, 0.24], [0.5, -1.0, -0.3], -0.5));
+    let meet = from + 1.9 + rng.random_range(0.0..0.3);
+    let [giver, taker] = two;
+    // It comes up to the belly, is looked at, and is held out.
+    giver.hand(Side::Right, from + 0.8, 0.75, near);
+    giver.look(from + 0.7, 0.5, 0.0, 0.3, 0.0);
+    giver.look(from + 1.4, 0.4, 0.0, 0.02, 0.0);
+    giver.pose(meet, 0.9, chest(0.14, 0.11));
+    giver.hand(Side::Right, meet, 0.85, met(0, ENDS, -0.6));
+    giver.hand(Side::Right, meet + 0.45, 0.1, met(0, ENDS, -0.6));
+    giver.look(meet, 0.4, 0.0, 0.2, 0.0);
+    giver.relax(meet + 1.5, 0.95);
+    taker.look(meet - 0.5, 0.5, 0.0, 0.22, 0.0);
+    taker.pose(meet + 0.05, 0.9, chest(0.14, 0.11));
+    taker.hand(Side::Right, meet + 0.05, 0.8, met(1, ENDS, -0.5));
+    taker.hand(Side::Right, meet + 0.35, 0.1, met(1, ENDS, -0.5));
+    taker.hand(Side::Right, meet + 1.1, 0.7, near);
+    taker.pose(meet + 1.2, 0.8, chest(0.0, 0.03));
+    taker.look(meet + 1.2, 0.4, 0.0, 0.28, 0.0);
+    taker.look(meet + 1.9, 0.4, 0.0, 0.05, 0.0);
+    taker.relax(meet + 2.8, 0.8);
+    two.iter_mut().for_each(|s| s.wait_until(meet + 2.9));
+}
+
+/// They hold each other's hands and step aside together, forth and back.
+fn dance(two: &mut [Script; 2]) {
+    let from = two[0].now();
+    for (k, s) in two.iter_mut().enumerate() {
+        let hands = held([0.17, -0.33, 0.31], [0.7, -1.0, -0.2], 0.35);
+        for side in Side::BOTH {
+            s.hand(side, from + 1.0, 0.9, on(side, hands));
+        }
+        s.look(from + 0.8, 0.5, 0.0, 0.03, 0.0);
+        s.wait_until(from + 1.1);
+        let home = s.stance();
+        // The same way in the room: left for one is right for the other.
+        let way = leftward(0.0) * 0.22;
+        let lead = if k == 0 { Side::Left } else { Side::Right };
+        for there in [1.0, 0.0, -1.0, 0.0, 1.0, 0.0] {
+            let to = Stance { at: home.at + way * there, heading: home.heading };
+            let forth = to.at.dot(way) > s.stance().at.dot(way);
+            let first = if forth { lead } else { lead.other() };
+            for side in [first, first.other()] {
+                s.step(Step { period: 0.56, ..Step::aside(side, to) });
+            }
+        }
+        let t = s.now() + 0.3;
+        s.relax(t + 1.0, 0.95);
+        s.wait_until(t + 1.1);
+    }
+}

@@ -1,0 +1,447 @@
+//! What two do together: where it is offered, how they come together, begin, go on in step, and part.
+//!
+//! Each of the two walks to the place where its capture begins, as to any other place, on units of its own. Who is there
+//! first waits. When both are there, what they play is cut at the same moment, and both change to the capture. Within
+//! [`ENTRY`] frames what each is away from its place goes over; from then on the two are to each other as they were
+//! captured. Who is told something else leaves as soon as both its feet stand near to where it may rest.
+
+use super::{Doing, InhabitantEvent, Inhabitants, Wish};
+use crate::plan::Target;
+use crate::{Node, Step, WorldGraph};
+use serde::{Deserialize, Serialize};
+use throng_base::error::check;
+use throng_base::{Error, Id, Result, maths};
+use throng_core::characters::uniform;
+use throng_core::patch::{LinkRecord, NONE};
+use throng_core::planar::wrap_angle;
+use throng_core::{Contacts, Planar};
+
+/// Within so many frames who begins comes to where the capture has it (frames).
+const ENTRY: u16 = 15;
+/// Two who have not begun so long after they were told to give it up (s).
+const GIVE_UP_S: f64 = 60.0;
+/// Who rests this near to its place need not walk there (m, rad).
+const NEAR_START: (f32, f32) = (0.06, 0.1);
+/// Who breaks off stands this near to where it may rest (m, rad).
+const NEAR_REST: (f32, f32) = (0.06, 0.15);
+/// Heels and toes.
+const BOTH_FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
+/// Places for two that are tried before there is none.
+const MOST_TRIED: usize = 8;
+/// A place that others hold or go to counts as so much farther away (m).
+const TAKEN_M: f32 = 100.0;
+
+/// Where two can do something together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PairOffer {
+    /// What is done: 1 + index into [`throng_core::format::Meta::link_tags`].
+    pub tag: u16,
+    /// Where each begins.
+    pub starts: [Node; 2],
+    /// Where each ends.
+    pub ends: [Node; 2],
+    /// What each plays, as a whole.
+    steps: [Step; 2],
+}
+
+impl PairOffer {
+    /// The first frames of what one of the two plays; it is still where it begins then.
+    fn entry(&self, side: usize) -> Step {
+        let whole = self.steps[side];
+        Step { to: self.starts[side], to_offset: ENTRY.min(whole.to_offset / 2).max(1), ..whole }
+    }
+}
+
+/// How far two have come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+enum Stage {
+    /// On its way.
+    Coming,
+    /// At its place, until the other one is.
+    Ready,
+    /// Changes to the capture at the end of what it plays, which was cut.
+    Beginning,
+    /// Plays the first frames.
+    Entering,
+    /// Plays the rest.
+    Together,
+}
+
+/// Why two are free again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Parted {
+    /// They had not begun.
+    GaveUp,
+    /// They had.
+    BrokeOff,
+}
+
+/// What one of two remembers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Meeting {
+    /// The other one.
+    with: Id,
+    /// Number of the offer.
+    offer: u32,
+    /// Which of the offer's two it is.
+    side: u8,
+    stage: Stage,
+    /// When they were told (s).
+    told_s: f64,
+    /// When it came to its place (s).
+    ready_s: f64,
+    /// Times that they have begun anew.
+    rounds: u32,
+}
+
+/// What can be told of one of two who do something together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeetingState {
+    /// The other one.
+    pub with: Id,
+    /// What they do or will do.
+    pub tag: u16,
+    /// How long it has waited at its place, or waited before they began (s).
+    pub waited_s: f32,
+    /// True once they have begun.
+    pub has_begun: bool,
+    /// The root of the other one as seen from its own, as it is and as it was captured; once both have come to where
+    /// the capture has them.
+    pub partner: Option<[Planar; 2]>,
+}
+
+/// All places for two of a world, by instance.
+pub(super) fn offers(graph: &WorldGraph) -> Vec<PairOffer> {
+    let pairs = &graph.patches().pairs;
+    let mut out = Vec::new();
+    for instance in 0..graph.num_instances() as u32 {
+        let record = graph.instance(instance);
+        let first = pairs.partition_point(|p| p.patch < record.patch);
+        for pair in pairs[first..].iter().take_while(|p| p.patch == record.patch) {
+            let slot = record.first_neighbour + pair.edge;
+            let beyond = graph.world().neighbours[slot as usize];
+            if beyond == NONE || graph.instance(beyond).patch != record.patch || !graph.bounds.is_edge_open(slot) {
+                continue;
+            }
+            let sides = [(instance, pair.link), (beyond, pair.partner_link)];
+            let [Some(a), Some(b)] = sides.map(|(i, l)| graph.step_along(i, l)) else { continue };
+            let start = |(i, l): (u32, u32)| Node { instance: i, cell: graph.links(i)[l as usize].from };
+            let offer = PairOffer {
+                tag: graph.links(instance)[pair.link as usize].tag & !LinkRecord::FOR_TWO,
+                starts: sides.map(start),
+                ends: [a.to, b.to],
+                steps: [a, b],
+            };
+            let can_stay = |n: &Node| graph.is_enabled(*n) && graph.is_rest(*n) && graph.is_stop(*n);
+            if offer.starts.iter().chain(&offer.ends).all(can_stay) && offer.starts.iter().all(|n| graph.is_entered(*n))
+            {
+                out.push(offer);
+            }
+        }
+    }
+    out
+}
+
+impl Inhabitants {
+    /// True where two can do something together somewhere in the world.
+    pub fn offers_pair(&self, tag: u16) -> bool {
+        self.pair_offers.iter().any(|o| o.tag == tag)
+    }
+
+    /// Tells two to go where they can do something together, and do it again and again, then stay.
+    ///
+    /// Both get [`Wish::Meet`]. Where one of them is told something else, or they have not begun after a minute, both are
+    /// free ([`InhabitantEvent::BrokenOff`], [`InhabitantEvent::GaveUp`]).
+    ///
+    /// # Errors
+    /// [`Error::Gone`], [`Error::Value`] for one who is to meet itself, a time out of its range or a tag that is not
+    /// offered to two, [`Error::Occupied`] where all places for two are taken or cannot be reached. Nothing has changed then.
+    pub fn meet(&mut self, two: [Id; 2], tag: u16, seconds: f32) -> Result<()> {
+        let rows = [self.roster.row(two[0])?, self.roster.row(two[1])?];
+        let who = Some(two[0]);
+        check("other", who, two[1].index, rows[0] != rows[1], "somebody else")?;
+        check("seconds", who, seconds, (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
+        check("tag", who, tag, self.offers_pair(tag), "one of motion of two that the world has room for")?;
+        let Some((offer, flipped)) = self.nearest_pair_offer(rows, tag) else {
+            return Err(Error::Occupied {
+                who: two[0],
+                by: "every place for two is taken or out of reach: somebody".into(),
+            });
+        };
+        self.num_orders = self.num_orders.wrapping_add(1);
+        for (k, c) in rows.into_iter().enumerate() {
+            self.part(c);
+            let side = k ^ usize::from(flipped);
+            let target = Target::Node(self.pair_offers[offer as usize].starts[side]);
+            self.paths.forget(c, Some(target));
+            self.states[c] = self.states[c].wishing(Wish::Meet { tag, seconds });
+            self.states[c].meeting = Some(Meeting {
+                with: two[1 - k],
+                offer,
+                side: side as u8,
+                stage: Stage::Coming,
+                told_s: self.time_s,
+                ready_s: 0.0,
+                rounds: 0,
+            });
+            self.paths.ask(c);
+        }
+        Ok(())
+    }
+
+    /// What a character does with another one, if anything.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn meeting(&self, id: Id) -> Result<Option<MeetingState>> {
+        let c = self.roster.row(id)?;
+        let Some(m) = self.states[c].meeting else { return Ok(None) };
+        let other = self.roster.row(m.with)?;
+        let has_begun = m.stage > Stage::Ready;
+        let waited_s = match m.stage {
+            Stage::Coming => 0.0,
+            Stage::Ready => self.time_s - m.ready_s,
+            _ => self.states[other].meeting.map_or(0.0, |o| (o.ready_s - m.ready_s).max(0.0)),
+        };
+        let is_with = |c: usize| self.states[c].meeting.is_some_and(|m| m.stage == Stage::Together);
+        let partner = (is_with(c) && is_with(other)).then(|| {
+            let motion_set = self.world.motion_set();
+            let captured = [c, other].map(|c| {
+                let (first, frames) = self.characters.scheduled_clip(c);
+                motion_set.planar_at(first, frames)
+            });
+            let relative = |[own, other]: [Planar; 2]| {
+                let p = own.to_local(other);
+                Planar { heading: wrap_angle(p.heading), ..p }
+            };
+            [relative([self.roots[c], self.roots[other]]), relative(captured)]
+        });
+        let tag = self.pair_offers[m.offer as usize].tag;
+        Ok(Some(MeetingState { with: m.with, tag, waited_s: waited_s as f32, has_begun, partner }))
+    }
+
+    /// The place for two that both are soonest at, and whether the first one takes the second part.
+    fn nearest_pair_offer(&mut self, rows: [usize; 2], tag: u16) -> Option<(u32, bool)> {
+        let world = self.world.clone();
+        let graph = world.graph();
+        self.reservations.clear_marks();
+        for c in (0..self.states.len()).filter(|c| !rows.contains(c)) {
+            if let Some(target) = self.paths.target(c) {
+                self.reservations.mark(graph.resources(target.instance()));
+            }
+        }
+        let ends = rows.map(|c| self.end(c));
+        let here = ends.map(|node| graph.place(node).translation());
+        let (mut tried, mut num_tried) = ([(NONE, false); MOST_TRIED], 0);
+        while num_tried < MOST_TRIED {
+            let mut best = (2.0 * TAKEN_M, None);
+            for (k, offer) in (0u32..).zip(&self.pair_offers).filter(|(_, o)| o.tag == tag) {
+                for flipped in [false, true] {
+                    let node = |row: usize| offer.starts[row ^ usize::from(flipped)];
+                    let far = |row: usize| {
+                        let units = graph.resources(node(row).instance);
+                        let held = self.reservations.other(units, rows[row] as u32);
+                        let is_taken = held.is_some_and(|c| c as usize != rows[1 - row]);
+                        let is_wanted = self.reservations.is_any_marked(units);
+                        let away = graph.place(node(row)).translation().distance(here[row]);
+                        if is_taken || is_wanted { away + TAKEN_M } else { away }
+                    };
+                    let cost = far(0).max(far(1));
+                    // What is held now may be free by the time they come; what others go to is not.
+                    if cost < best.0 && cost < TAKEN_M && !tried[..num_tried].contains(&(k, flipped)) {
+                        best = (cost, Some((k, flipped)));
+                    }
+                }
+            }
+            let (k, flipped) = best.1?;
+            let leads = (0..2).all(|row| {
+                let to = self.pair_offers[k as usize].starts[row ^ usize::from(flipped)];
+                ends[row] == to || self.planner.may_lead(graph, ends[row], Target::Node(to))
+            });
+            if leads {
+                return Some((k, flipped));
+            }
+            tried[num_tried] = (k, flipped);
+            num_tried += 1;
+        }
+        None
+    }
+
+    /// Lets two begin who both are at their places, and gives up what takes too long.
+    pub(super) fn begin_meetings(&mut self, graph: &WorldGraph) {
+        for c in 0..self.states.len() {
+            let Some(m) = self.states[c].meeting.filter(|m| m.stage <= Stage::Ready) else { continue };
+            let partner = self.partner(c);
+            let lost = partner.is_none() || self.states[c].doing == Doing::Unreachable;
+            let other = partner.unwrap_or(c);
+            if lost || self.time_s - m.told_s > GIVE_UP_S {
+                self.part(c);
+                self.leave_wish(c);
+                continue;
+            }
+            let is_ready = |c: usize| self.states[c].meeting.is_some_and(|m| m.stage == Stage::Ready);
+            if m.side == 0 && is_ready(c) && is_ready(other) {
+                let left = self.characters.frames_left(c).fract().clamp(0.0, 1.0);
+                for (c, with) in [(c, m.with), (other, self.roster.ids()[c])] {
+                    self.characters.cut(c, left);
+                    self.set_stage(c, Stage::Beginning);
+                    self.events.push((self.roster.ids()[c], InhabitantEvent::Began { with }));
+                }
+            }
+        }
+        self.break_off(graph);
+        self.tell_parted();
+    }
+
+    /// Lets those leave what two do together who have been told something else, where both feet stand near to a rest.
+    fn break_off(&mut self, graph: &WorldGraph) {
+        for c in 0..self.states.len() {
+            let state = &self.states[c];
+            if !state.plays_pair || state.meeting.is_some() || self.characters.frames_left(c) <= 1.0 {
+                continue;
+            }
+            if !self.characters.contacts(c).all(BOTH_FEET) {
+                continue;
+            }
+            let root = self.roots[c];
+            let near = graph.rest_cells(state.at.instance).find(|&node| {
+                let place = graph.place(node);
+                maths::hypot(place.x - root.x, place.z - root.z) < NEAR_REST.0
+                    && wrap_angle(place.heading - root.heading).abs() < NEAR_REST.1
+            });
+            if let Some(node) = near {
+                let left = self.characters.frames_left(c).fract().clamp(0.0, 1.0);
+                self.characters.cut(c, left);
+                let state = &mut self.states[c];
+                (state.at, state.plays_pair) = (node, false);
+            }
+        }
+    }
+
+    /// The instance in which the other one of two will stand, where one is on its way to it.
+    pub(super) fn place_of_partner(&self, c: usize) -> Option<u32> {
+        let m = self.states[c].meeting.filter(|m| m.stage == Stage::Coming)?;
+        Some(self.pair_offers[m.offer as usize].starts[1 - usize::from(m.side)].instance)
+    }
+
+    /// The next step of one of two; the inner `None` where it has to wait.
+    ///
+    /// - returns `None` where it is on its way, or does nothing with another one.
+    pub(super) fn decide_together(&mut self, graph: &WorldGraph, c: usize) -> Option<Option<Step>> {
+        let m = self.states[c].meeting?;
+        let offer = self.pair_offers[m.offer as usize];
+        let side = usize::from(m.side);
+        let whole = offer.steps[side];
+        match m.stage {
+            Stage::Coming if is_near(graph, self.states[c].at, offer.starts[side]) => {
+                self.calm(c);
+                (self.states[c].doing, self.states[c].detour) = (Doing::Meeting, 0);
+                if let Some(m) = &mut self.states[c].meeting {
+                    (m.stage, m.ready_s) = (Stage::Ready, self.time_s);
+                }
+                Some(self.rest(graph, c))
+            }
+            Stage::Coming => None,
+            Stage::Ready => Some(self.rest(graph, c)),
+            Stage::Beginning => {
+                self.set_stage(c, Stage::Entering);
+                self.states[c].doing = Doing::Performing;
+                Some(Some(self.play(c, offer.entry(side))))
+            }
+            Stage::Entering => {
+                self.set_stage(c, Stage::Together);
+                let entered = offer.entry(side).to_offset;
+                Some(Some(self.play(c, Step { from_offset: entered, ..whole })))
+            }
+            Stage::Together => Some(self.go_on_together(graph, c, m, &offer)),
+        }
+    }
+
+    /// After one round: another one that begins where this one ended, or all is done.
+    fn go_on_together(&mut self, graph: &WorldGraph, c: usize, m: Meeting, offer: &PairOffer) -> Option<Step> {
+        let Wish::Meet { seconds, .. } = self.states[c].wish else { return self.rest(graph, c) };
+        let fits = |o: &PairOffer| o.tag == offer.tag && o.starts == offer.ends;
+        let num = self.pair_offers.iter().filter(|o| fits(o)).count();
+        if num == 0 || self.states[c].performed as f32 / self.rate_hz >= seconds {
+            let state = &mut self.states[c];
+            (state.doing, state.meeting) = (Doing::Arrived, None);
+            state.num_fulfilled = state.num_fulfilled.wrapping_add(1);
+            self.events.push((self.roster.ids()[c], InhabitantEvent::Fulfilled));
+            return self.rest(graph, c);
+        }
+        // Both draw the same.
+        let both = self.name(c) ^ self.roster.row(m.with).map_or(0, |other| self.name(other));
+        let drawn = (uniform(self.config.characters.seed, both, u64::from(m.rounds)) * num as f32) as usize;
+        let next = (0u32..).zip(&self.pair_offers).filter(|(_, o)| fits(o)).nth(drawn.min(num - 1));
+        let (number, next) = next.map(|(k, o)| (k, *o))?;
+        if let Some(m) = &mut self.states[c].meeting {
+            (m.offer, m.rounds, m.stage) = (number, m.rounds.wrapping_add(1), Stage::Entering);
+        }
+        Some(self.play(c, next.entry(usize::from(m.side))))
+    }
+
+    /// Counts what one of two plays.
+    fn play(&mut self, c: usize, step: Step) -> Step {
+        let state = &mut self.states[c];
+        state.plays_pair = true;
+        state.performed = state.performed.saturating_add(step.num_frames());
+        step
+    }
+
+    /// Frees two who meet: one of them does something else. They are told of it in the next step.
+    pub(super) fn part(&mut self, c: usize) {
+        let other = self.partner(c);
+        let Some(m) = self.states[c].meeting.take() else { return };
+        let parted = if m.stage <= Stage::Ready { Parted::GaveUp } else { Parted::BrokeOff };
+        self.states[c].parted = Some(parted);
+        if let Some(other) = other {
+            (self.states[other].meeting, self.states[other].parted) = (None, Some(parted));
+            self.leave_wish(other);
+        }
+    }
+
+    /// Tells who has been freed since the last step.
+    fn tell_parted(&mut self) {
+        for c in 0..self.states.len() {
+            let event = match self.states[c].parted.take() {
+                None => continue,
+                Some(Parted::GaveUp) => InhabitantEvent::GaveUp,
+                Some(Parted::BrokeOff) => InhabitantEvent::BrokenOff,
+            };
+            self.events.push((self.roster.ids()[c], event));
+        }
+    }
+
+    /// Has nothing more to do where it is.
+    fn leave_wish(&mut self, c: usize) {
+        self.states[c].doing = Doing::Arrived;
+    }
+
+    fn set_stage(&mut self, c: usize, stage: Stage) {
+        if let Some(m) = &mut self.states[c].meeting {
+            m.stage = stage;
+        }
+    }
+
+    /// Row of the one that a character meets, who means the same.
+    fn partner(&self, c: usize) -> Option<usize> {
+        let other = self.roster.row(self.states[c].meeting?.with).ok()?;
+        self.states[other].meeting.is_some_and(|m| m.with == self.roster.ids()[c]).then_some(other)
+    }
+}
+
+/// True where one rests at a node, or so near to it that the rest goes over when two begin.
+fn is_near(graph: &WorldGraph, at: Node, start: Node) -> bool {
+    let [a, b] = [at, start].map(|n| graph.place(n));
+    let near =
+        maths::hypot(a.x - b.x, a.z - b.z) < NEAR_START.0 && wrap_angle(a.heading - b.heading).abs() < NEAR_START.1;
+    at == start || at.instance == start.instance && near && graph.is_rest(at)
+}
+
+impl Meeting {
+    /// True where there is such an offer.
+    pub fn is_sound(&self, offers: &[PairOffer]) -> bool {
+        let is_offered = (self.offer as usize) < offers.len() && self.side < 2;
+        is_offered && self.told_s.is_finite() && self.ready_s.is_finite()
+    }
+}
