@@ -209,7 +209,8 @@ mod tests {
 
     #[test]
     fn tagged_hands_hold_a_thing_from_the_grasp_on_or_until_it_is_let_go() {
-        let (clips, default) = (people(), ActivityConfig::default());
+        let all = SynthConfig::for_set(SynthSet::People);
+        let (clips, default) = (make(SynthSet::People, &all).unwrap(), ActivityConfig::default());
         let config = ["take", "put"].map(|t| (t.to_owned(), default.clone())).into();
         let found = find(&clips, &config).unwrap();
         for (tag, stays) in [("take", true), ("put", false)] {

@@ -3,7 +3,7 @@
 //! Those of `std` and of glam come from the platform's library, or from the compiler, and differ in their last bits; motion
 //! drifts apart from there. The runtime uses these alone; square roots and roundings are exact everywhere.
 
-use glam::{Quat, Vec2};
+use glam::{Quat, Vec2, Vec3};
 
 /// Floats that these functions are made for.
 pub trait Real: Copy {
@@ -166,10 +166,54 @@ pub fn rotation_z(angle: f32) -> Quat {
     Quat::from_xyzw(0.0, 0.0, sin, cos)
 }
 
+/// A vector turned by a rotation: glam adds in another order on each kind of processor.
+#[inline]
+pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
+    let axis = Vec3::new(q.x, q.y, q.z);
+    v * (q.w * q.w - axis.dot(axis)) + axis * (2.0 * axis.dot(v)) + axis.cross(v) * (2.0 * q.w)
+}
+
+/// A rotation after another one: `a` after `b`.
+#[inline]
+pub fn compose(a: Quat, b: Quat) -> Quat {
+    Quat::from_xyzw(
+        a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+        a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+        a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
+    )
+}
+
+/// The same rotation, of unit length; the identity for none.
+#[inline]
+pub fn unit(q: Quat) -> Quat {
+    let length = (q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w).sqrt();
+    if length > 0.0 { Quat::from_xyzw(q.x / length, q.y / length, q.z / length, q.w / length) } else { Quat::IDENTITY }
+}
+
+/// Between two rotations, the shorter way; unit length.
+///
+/// - `share`: of `b` (0 to 1).
+#[inline]
+pub fn between(a: Quat, b: Quat, share: f32) -> Quat {
+    let dot = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
+    let (s, t) = (1.0 - share, if dot < 0.0 { -share } else { share });
+    unit(Quat::from_xyzw(a.x * s + b.x * t, a.y * s + b.y * t, a.z * s + b.z * t, a.w * s + b.w * t))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Hash128;
+
+    #[test]
+    fn rotations_agree_with_the_library() {
+        let [a, b] = [Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0), Quat::from_rotation_z(-0.7)];
+        let v = Vec3::new(0.4, -2.0, 1.5);
+        assert!(rotate(a, v).distance(a * v) < 1e-6 && compose(a, b).abs_diff_eq(a * b, 1e-6));
+        assert!(between(a, -b, 0.25).abs_diff_eq((a * 0.75 + b * (0.25 * a.dot(b).signum())).normalize(), 1e-6));
+        assert_eq!(unit(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)), Quat::IDENTITY);
+    }
 
     #[test]
     fn they_agree_with_the_library() {

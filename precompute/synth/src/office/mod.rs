@@ -40,7 +40,7 @@ const MINUTES_A_PAIR: f64 = 6.0;
 ///
 /// - returns clips `office_desk_00`, ..., around the desk of `data/environments/office_source.toml`,
 ///   `office_stand_00`, ..., on empty ground, and `office_pair_00_a` with `office_pair_00_b`, ... of two who chat, dispute,
-///   shake hands, hand something over, or dance, in one room; all begin and end standing.
+///   shake hands, hand something over, or dance, in one room, which come on top of `minutes`; all begin and end standing.
 pub fn office(cfg: &SynthConfig) -> ClipSet {
     let mut set = ClipSet { skeleton: Skeleton::default(), clips: Vec::new() };
     let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed);

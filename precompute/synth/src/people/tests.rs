@@ -72,7 +72,7 @@ fn hands_meet_at_the_height_of_the_belly_and_rise_over_the_head_in_joy() {
     let farthest =
         |hands: Vec<(glam::Vec3, glam::Vec3)>| hands.into_iter().map(|h| h.0).max_by(|a, b| a.z.total_cmp(&b.z));
     let taken = farthest(hand("take", Joint::RightHand)).unwrap();
-    assert!((0.7..1.05).contains(&taken.y) && (0.4..0.75).contains(&taken.z), "{taken}");
+    assert!((0.7..1.05).contains(&taken.y) && (0.35..0.75).contains(&taken.z), "{taken}");
     assert!(hand("cheer", Joint::LeftHand).iter().any(|(hand, head)| hand.y > head.y + 0.15));
 }
 

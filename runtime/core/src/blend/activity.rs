@@ -9,7 +9,7 @@ use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-use throng_base::maths;
+use throng_base::maths::{self, between};
 use throng_base::{Error, Result};
 
 /// Number of an activity in its [`ActivitySet`].
@@ -128,10 +128,10 @@ impl ActivitySet {
         let mut joint = [Joint::LeftHand, Joint::RightHand][side];
         let mut point = striking_offset(&self.skeleton, joint);
         while let Some(parent) = joint.parent() {
-            point = sample.rotations[joint.index()] * point + self.skeleton.offsets[joint.index()];
+            point = maths::rotate(sample.rotations[joint.index()], point) + self.skeleton.offsets[joint.index()];
             joint = parent;
         }
-        sample.rotations[0] * point + sample.hips
+        maths::rotate(sample.rotations[0], point) + sample.hips
     }
 
     /// The body of an activity at a time (s, clamped to it).
@@ -149,7 +149,7 @@ impl ActivitySet {
         let code = &self.code[0];
         let mut rotations: [Quat; NUM_JOINTS] =
             std::array::from_fn(|j| between(code.rotation(a, j), code.rotation(b, j), ratio));
-        rotations[0] = maths::rotation_y(root.heading) * rotations[0];
+        rotations[0] = maths::compose(maths::rotation_y(root.heading), rotations[0]);
         let down = |row: usize, foot| f32::from(u8::from(self.contacts[row].any(foot)));
         let contacts = [Contacts::LEFT, Contacts::RIGHT].map(|foot| mix(down(rows[0], foot), down(rows[1], foot)));
         Sample { rotations, hips: Vec3::new(root.x, mix(a.height, b.height), root.z), contacts }
@@ -183,7 +183,7 @@ impl ActivitySet {
     /// An ankle as seen from the hips (m).
     fn ankle(&self, sample: &Sample, leg: [Joint; 3]) -> Vec3 {
         let step = |(at, q): (Vec3, Quat), j: Joint| {
-            (at + q * self.skeleton.offsets[j.index()], q * sample.rotations[j.index()])
+            (at + maths::rotate(q, self.skeleton.offsets[j.index()]), maths::compose(q, sample.rotations[j.index()]))
         };
         leg.into_iter().fold((Vec3::ZERO, sample.rotations[0]), step).0
     }
@@ -201,10 +201,4 @@ impl Sample {
             contacts: [contact(0), contact(1)],
         }
     }
-}
-
-/// Between two rotations, the shorter way; unit length.
-fn between(a: Quat, b: Quat, share: f32) -> Quat {
-    let b = if a.dot(b) < 0.0 { -b } else { b };
-    (a * (1.0 - share) + b * share).normalize()
 }

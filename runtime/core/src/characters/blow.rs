@@ -4,6 +4,7 @@ use super::motion_set::MotionSet;
 use crate::planar::Planar;
 use crate::skeleton::Joint;
 use glam::Vec3;
+use throng_base::maths;
 
 /// Most blows of one character in one step; what it strikes beyond them in so long a step is left out.
 pub const MAX_BLOWS: usize = 4;
@@ -52,8 +53,8 @@ impl Blow {
             hit,
             joint: Joint::ALL[h.joint as usize],
             kind: h.kind,
-            point: turn * h.position() + root.translation(),
-            direction: turn * h.direction(),
+            point: maths::rotate(turn, h.position()) + root.translation(),
+            direction: maths::rotate(turn, h.direction()),
             speed_mps: h.speed_mps,
             force: h.force,
         }

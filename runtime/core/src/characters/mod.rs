@@ -56,7 +56,7 @@ use step::{RANGE_BLOCKS, Range, Tick};
 use throng_base::error::{check, check_index, check_length};
 use throng_base::limits::{CAPACITY, STEP_S};
 use throng_base::simd::LANES;
-use throng_base::{Error, Id, Inline, Result, Run, run_each};
+use throng_base::{Error, Id, Inline, Result, Run, maths, run_each};
 pub use times::StepTimes;
 use times::{Clock, Laps, Phase};
 
@@ -390,7 +390,7 @@ impl Characters {
         let place = block.clip_to_world(lane);
         let at = |time: f32| {
             let frame = first + (time.round().max(0.0) as u32).min(length);
-            place.rotation() * motion_set.point(frame, joint, offset)
+            maths::rotate(place.rotation(), motion_set.point(frame, joint, offset))
         };
         at(block.time[lane] + ahead_s * motion_set.rate_hz) - at(block.time[lane])
     }

@@ -15,6 +15,7 @@ use super::anatomy::Anatomy;
 use bytemuck::Zeroable;
 use glam::Vec3;
 use std::sync::Arc;
+use throng_base::maths;
 
 /// Everything of a bundle that characters need to move. Owned: it keeps the bundle's file open; clones are cheap.
 #[derive(Clone, Debug)]
@@ -104,12 +105,14 @@ impl MotionSet {
         let row = &self.frames[frame as usize];
         let (mut at, mut point) = (joint, offset);
         while let Some(parent) = at.parent() {
-            point = self.rotation_code.rotation(row, at.index()) * point + self.skeleton.offsets[at.index()];
+            point =
+                maths::rotate(self.rotation_code.rotation(row, at.index()), point) + self.skeleton.offsets[at.index()];
             at = parent;
         }
-        let point = self.rotation_code.rotation(row, at.index()) * point + Vec3::new(0.0, row.height, 0.0);
+        let point =
+            maths::rotate(self.rotation_code.rotation(row, at.index()), point) + Vec3::new(0.0, row.height, 0.0);
         let root = self.planar(frame);
-        root.rotation() * point + root.translation()
+        maths::rotate(root.rotation(), point) + root.translation()
     }
 
     /// A place between a frame and the next one.

@@ -11,6 +11,7 @@ use super::records::{FrameRow, ROTATION_BYTES};
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
+use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, Q, V};
 
 /// Bits that all joints share.
@@ -221,7 +222,7 @@ impl RotationCode {
     /// The rotation of a joint in a row: relative to its parent, that of the hips to the planar root. Unit length.
     pub fn rotation(&self, row: &FrameRow, joint: usize) -> Quat {
         let code = &self.joints[joint];
-        (Quat::from_array(code.centre) * code.coded(row)).normalize()
+        maths::unit(maths::compose(Quat::from_array(code.centre), code.coded(row)))
     }
 
     /// The rotation of a joint between some rows of each of eight characters. Unit length.

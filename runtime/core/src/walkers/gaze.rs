@@ -80,7 +80,7 @@ impl Gaze {
     ) {
         let trunk = Trunk::of(posture, body, lane);
         let chest = CHEST * (1.0 - still);
-        let forward = direction(trunk.rotations[5] * Vec3::Z);
+        let forward = direction(maths::rotate(trunk.rotations[5], Vec3::Z));
         let to = point.and_then(|p| {
             let at = root.inverse_transform_point(Vec2::new(p.x, p.z));
             let to = Vec3::new(at.x, p.y, at.y) - trunk.head(self.off, chest, forward);
@@ -91,8 +91,8 @@ impl Gaze {
         self.follow(eyes, to.unwrap_or_default());
         let turned = trunk.turned(self.off, chest, forward);
         for k in 3..6 {
-            let local = turned[k - 1].conjugate() * turned[k];
-            posture.set_rotation(CHAIN[k].index(), local.normalize());
+            let local = maths::compose(turned[k - 1].conjugate(), turned[k]);
+            posture.set_rotation(CHAIN[k].index(), maths::unit(local));
         }
     }
 
@@ -121,7 +121,7 @@ impl Gaze {
 impl Trunk {
     fn of(posture: &Posture, body: &LaneBody, lane: usize) -> Self {
         let mut rotations = CHAIN.map(|j| posture.rotation(j));
-        (1..6).for_each(|k| rotations[k] = (rotations[k - 1] * rotations[k]).normalize());
+        (1..6).for_each(|k| rotations[k] = maths::unit(maths::compose(rotations[k - 1], rotations[k])));
         let offsets = CHAIN.map(|j| get(&body.offsets[j.index()], lane));
         let hips = posture.vector(channel::HIPS) * body.scale[lane] + Vec3::Y * body.lift[lane];
         Self { rotations, offsets, hips }
@@ -132,8 +132,8 @@ impl Trunk {
         let mut out = self.rotations;
         for (k, share) in [(3, chest), (4, NECK), (5, 1.0)] {
             let [yaw, pitch] = off.map(|v| v * share);
-            let turn = maths::rotation_y(forward[0] + yaw) * maths::rotation_x(-pitch);
-            out[k] = turn * maths::rotation_y(-forward[0]) * out[k];
+            let turn = maths::compose(maths::rotation_y(forward[0] + yaw), maths::rotation_x(-pitch));
+            out[k] = maths::compose(maths::compose(turn, maths::rotation_y(-forward[0])), out[k]);
         }
         out
     }
@@ -141,7 +141,7 @@ impl Trunk {
     /// Where the head is then (m).
     fn head(&self, off: [f32; 2], chest: f32, forward: [f32; 2]) -> Vec3 {
         let turned = self.turned(off, chest, forward);
-        (1..6).fold(self.hips, |at, k| at + turned[k - 1] * self.offsets[k])
+        (1..6).fold(self.hips, |at, k| at + maths::rotate(turned[k - 1], self.offsets[k]))
     }
 }
 

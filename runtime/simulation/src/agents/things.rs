@@ -314,7 +314,7 @@ impl Things {
                 None => Reach { to: level, share: raised, from_root: true },
                 Some((handling, _)) => {
                     let root = body.root(agent);
-                    let level = root.rotation() * level + root.translation();
+                    let level = maths::rotate(root.rotation(), level) + root.translation();
                     let to = (handling.at * near + level * raised) / (near + raised);
                     Reach { to, share: (near + raised).min(1.0), from_root: false }
                 }
@@ -352,19 +352,19 @@ impl Things {
                         Carried::Level => hand.root.rotation(),
                     };
                     if std::mem::take(&mut thing.is_new) {
-                        thing.grip = (holds.inverse() * Quat::from_array(thing.turn)).normalize().to_array();
-                        (thing.off, thing.ease) = (hand.turn.inverse() * (thing.at - hand.palm), 1.0);
+                        thing.grip =
+                            maths::unit(maths::compose(holds.conjugate(), Quat::from_array(thing.turn))).to_array();
+                        (thing.off, thing.ease) = (maths::rotate(hand.turn.conjugate(), thing.at - hand.palm), 1.0);
                         handled.count(thing.off.length());
                     }
-                    thing.turn = (holds * Quat::from_array(thing.grip)).normalize().to_array();
-                    thing.at = hand.palm + hand.turn * (thing.off * smooth(thing.ease));
+                    thing.turn = maths::unit(maths::compose(holds, Quat::from_array(thing.grip))).to_array();
+                    thing.at = hand.palm + maths::rotate(hand.turn, thing.off * smooth(thing.ease));
                 }
                 None if thing.keeper.is_none() && thing.ease > 0.0 => {
                     thing.at = thing.rest + thing.off * smooth(thing.ease);
                     let was = Quat::from_array(thing.grip);
                     let upright = maths::rotation_y(throng_core::planar::twist_about_y(was));
-                    let was = if was.dot(upright) < 0.0 { -was } else { was };
-                    thing.turn = (upright + (was - upright) * smooth(thing.ease)).normalize().to_array();
+                    thing.turn = maths::between(upright, was, smooth(thing.ease)).to_array();
                 }
                 None if thing.keeper.is_none() => thing.at = thing.rest,
                 None => {}
@@ -440,9 +440,9 @@ fn palm(pose: &[Mat3x4; NUM_JOINTS], root: Planar, side: u8) -> (Vec3, Quat) {
     let [elbow, wrist] =
         [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]][usize::from(side)];
     let [forearm, hand] = [elbow, wrist].map(|j| &pose[j.index()]);
-    let along = forearm.rotation().inverse() * (hand.translation() - forearm.translation());
-    let palm = hand.translation() + hand.rotation() * (along * FIST_PER_FOREARM);
-    (root.rotation() * palm + root.translation(), root.rotation() * hand.rotation())
+    let along = maths::rotate(forearm.rotation().conjugate(), hand.translation() - forearm.translation());
+    let palm = hand.translation() + maths::rotate(hand.rotation(), along * FIST_PER_FOREARM);
+    (maths::rotate(root.rotation(), palm) + root.translation(), maths::compose(root.rotation(), hand.rotation()))
 }
 
 /// Time within the motion of a grasp, once it has begun (s).

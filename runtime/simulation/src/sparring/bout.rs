@@ -10,7 +10,7 @@ use super::tally::{Outcome, Tally};
 use super::touch::{ArmShape, Touch, arm_shapes};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::{Error, Hash128, Id, Inline, Result, Run, SnapshotKind, run_each};
+use throng_base::{Error, Hash128, Id, Inline, Result, Run, SnapshotKind, maths, run_each};
 use throng_core::characters::{Blow, Characters, MAX_BLOWS, MotionSet, Order, PolicyCharacters, SampleJob, Spawn};
 use throng_core::{Adopted, Bodies, Bundle, Cast, Joint, Mat3x4, NUM_JOINTS, Planar, Status};
 
@@ -329,8 +329,9 @@ impl Cast for Sparring {
         let old = self.characters().root(row);
         self.boxers.place(id, root)?;
         self.state.touches[row / 2].forget(row % 2);
-        let moved =
-            |p: Vec3| root.rotation() * (old.rotation().inverse() * (p - old.translation())) + root.translation();
+        let moved = |p: Vec3| {
+            maths::rotate(maths::rotation_y(root.heading - old.heading), p - old.translation()) + root.translation()
+        };
         for at in [&mut self.state.heads[row ^ 1], &mut self.state.aims[row ^ 1]] {
             *at = moved(*at);
         }

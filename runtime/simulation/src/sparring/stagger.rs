@@ -2,7 +2,7 @@
 
 use super::config::{StaggerConfig, within};
 use glam::{Vec2, Vec3};
-use throng_base::Result;
+use throng_base::{Result, maths};
 use throng_core::characters::{MotionSet, SampleJob};
 use throng_core::skeleton::{Joint, NUM_JOINTS};
 use throng_core::{Mat3x4, Planar};
@@ -62,7 +62,7 @@ impl StepsAway {
     ///
     /// - `direction`: of the blow, in the world.
     pub fn best(&self, config: &StaggerConfig, pose: &[Mat3x4], root: Planar, direction: Vec3) -> Option<u32> {
-        let local = root.rotation().inverse() * direction;
+        let local = maths::rotate(root.rotation().conjugate(), direction);
         let along = Vec2::new(local.x, local.z).try_normalize()?;
         let looks = LOOKS.map(|j| pose[j.index()].translation());
         let mut best: Option<(f32, u32)> = None;

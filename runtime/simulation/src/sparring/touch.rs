@@ -278,11 +278,11 @@ impl Touch {
     /// - `model`: in model space, as the motion has it.
     /// - `locals`: the same relative to parents, or empty.
     pub fn apply(&self, one: usize, root: Planar, model: &mut [Mat3x4], locals: &mut [LocalTransform]) {
-        let to_model = root.rotation().inverse();
+        let to_model = root.rotation().conjugate();
         for (a, arm) in self.arms[one].iter().enumerate().filter(|(_, arm)| arm.is_displaced()) {
             let joints = ARMS[a].map(Joint::index);
             let [shoulder, elbow, wrist] = joints.map(|j| model[j].translation());
-            let off = arm.off.map(|o| to_model * o);
+            let off = arm.off.map(|o| maths::rotate(to_model, o));
             let [to_elbow, to_wrist] = [elbow + off[0], wrist + off[1]];
             let upper = arc(elbow - shoulder, to_elbow - shoulder);
             let lower = arc(wrist - elbow, to_wrist - to_elbow);
@@ -317,7 +317,7 @@ fn arc(from: Vec3, to: Vec3) -> Quat {
         return Quat::from_rotation_arc(from, to);
     }
     let axis = from.cross(to);
-    Quat::from_xyzw(axis.x, axis.y, axis.z, w).normalize()
+    maths::unit(Quat::from_xyzw(axis.x, axis.y, axis.z, w))
 }
 
 /// What arms stop at: the other's upper arms, then the core.
