@@ -251,6 +251,7 @@ fn section_name(tag: &str) -> String {
         "PEDG" => "edges of tiles",
         "PCEL" => "cells of patches",
         "PLNK" => "links of patches",
+        "PPAR" => "pairs of links",
         "GRPS" => "pose groups",
         _ => return tag.to_owned(),
     };
