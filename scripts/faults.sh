@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What is left when things go wrong? Kills builds, stitches and runs at random moments, lets writing fail at a file size,
-# fills the disk, damages the cache, lets clocks differ and folders be slow, and runs two builds at once. After each, the output must be absent or whole, and a further build
-# must give the same bytes as an undisturbed one.
+# fills the disk, damages the cache, lets clocks differ and folders be slow, and runs two builds at once. After each, the
+# output must be absent or whole, and a further build must give the same bytes as an undisturbed one.
 #
 # `scripts/faults.sh [N] [THRONG]`: N times each (500), with a program (target/release/throng, or target/debug/throng).
 # Kills count where they ended the program, and go on until there are N.

@@ -24,10 +24,8 @@ const LEVEL_M: [f32; 3] = [0.14, 0.14, 0.34];
 /// Height at which agents without bodies hold things, and how near they come to them (m).
 const HELD_M: f32 = 1.0;
 const BODILESS_REACH_M: f32 = 0.6;
-/// How near to its stand is there (m), and the share of the palm's distance at which one stands: arms fold more easily than they
-/// stretch.
+/// How near to its stand is there (m).
 const STAND_M: f32 = 0.15;
-const NEARER: f32 = 1.0;
 /// A body stands at most so far beside the middle of its disc, where its hand is nearer to the thing (m).
 const ASIDE_M: f32 = 0.25;
 /// Width of a bin of [`Handled::off`], and number of bins (m).
@@ -133,6 +131,8 @@ pub(crate) struct Things {
     pub all: Vec<Thing>,
     pub handled: Handled,
     carried: Vec<Carried>,
+    /// How high each is (m).
+    heights: Vec<f32>,
     /// Of each group with bodies: its agents, and of each of its troops and each tag of motion, its grasps.
     bodies: Vec<(Range<usize>, Vec<Vec<Grasps>>)>,
     /// Hands were told last to reach for something.
@@ -163,6 +163,7 @@ impl Things {
         Self {
             all: things.iter().map(thing).collect(),
             carried: things.iter().map(|t| t.carried).collect(),
+            heights: things.iter().map(|t| t.size_m[1]).collect(),
             ..Self::default()
         }
     }
@@ -217,7 +218,7 @@ impl Things {
             let way = maths::at_angle(std::f32::consts::FRAC_PI_2 - heading);
             return Some((at - 0.9 * BODILESS_REACH_M * Vec3::new(way.x, 0.0, way.y), STAND_M));
         }
-        let palm = Planar::new(0.0, 0.0, heading).transform_point(NEARER * Vec2::new(grasp.palm.x, grasp.palm.z));
+        let palm = Planar::new(0.0, 0.0, heading).transform_point(Vec2::new(grasp.palm.x, grasp.palm.z));
         Some((at - Vec3::new(palm.x, 0.0, palm.y), STAND_M))
     }
 
@@ -233,7 +234,7 @@ impl Things {
     ) -> Option<(ActivityId, Vec3, Vec3)> {
         let grasp = self.grasp(agent, motion, &handling)?;
         let to = (handling.at - from).with_y(0.0);
-        let heading = heading(to) - heading_of(grasp.palm.x, grasp.palm.z);
+        let heading = heading(to) - heading(grasp.palm);
         let ahead = Planar::new(0.0, 0.0, heading).transform_point(Vec2::new(0.0, 2.0));
         let faces = from + Vec3::new(ahead.x, 0.0, ahead.y);
         let thing = &mut self.all[usize::from(handling.thing)];
@@ -267,11 +268,13 @@ impl Things {
         self.all.iter().any(|t| t.handling.is_some_and(|h| h.0 == agent && t.waits_for(agent, &h.1)))
     }
 
-    /// A thing drops to the ground.
+    /// Who had a claim on a thing has none any more: out of a hand it drops to the ground, else it stays where it is.
     pub fn let_go(&mut self, thing: u16) {
-        let thing = &mut self.all[usize::from(thing)];
-        let to = Vec3::new(thing.at.x, 0.0, thing.at.z);
-        thing.put(to);
+        let (height, thing) = (self.heights[usize::from(thing)], &mut self.all[usize::from(thing)]);
+        thing.handling = None;
+        if thing.keeper.is_some() {
+            thing.put(thing.at.with_y(0.5 * height));
+        }
     }
 
     /// Tells the hands of all bodies what to reach for.
@@ -378,7 +381,11 @@ impl Things {
         let is_good = |(n, t): (usize, &Thing)| {
             let agents = [t.keeper, t.handling.map(|h| h.0)];
             let of_it = |h: &(u32, Handling, Grasp)| {
-                usize::from(h.1.thing) == n && h.1.at.is_finite() && h.2.side < 2 && h.2.palm.is_finite()
+                usize::from(h.1.thing) == n
+                    && h.1.at.is_finite()
+                    && h.2.side < 2
+                    && h.2.palm.is_finite()
+                    && h.2.moment_s.is_finite()
             };
             t.at.is_finite()
                 && t.rest.is_finite()
@@ -456,10 +463,34 @@ fn smooth(share: f32) -> f32 {
     s * s * (3.0 - 2.0 * s)
 }
 
+/// The heading of a way over the ground (rad).
 fn heading(way: Vec3) -> f32 {
-    heading_of(way.x, way.z)
+    maths::atan2(way.x, way.z)
 }
 
-fn heading_of(x: f32, z: f32) -> f32 {
-    maths::atan2(x, z)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn things_drop_out_of_hands_alone() {
+        let (at, size_m) = ([1.0, 0.9, 2.0], [0.1, 0.2, 0.1]);
+        let cup = ThingConfig { name: "cup".into(), at, size_m, carried: Carried::Level };
+        let mut things = Things::new(&[cup]);
+        let handling = Handling { thing: 0, puts: false, at: at.into() };
+        let here = |_| Some(Planar::new(1.0, 1.5, 0.0));
+        // Somebody without a body is about to take it, and leaves.
+        assert!(things.begin(7, None, handling, Vec3::new(1.0, 0.0, 1.5)).is_none());
+        things.let_go(0);
+        things.follow(&[], here, 1.0);
+        assert_eq!((things.all[0].at, things.all[0].keeper), (at.into(), None));
+        // Somebody has it in hand, and leaves: it lies where it was, on the ground.
+        things.begin(7, None, handling, Vec3::new(1.0, 0.0, 1.5));
+        things.follow(&[], here, 1.0);
+        assert_eq!((things.all[0].keeper, things.handled.taken), (Some(7), 1));
+        let held = things.all[0].at;
+        things.let_go(0);
+        (0..3).for_each(|_| things.follow(&[], here, 1.0));
+        assert_eq!((things.all[0].at, things.all[0].keeper), (held.with_y(0.1), None));
+    }
 }

@@ -87,7 +87,7 @@ pub trait Stage {
     /// - returns true where the agent has it in hand.
     fn settle(&mut self, agent: u32, thing: u16, is_done: bool) -> bool;
 
-    /// A thing drops to the ground.
+    /// Who had a claim on a thing has none any more: out of a hand it drops to the ground.
     fn let_go(&mut self, thing: u16);
 
     /// Opens or closes a door.
