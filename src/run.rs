@@ -301,7 +301,9 @@ pub fn figures(r: &Figures) -> Vec<(&'static str, String)> {
         rows.push(("surroundings", units));
         let wishes = format!("{:.2} fulfilled and {:.0} m travelled", w.fulfilled_per_minute, w.travelled_m_per_minute);
         let waiting = 100.0 * w.waiting_fraction;
-        rows.push(("wishes", format!("{wishes} a minute and character; waiting {waiting:.1} % of the time")));
+        let turned = format!("turning {:.0} deg a metre", w.turned_deg_per_m);
+        let row = format!("{wishes} a minute and character, {turned}; waiting {waiting:.1} % of the time");
+        rows.push(("wishes", row));
     }
     if let Some(p) = &r.partners {
         let ends = format!("{} finished, {} broken off", p.pairs_finished, p.pairs_broken_off);

@@ -154,6 +154,47 @@ fn a_narrow_passage_that_is_walked_both_ways_does_not_clog() {
     }
 }
 
+/// How far people get in 10 s, over the length of their way: of all stretches of those who roam for two minutes, the mean.
+fn straightness(rows: &[&str], num_people: usize, seed: u64) -> f32 {
+    let world = open(rows);
+    let mut people = people_at(&world, &scatter(world.graph(), num_people, seed));
+    let at = |people: &Inhabitants| people.bodies().roots.iter().map(|r| r.translation()).collect::<Vec<_>>();
+    let (mut far, mut way) = (0.0, 0.0);
+    for _ in 0..12 {
+        let begin = at(&people);
+        let mut last = begin.clone();
+        for _ in 0..300 {
+            people.step(DT, &Inline).unwrap();
+            let now = at(&people);
+            way += now.iter().zip(&last).map(|(a, b)| a.distance(*b)).sum::<f32>();
+            last = now;
+        }
+        far += last.iter().zip(&begin).map(|(a, b)| a.distance(*b)).sum::<f32>();
+    }
+    far / way
+}
+
+#[test]
+fn who_roams_walks_on_rather_than_round_about() {
+    // Straight on, left and right with equal chances: the same number of tiles of a floor without an end.
+    let (mut far, mut draw) = (0.0, 0);
+    for _ in 0..1000 {
+        let (mut x, mut z, mut heading) = (0i32, 0i32, 0usize);
+        for _ in 0..6 {
+            [x, z] = [x + [0, 1, 0, -1][heading], z + [1, 0, -1, 0][heading]];
+            draw += 1;
+            heading = (heading + [0, 1, 3][(throng_runtime::characters::uniform(1, 1, draw) * 3.0) as usize]) % 4;
+        }
+        far += ((x * x + z * z) as f32).sqrt() / 6000.0;
+    }
+    for seed in 1..4 {
+        let found = straightness(&["########################"; 24], 12, seed);
+        assert!(found > 1.3 * far, "seed {seed}: {found}, by chance {far}");
+    }
+    // In corners and among others they go on all the same.
+    assert!(straightness(&["#####", "#...#", "#...#", "#####"], 4, 1) > 0.05);
+}
+
 #[test]
 fn a_bench_is_sat_on_by_one_after_the_other() {
     let world = open(&["####", "#b##", "####"]);
@@ -189,6 +230,7 @@ fn seat_beside_one_taken_for(seconds: f32) -> usize {
     let starts = [[1, 1], [3, 2]].map(|[x, z]| graph.rest_cells(tile(&world, x, z)).next().unwrap());
     let mut people = people_at(&world, &starts);
     people.order(Id::first(0), Wish::Perform { tag: SIT, seconds }).unwrap();
+    people.order(Id::first(1), Wish::GoTo { instance: starts[1].instance }).unwrap();
     let mut has_asked = false;
     for _ in 0..9000 {
         people.step(DT, &Inline).unwrap();

@@ -90,6 +90,8 @@ pub struct InhabitedFigures {
     pub fulfilled_per_minute: f64,
     /// Distance over ground and up, a simulated minute and character, on average (m).
     pub travelled_m_per_minute: f64,
+    /// How much the direction of the way changes from one half metre to the next, a metre over ground (deg).
+    pub turned_deg_per_m: f64,
     /// Share of the time that was spent waiting for others.
     pub waiting_fraction: f64,
 }

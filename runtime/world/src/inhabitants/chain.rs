@@ -1,5 +1,6 @@
 //! Chains: the steps that a character is sure to take, up to a node from which it can come to rest.
 
+use super::purpose::Purpose;
 use super::reservations::Reservations;
 use crate::plan::Space;
 use crate::{Node, Step, WorldGraph};
@@ -85,6 +86,8 @@ pub(super) struct ToSafety<'a> {
     pub character: u32,
     pub seed: u64,
     pub draw: u32,
+    /// Where the character is bound for, if anywhere, and where it begins (m).
+    pub bound: Option<(Purpose, [f32; 2])>,
 }
 
 impl Space for ToSafety<'_> {
@@ -104,7 +107,10 @@ impl Space for ToSafety<'_> {
         let chance = uniform(self.seed ^ u64::from(self.draw), u64::from(step.to.instance), u64::from(step.to.cell));
         // A link of a tile may be entered from a block or left for one: the tile's units are needed too.
         let free = self.graph.link(step).is_none() || self.admits(step.instance);
-        if free { step.num_frames() as f32 * (0.5 + chance) } else { f32::INFINITY }
+        // Ways that lead elsewhere cost up to three times as much.
+        let lead = self.bound.and_then(|(purpose, from)| purpose.lead(self.graph, from, step));
+        let astray = lead.map_or(0.0, |lead| 2.0 - 2.0 * lead);
+        if free { step.num_frames() as f32 * (0.5 + chance + astray) } else { f32::INFINITY }
     }
 }
 

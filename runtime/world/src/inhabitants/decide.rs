@@ -4,6 +4,7 @@
 
 use super::chain::{self, MAX_CHAIN, MAX_OPENED, ToPath, ToSafety};
 use super::config::{Doing, Wish};
+use super::purpose::{BRISK_MPS, Purpose};
 use super::reservations::OUTSIDER;
 use super::{InhabitantEvent, Inhabitants, State, lay};
 use crate::plan::{Found, Target};
@@ -131,7 +132,7 @@ impl Inhabitants {
             // A step aside to rest is not counted.
             let at = self.states[c].at;
             let on = self.pick(graph, c, |s| s.to != at && !graph.is_rest(s.to));
-            let step = on.and_then(|step| self.go(graph, c, step));
+            let step = on.and_then(|step| self.go(graph, c, step, None));
             return step.or_else(|| self.roam(graph, c)).or_else(|| self.rest(graph, c));
         }
         let Some(target) = self.paths.target(c) else {
@@ -178,7 +179,7 @@ impl Inhabitants {
         {
             self.states[c].doing = Doing::Performing;
             let shown = self.pick(graph, c, |s| graph.link(s).is_some_and(|l| l.tag == tag));
-            let step = shown.and_then(|step| self.go(graph, c, step));
+            let step = shown.and_then(|step| self.go(graph, c, step, None));
             step.iter().for_each(|step| self.count(graph, c, step));
             return step.or_else(|| self.rest(graph, c));
         }
@@ -356,20 +357,24 @@ impl Inhabitants {
         (state.refused_s, state.impatience, state.progress) = (None, 0, 0);
     }
 
-    /// A random step to anywhere else, and what follows until a character can come to rest.
+    /// A random step to anywhere else, rather towards where the character is bound for, and what follows until it can
+    /// come to rest.
     fn roam(&mut self, graph: &WorldGraph, c: usize) -> Option<Step> {
-        let at = self.states[c].at;
-        let rests = graph.is_rest(at);
+        self.go_on(graph, c);
+        let (at, purpose) = (self.states[c].at, self.states[c].purpose);
+        let (rests, place, brisk) = (graph.is_rest(at), graph.place(at), self.rate_hz / BRISK_MPS);
         for attempt in 0..TRIES {
             // Who has rested first thinks of leaving, not of resting elsewhere.
             let leave = rests && attempt < TRIES / 2;
-            let Some(step) = self.pick(graph, c, |s| s.to != at && !(leave && graph.is_rest(s.to))) else { continue };
-            if let Some(step) = self.go(graph, c, step) {
+            let wanted = |s: &Step| s.to != at && !(leave && graph.is_rest(s.to));
+            let share = |s: &Step| if wanted(s) { purpose.share(graph, [place.x, place.z], s, brisk) } else { 0.0 };
+            let Some(step) = self.pick_of(graph, c, share) else { continue };
+            if let Some(step) = self.go(graph, c, step, Some(purpose)) {
                 return Some(step);
             }
         }
         let step = self.pick(graph, c, |s| s.to != at && graph.is_stop(s.to))?;
-        self.go(graph, c, step)
+        self.go(graph, c, step, None)
     }
 
     /// Stays at rest, or goes there within what is held.
@@ -384,13 +389,19 @@ impl Inhabitants {
 
     /// Any of the steps that can be taken now and are wanted, with equal chances.
     fn pick(&mut self, graph: &WorldGraph, c: usize, wanted: impl Fn(&Step) -> bool) -> Option<Step> {
+        self.pick_of(graph, c, |s| if wanted(s) { 1.0 } else { 0.0 })
+    }
+
+    /// The same, with chances as their shares say (>= 0; 0 for those that are not wanted).
+    fn pick_of(&mut self, graph: &WorldGraph, c: usize, share: impl Fn(&Step) -> f32) -> Option<Step> {
         let (seed, name, mut draws) = (self.config.characters.seed, self.name(c), self.states[c].draws);
-        let (mut chosen, mut count) = (None, 0u32);
+        let (mut chosen, mut sum) = (None, 0.0);
         graph.for_each_step(self.states[c].at, |step| {
-            if wanted(&step) && chain::is_free(graph, &self.reservations, c as u32, &step) {
-                count += 1;
+            let share = share(&step);
+            if share > 0.0 && chain::is_free(graph, &self.reservations, c as u32, &step) {
+                sum += share;
                 draws = draws.wrapping_add(1);
-                if uniform(seed, name, draws.into()) * (count as f32) < 1.0 {
+                if uniform(seed, name, draws.into()) * sum < share {
                     chosen = Some(step);
                 }
             }
@@ -399,14 +410,17 @@ impl Inhabitants {
         chosen
     }
 
-    /// Makes sure of a step, and of what follows until the character can come to rest.
-    fn go(&mut self, graph: &WorldGraph, c: usize, step: Step) -> Option<Step> {
+    /// Makes sure of a step, and of what follows until the character can come to rest, rather on ways that lead where it is
+    /// bound for.
+    fn go(&mut self, graph: &WorldGraph, c: usize, step: Step, purpose: Option<Purpose>) -> Option<Step> {
         if graph.is_stop(step.to) {
             self.chains.set(c, &[step]);
             return self.reserve(graph, c);
         }
         let (character, seed, draw) = (c as u32, self.config.characters.seed, self.states[c].draws);
-        let mut space = ToSafety { graph, reservations: &self.reservations, character, seed, draw };
+        let start = graph.place(self.states[c].at);
+        let bound = purpose.map(|p| (p, [start.x, start.z]));
+        let mut space = ToSafety { graph, reservations: &self.reservations, character, seed, draw, bound };
         let nodes = &mut self.planner.nodes;
         let Found::Path(way) = nodes.search(graph, step.to, &mut space, MAX_OPENED) else { return None };
         if nodes.cost(way) == f32::INFINITY {
@@ -436,7 +450,7 @@ impl Inhabitants {
     }
 
     /// A random number of a character, in [0, 1).
-    fn chance(&mut self, c: usize) -> f32 {
+    pub(super) fn chance(&mut self, c: usize) -> f32 {
         let (name, state) = (self.name(c), &mut self.states[c]);
         state.draws = state.draws.wrapping_add(1);
         uniform(self.config.characters.seed, name, state.draws.into())

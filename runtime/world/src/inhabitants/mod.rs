@@ -9,6 +9,7 @@ mod lay;
 mod offers;
 mod pairs;
 mod paths;
+mod purpose;
 mod reservations;
 mod scatter;
 mod snapshot;
@@ -25,6 +26,7 @@ use chain::Chains;
 use ground::Grounds;
 use pairs::{Meeting, PairOffer, Parted};
 use paths::Paths;
+use purpose::Purpose;
 use reservations::Reservations;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -46,6 +48,8 @@ struct State {
     refused_s: Option<f64>,
     /// Random numbers drawn so far.
     draws: u32,
+    /// Where it is bound for while it roams.
+    purpose: Purpose,
     /// Steps of its path in a row that it was not refused.
     progress: u32,
     /// Times in a row that it lost patience.
@@ -80,6 +84,7 @@ impl State {
             num_fulfilled: 0,
             refused_s: None,
             draws: 0,
+            purpose: Purpose::default(),
             progress: 0,
             impatience: 0,
             detour: 0,
@@ -97,8 +102,8 @@ impl State {
     /// The same with another wish, which it has not begun with.
     fn wishing(self, wish: Wish) -> Self {
         let doing = if wish.is_roaming() { Doing::Roaming } else { Doing::Planning };
-        let Self { at, through, num_fulfilled, draws, progress, plays_pair, parted, .. } = self;
-        Self { wish, doing, through, num_fulfilled, draws, progress, plays_pair, parted, ..Self::at(at) }
+        let Self { at, through, num_fulfilled, draws, purpose, progress, plays_pair, parted, .. } = self;
+        Self { wish, doing, through, num_fulfilled, draws, purpose, progress, plays_pair, parted, ..Self::at(at) }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::run::figures::InhabitedFigures;
 use crate::run::report::{fault, geometry};
-use glam::Vec3;
+use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::collections::BTreeSet;
 use throng_bake::environment::{Body, PlacedGeometry};
 use throng_motion::error::BuildError;
@@ -16,6 +16,17 @@ const PENETRATION_M: f32 = 0.08;
 const STUCK_S: f64 = 30.0;
 /// See [`STUCK_S`] (m).
 const STUCK_M: f32 = 0.5;
+
+/// Turning is counted from one stretch of a way to the next, each this long over ground (m).
+const STRETCH_M: f32 = 0.5;
+
+/// The last stretch of a character's way over ground.
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    end: Vec2,
+    /// Unit vector; zero before the first one.
+    direction: Vec2,
+}
 
 /// Where a character was when it last came forward.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +52,10 @@ pub(super) struct WorldWatch {
     pub stuck: BTreeSet<usize>,
     last: Vec<Vec3>,
     travelled_m: f64,
+    stretches: Vec<Stretch>,
+    /// Sum over all stretches (deg, m).
+    turned_deg: f64,
+    along_m: f64,
     looks: u64,
     waiting: u64,
 }
@@ -61,6 +76,9 @@ impl WorldWatch {
             stuck: BTreeSet::new(),
             last: Vec::new(),
             travelled_m: 0.0,
+            stretches: Vec::new(),
+            turned_deg: 0.0,
+            along_m: 0.0,
             looks: 0,
             waiting: 0,
             characters,
@@ -90,6 +108,21 @@ impl WorldWatch {
             self.travelled_m += way.sum::<f64>();
         }
         self.last = trunks.iter().map(|t| t[0]).collect();
+        let begins = |hips: &Vec3| Stretch { end: hips.xz(), direction: Vec2::ZERO };
+        if self.stretches.is_empty() {
+            self.stretches = self.last.iter().map(begins).collect();
+        }
+        for (stretch, hips) in self.stretches.iter_mut().zip(&self.last) {
+            let along = hips.xz() - stretch.end;
+            if along.length() >= STRETCH_M {
+                let direction = along.normalize();
+                if stretch.direction != Vec2::ZERO {
+                    self.turned_deg += f64::from(stretch.direction.angle_to(direction).abs().to_degrees());
+                    self.along_m += f64::from(along.length());
+                }
+                *stretch = Stretch { end: hips.xz(), direction };
+            }
+        }
     }
 
     /// Finds the characters that are in units.
@@ -117,6 +150,8 @@ impl WorldWatch {
         let character_minutes = f64::from(seconds as f32) / 60.0 * n as f64;
         let mut f = InhabitedFigures::default();
         let (mut fulfilled, mut travelled_m, mut waiting, mut looks) = (0u32, 0.0, 0u64, 0u64);
+        let along_m = all.iter().map(|w| w.along_m).sum::<f64>();
+        f.turned_deg_per_m = all.iter().map(|w| w.turned_deg).sum::<f64>() / along_m.max(f64::MIN_POSITIVE);
         for w in all {
             let GroupCast::Patches(people) = &sim.casts()[w.cast] else { continue };
             let of = |c: &usize| people.state(sim.locate(*c).1).num_fulfilled;

@@ -1,0 +1,92 @@
+//! Which way roaming characters are bound: on in one direction while they can, so that they walk on rather than round about.
+
+use super::{Inhabitants, chain};
+use crate::{Step, WorldGraph};
+use serde::{Deserialize, Serialize};
+use throng_base::maths;
+use throng_core::characters::uniform;
+
+/// A direction is kept for so many steps: at least, and so many more at most.
+const STEPS: [f32; 2] = [6.0, 18.0];
+/// Who finds no free step nearer to its direction than this is bound another way (cosine of 45 degrees).
+const AHEAD: f32 = 0.7;
+/// Steps that are slower are taken more seldom, as the square of their speed (m/s).
+pub(super) const BRISK_MPS: f32 = 1.2;
+/// How often a step that leads back is taken, where one that leads straight ahead has 1, and one that leads nowhere: what
+/// people do in one place.
+const BACK: f32 = 1e-3;
+const NOWHERE: f32 = 0.05;
+
+/// Which way a roaming character is bound.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Purpose {
+    /// x and z, a unit vector; zero before the first one.
+    direction: [f32; 2],
+    /// Steps until it is bound another way.
+    steps_left: u32,
+}
+
+impl Purpose {
+    pub fn is_sound(&self) -> bool {
+        self.direction.iter().all(|v| v.abs() <= 1.001)
+    }
+
+    /// How much a step from a point leads the way that the character is bound, from 0 for straight back to 1; none where it
+    /// leads nowhere.
+    pub fn lead(&self, graph: &WorldGraph, from: [f32; 2], step: &Step) -> Option<f32> {
+        let half = 0.5 + 0.5 * cosine(self.direction, direction(graph, from, step)?);
+        let squared = half * half;
+        Some(squared * squared * squared * squared)
+    }
+
+    /// How often a step from a point is taken against others.
+    ///
+    /// - `brisk`: frames that a metre takes at [`BRISK_MPS`].
+    pub fn share(&self, graph: &WorldGraph, from: [f32; 2], step: &Step, brisk: f32) -> f32 {
+        let Some(lead) = self.lead(graph, from, step) else { return NOWHERE };
+        let speed = (graph.length(step) * brisk / step.num_frames() as f32).min(1.0);
+        BACK + (1.0 - BACK) * lead * speed * speed
+    }
+}
+
+/// Direction over ground from a point to where a step leads, a unit vector; none where it leads nowhere.
+fn direction(graph: &WorldGraph, [x, z]: [f32; 2], step: &Step) -> Option<[f32; 2]> {
+    let end = graph.place(step.to);
+    let along = [end.x - x, end.z - z];
+    let length = maths::hypot(along[0], along[1]);
+    (length > 0.1).then(|| along.map(|v| v / length))
+}
+
+fn cosine(a: [f32; 2], b: [f32; 2]) -> f32 {
+    (a[0] * b[0] + a[1] * b[1]).clamp(-1.0, 1.0)
+}
+
+impl Inhabitants {
+    /// Counts a step of a roaming character, and lets it be bound another way where nothing leads ahead or after a while.
+    pub(super) fn go_on(&mut self, graph: &WorldGraph, c: usize) {
+        let state = &self.states[c];
+        let place = graph.place(state.at);
+        let (seed, name, mut draws) = (self.config.characters.seed, self.name(c), state.draws);
+        let (mut ahead, mut drawn, mut count) = (-1.0f32, None, 0.0);
+        graph.for_each_step(state.at, |step| {
+            let Some(direction) = direction(graph, [place.x, place.z], &step) else { return };
+            if chain::is_free(graph, &self.reservations, c as u32, &step) {
+                count += 1.0;
+                draws = draws.wrapping_add(1);
+                if uniform(seed, name, draws.into()) * count < 1.0 {
+                    drawn = Some(direction);
+                }
+                ahead = ahead.max(cosine(state.purpose.direction, direction));
+            }
+        });
+        self.states[c].draws = draws;
+        let steps_left = self.states[c].purpose.steps_left.saturating_sub(1);
+        match drawn {
+            Some(direction) if steps_left == 0 || ahead < AHEAD => {
+                let steps_left = (STEPS[0] + STEPS[1] * self.chance(c)) as u32;
+                self.states[c].purpose = Purpose { direction, steps_left };
+            }
+            _ => self.states[c].purpose.steps_left = steps_left,
+        }
+    }
+}
