@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
-use throng_runtime::base::limits;
+use throng_runtime::base::{Hash128, limits};
 
 /// Write synthetic motion as BVH files, with what happens in it as tags in sidecars.
 #[derive(clap::Args)]
@@ -24,6 +24,10 @@ pub struct Args {
     /// 15 minutes it is cut short, above it holds further takes.
     #[arg(long, allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::SYNTH_MINUTES))]
     minutes: Option<f64>,
+    /// Hours of motion in place of `--minutes`, for large databases: a folder `hour_0001` for every hour, each with a seed
+    /// of its own, which follows from `--seed`. Memory is that of one hour.
+    #[arg(long, conflicts_with = "minutes", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::SYNTH_HOURS))]
+    hours: Option<f64>,
     /// Same seed, same motion.
     #[arg(long, default_value_t = SynthConfig::default().seed, allow_negative_numbers = true, value_parser = limits::number::<u64>(&limits::SEED))]
     seed: u64,
@@ -52,17 +56,18 @@ struct Report {
 pub fn run(args: &Args) -> Outcome {
     let which = SynthSet::from_name(&args.set)?;
     let usual = SynthConfig::for_set(which);
-    let minutes = args.minutes.unwrap_or(usual.minutes);
-    let config = SynthConfig { minutes, seed: args.seed, rate_hz: args.rate_hz, ..usual };
-    let set = synth::write(which, &config, &args.out)?;
-    let frames = set.num_frames();
-    let report = Report {
-        set: args.set.clone(),
-        clips: set.clips.len(),
-        frames,
-        seconds: frames as f64 / args.rate_hz,
-        out: args.out.clone(),
+    let sets = match args.hours {
+        Some(hours) => hourly(args, hours),
+        None => vec![(args.out.clone(), args.minutes.unwrap_or(usual.minutes), args.seed)],
     };
+    let (mut clips, mut frames) = (0, 0);
+    for (folder, minutes, seed) in sets {
+        let config = SynthConfig { minutes, seed, rate_hz: args.rate_hz, ..usual };
+        let set = synth::write(which, &config, &folder)?;
+        (clips, frames) = (clips + set.clips.len(), frames + set.num_frames());
+    }
+    let seconds = frames as f64 / args.rate_hz;
+    let report = Report { set: args.set.clone(), clips, frames, seconds, out: args.out.clone() };
     if args.json {
         return output::json(&report);
     }
@@ -70,4 +75,41 @@ pub fn run(args: &Args) -> Outcome {
         "written",
         format!("{} clips, {} frames, {:.0} s, to {}", report.clips, frames, report.seconds, args.out.display()),
     )])
+}
+
+/// Folder, length and seed of every hour; the last one may be shorter.
+fn hourly(args: &Args, hours: f64) -> Vec<(PathBuf, f64, u64)> {
+    let hour = |k: u64| {
+        let minutes = (60.0 * (hours - k as f64)).clamp(limits::SYNTH_MINUTES.least, 60.0);
+        let seed = Hash128::of(&[args.seed.to_le_bytes(), k.to_le_bytes()].concat()) as u64;
+        (args.out.join(format!("hour_{:04}", k + 1)), minutes, seed)
+    };
+    (0..hours.ceil() as u64).map(hour).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+    use std::collections::BTreeSet;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    #[test]
+    fn every_hour_has_a_folder_and_a_seed_of_its_own() {
+        let of = |seed: &str, hours: &str| {
+            hourly(&Line::parse_from(["synth", "--out", "x", "--seed", seed]).args, hours.parse().expect("a number"))
+        };
+        let sets = of("1", "2.5");
+        let minutes: Vec<f64> = sets.iter().map(|s| s.1).collect();
+        assert_eq!(minutes, [60.0, 60.0, 30.0]);
+        assert_eq!(sets[2].0, PathBuf::from("x/hour_0003"));
+        let all = ["0", "1", "2", "3"].iter().flat_map(|seed| of(seed, "100")).map(|s| s.2);
+        assert_eq!(all.collect::<BTreeSet<_>>().len(), 400);
+        assert_eq!(of("1", "0.001")[0].1, 0.06);
+    }
 }

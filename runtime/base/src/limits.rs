@@ -80,6 +80,7 @@ limits! {
     STATE = "state of a motion graph": 0 to 4_294_967_295u32 "";
     STEP_HZ = "steps a second": 1 to 10_000 " Hz";
     STEP_S = "time step": 0 to 1 " s";
+    SYNTH_HOURS = "length of synthetic motion": 0.001 to 1000 " h";
     SYNTH_MINUTES = "length of synthetic motion": 0.05 to 240 " min";
     TEMPERATURE = "temperature of choices": 0 to 1000 "";
     THREADS = "number of threads": 1 to 1024 "";
