@@ -6,7 +6,7 @@ use super::stage::{Actor, Leaned, Planned, Stage, Whereabouts, hand};
 use crate::balance::off_feet;
 use crate::limits::JointLimits;
 use crate::linkage::Linkage;
-use crate::recheck::{OtherClip, Recheck, RecheckReport, Violation, outside};
+use crate::recheck::{OtherClip, RATE_HZ, Recheck, RecheckReport, Violation, outside, place_at};
 use crate::rotation::{Rigid, angle};
 use crate::setup::Allowed;
 use glam::Vec3;
@@ -241,6 +241,26 @@ fn grips(stage: &Stage<'_>, report: &mut RecheckReport) {
                 at => stage.place_in(at, time_s, 0),
             });
             compare(time_s, format!("`{}` as it changes hands", thing.name), &a, &b);
+        }
+        for (k, stretch) in life.iter().enumerate() {
+            let Whereabouts::On { character, joint, second: Some(second), .. } = &stretch.at else { continue };
+            let actor = &stage.actors[*character];
+            let (rate_hz, end_s) = (actor.clip.rate_hz, life.get(k + 1).map_or(actor.end_s(), |next| next.from_s));
+            let frames = [stretch.from_s, end_s].map(|t| (t * rate_hz).round() as usize);
+            for frame in frames[0]..=frames[1].min(actor.clip.num_frames() - 1) {
+                let time_s = frame as f64 / rate_hz;
+                let [first, other] = [*joint, hand(second.limb)].map(|j| in_clip(actor, j, time_s));
+                let what = format!("{} at `{}`", hand(second.limb).name(), thing.name);
+                compare(time_s, what, &first.then(second.grip), &other);
+            }
+            let looks = ((end_s - stretch.from_s) * RATE_HZ) as usize;
+            for look in 0..=looks {
+                let time_s = stretch.from_s + look as f64 / RATE_HZ;
+                let [first, other] =
+                    [*joint, hand(second.limb)].map(|j| place_at(&actor.clip, &actor.skeleton, j, time_s));
+                report.second_hand_off_m =
+                    report.second_hand_off_m.max(first.point(second.grip.position).distance(other.position));
+            }
         }
     }
 }

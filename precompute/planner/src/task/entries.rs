@@ -278,6 +278,16 @@ pub(super) struct ReceiverEntry {
     pub grips: Vec<GripEntry>,
 }
 
+/// The second hand at an object.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SecondEntry {
+    /// The other arm.
+    pub limb: Limb,
+    /// Where its hand holds the object.
+    pub grips: Vec<GripEntry>,
+}
+
 /// Something to do.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -303,6 +313,8 @@ pub(super) struct TaskEntry {
     /// Where the hand holds the object: tried in this order.
     #[serde(default)]
     pub grips: Vec<GripEntry>,
+    /// The other hand that takes the object, too; from then on it follows the first one. For `grab`.
+    pub second: Option<SecondEntry>,
     /// Where the object is brought.
     pub to: Option<PlaceEntry>,
     /// Who takes it over.

@@ -1,6 +1,7 @@
 //! Tasks as files: who and what is there, and what limbs have to do in it.
 
 mod ahead;
+mod both;
 mod check;
 mod deeds;
 mod entries;

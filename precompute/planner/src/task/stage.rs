@@ -64,17 +64,26 @@ pub(super) struct Stretch {
 #[derive(Clone, Debug)]
 pub(super) enum Whereabouts {
     Path(Motion),
-    /// With a joint; `holder` is the arm whose hand it is.
+    /// With a joint; `holder` is the arm whose hand it is, `second` the other one that holds it, too.
     On {
         character: usize,
         joint: Joint,
         offset: Rigid,
         holder: Option<Limb>,
+        second: Option<Follower>,
     },
     OnThing {
         thing: usize,
         offset: Rigid,
     },
+}
+
+/// The second hand at a thing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Follower {
+    pub limb: Limb,
+    /// Its hand as the first one sees it.
+    pub grip: Rigid,
 }
 
 /// A limb that was planned.
@@ -233,7 +242,7 @@ impl<'a> Stage<'a> {
                 Start::Path(path) => Whereabouts::Path(path.clone()),
                 Start::On { character, joint, offset } => {
                     let holder = [Limb::LeftArm, Limb::RightArm].into_iter().find(|l| hand(*l) == *joint);
-                    Whereabouts::On { character: *character, joint: *joint, offset: *offset, holder }
+                    Whereabouts::On { character: *character, joint: *joint, offset: *offset, holder, second: None }
                 }
             };
             vec![Stretch { from_s: f64::NEG_INFINITY, at }]
@@ -298,6 +307,21 @@ impl<'a> Stage<'a> {
                 Some((thing, *offset))
             }
             _ => None,
+        })
+    }
+
+    /// The thing that two hands hold, one of which is a limb's, at some time of a stretch; who leads, and who follows.
+    pub fn held_by_both(&self, who: usize, limb: Limb, [from_s, to_s]: [f64; 2]) -> Option<(usize, Limb, Follower)> {
+        self.lives.iter().enumerate().find_map(|(thing, life)| {
+            life.iter().enumerate().find_map(|(i, s)| match &s.at {
+                Whereabouts::On { character, holder: Some(lead), second: Some(second), .. }
+                    if *character == who && [*lead, second.limb].contains(&limb) =>
+                {
+                    let end_s = life.get(i + 1).map_or(f64::INFINITY, |next| next.from_s);
+                    (s.from_s < to_s - 1e-6 && end_s > from_s + 1e-6).then_some((thing, *lead, *second))
+                }
+                _ => None,
+            })
         })
     }
 
@@ -367,7 +391,8 @@ impl<'a> Stage<'a> {
     /// Limbs of the character that have tasks of their own are not this one's business.
     fn leave_to_others(&self, who: usize, limb: Limb, out: &mut Surroundings) {
         let receivers = self.task.steps.iter().filter_map(|s| s.receiver.as_ref()).map(|r| (r.character, r.limb));
-        let limbs = self.task.steps.iter().map(|s| (s.character, s.limb)).chain(receivers);
+        let seconds = self.task.steps.iter().filter_map(|s| Some((s.character, s.second.as_ref()?.limb)));
+        let limbs = self.task.steps.iter().map(|s| (s.character, s.limb)).chain(receivers).chain(seconds);
         let mut others: Vec<Limb> = limbs.filter(|(w, l)| *w == who && *l != limb).map(|(_, l)| l).collect();
         others.sort();
         others.dedup();
