@@ -20,7 +20,7 @@ use crate::setup::{Allowed, ProblemSpec, Tether};
 use throng_core::Joint;
 
 /// Ways of the first hand that are tried for one target, each with a seed of its own: the second one cannot follow all.
-const SEEDS: u64 = 4;
+const SEEDS: u64 = 8;
 /// So much of the second arm's reach is left over on the way (m).
 const SPARE_M: f64 = 0.01;
 
@@ -106,7 +106,7 @@ fn take(
     let offset = first.hand.local(first.object);
     let at = Whereabouts::On { character: who, joint: hand(lead), offset, holder: Some(lead), second: Some(second) };
     stage.lives[object].push(Stretch { from_s: at_s, at });
-    keep(stage, step, pair, object)?;
+    keep(stage, pair, [at_s, until_s(stage, step, object)])?;
     Ok(plans)
 }
 
@@ -181,7 +181,7 @@ fn brought(
     follow(stage, pair, [from_s, at_s])?;
     stage.pins.push(Pin { character: who, limb: lead, time_s: at_s, target: goal.hand });
     let Some(change) = change else {
-        keep(stage, step, pair, object)?;
+        keep(stage, pair, [at_s, until_s(stage, step, object)])?;
         return Ok(plans);
     };
     stage.lives[object].push(Stretch { from_s: at_s, at: (change.then)(goal) });
@@ -230,10 +230,25 @@ fn way(
     Ok(outcome)
 }
 
-/// The first arm keeps its pose, and the second one follows, until the next thing is done with what they hold, or to the clip's end.
-fn keep(stage: &mut Stage<'_>, step: &Step, pair: Pair, object: usize) -> Result<(), Problems> {
+/// What both hands hold stays where it is to the clip's end, as nothing came of the step; where that cannot be, the check says so.
+pub(super) fn stay(stage: &mut Stage<'_>, step: &Step) {
+    let (who, [from_s, at_s, _]) = (step.character, step.times_s);
+    let Some((_, lead, second)) = stage.held_by_both(who, step.limb, [from_s, at_s]) else { return };
+    let is_later = |p: &Pin| p.character == who && [lead, second.limb].contains(&p.limb) && p.time_s > from_s + 1e-6;
+    if !step.deed.holds() || stage.pins.iter().any(is_later) {
+        return;
+    }
+    let (end_s, rate_hz) = (stage.actors[who].end_s(), stage.actors[who].clip.rate_hz);
+    let from_s = (from_s * rate_hz).round() / rate_hz;
+    let mut kept = stage.clone();
+    if from_s < end_s && keep(&mut kept, Pair { who, lead, second }, [from_s, end_s]).is_ok() {
+        *stage = kept;
+    }
+}
+
+/// The first arm keeps its pose, and the second one follows.
+fn keep(stage: &mut Stage<'_>, pair: Pair, [at_s, until_s]: [f64; 2]) -> Result<(), Problems> {
     let Pair { who, lead, second } = pair;
-    let (at_s, until_s) = (step.times_s[1], until_s(stage, step, object));
     let actor = &stage.actors[who];
     let rate_hz = actor.clip.rate_hz;
     let frames = ((until_s - at_s) * rate_hz).round() as usize;

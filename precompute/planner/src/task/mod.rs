@@ -27,5 +27,5 @@ pub use file::{Character, ClipEntry, Start, Task, Thing};
 pub use obj::triangles as obj_triangles;
 pub use run::{Attachment, Done, Event, Left, NoClips, TaskOutcome, Watch};
 pub use scenery::{Handle, Scenery};
-pub use stage::ActorClip;
+pub use stage::{ActorClip, Looked};
 pub use walk::{NoWalk, Source, Walked};

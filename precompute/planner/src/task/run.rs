@@ -1,10 +1,11 @@
 //! Does what a task says, one thing after the other.
 
+use super::both;
 use super::deeds::{Problems, do_step};
 use super::entries::Deed;
 use super::file::Task;
 use super::scenery::Scenery;
-use super::stage::{ActorClip, Stage, Whereabouts, hand};
+use super::stage::{ActorClip, Looked, Stage, Whereabouts, hand};
 use crate::correct::{CorrectConfig, Span};
 use crate::linkage::Limb;
 use crate::planner::{Outcome, Unsolved};
@@ -137,6 +138,8 @@ pub struct TaskOutcome {
     pub attachments: Vec<Attachment>,
     /// What was touched and switched.
     pub events: Vec<Event>,
+    /// Who looked at what, where heads do.
+    pub looks: Vec<Looked>,
     /// What a check by other means found.
     pub recheck: RecheckReport,
     /// Where everything is, before and after: to be drawn.
@@ -260,7 +263,7 @@ impl Task {
         let events = events(self, &done);
         let scenery = [before, Scenery::of(&stage)];
         let clips = stage.actors.into_iter().map(|a| [a.before, a.clip]).collect();
-        Ok(TaskOutcome { clips, done, attachments, events, recheck, scenery })
+        Ok(TaskOutcome { clips, done, attachments, events, looks: stage.looked, recheck, scenery })
     }
 
     /// Where the limbs of a character collide with the scene: each limb, and stretches of its clip.
@@ -324,6 +327,7 @@ fn attempt(stage: &mut Stage<'_>, i: usize, config: &CorrectConfig<'_>, is_cance
         Err(Problems { why, nearest_m, plans, spans, left, keep, .. }) => {
             if !keep {
                 *stage = before;
+                both::stay(stage, step);
             }
             (done.why, done.nearest_m, done.plans) = (Some(why), nearest_m, plans);
             (done.spans, done.left) = (spans, left);

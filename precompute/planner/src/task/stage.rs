@@ -97,9 +97,11 @@ pub(super) struct Planned {
 }
 
 /// Somebody who looks at what a limb reaches for.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Looked {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Looked {
+    /// Who.
     pub character: usize,
+    /// When the head leaves the clip, the limb is there, and the head is back (s).
     pub times_s: [f64; 3],
     /// What it looks at when the limb is there (m).
     pub at: DVec3,

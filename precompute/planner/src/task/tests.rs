@@ -289,6 +289,14 @@ fn what_the_second_hand_cannot_do_is_said() {
     let far = run(&CRATE.replace("[{ at = [-0.14, 0.0, -0.03] }]", "[{ at = [-0.64, 0.0, 0.4] }]"), &s);
     assert!(why(&far, 0).starts_with("right arm: ") && why(&far, 0).contains("out of reach by 0."), "{}", why(&far, 0));
     assert!(why(&far, 1).contains("does not hold `crate`") && far.recheck.violations.is_empty());
+    // What cannot be put down stays in both hands.
+    let kept = run(&CRATE.replace("to = { on = \"shelf\", at = [0.08,", "to = { on = \"shelf\", at = [0.98,"), &s);
+    assert!(
+        why(&kept, 2).contains("not reached at 3.60 s") && kept.recheck.violations.is_empty(),
+        "{:?}",
+        kept.recheck
+    );
+    assert_eq!(kept.attachments.last().and_then(|a| a.second.as_deref()), Some("right_hand"));
     // One hand alone does nothing else as long as both hold something.
     let bell = "[[scene.obstacles]]\nname = \"bell\"\nshape = { ball = { radius = 0.03 } }\nat = [-0.3, 1.2, 0.4]\n";
     let touch = "[[tasks]]\nlimb = \"right_arm\"\ndo = \"touch\"\nobject = \"bell\"\nat_s = 2.4\nwindow_s = [2.3, 2.5]\ngrips = [{}]\n";
