@@ -16,10 +16,13 @@ use swivel::refined;
 use throng_base::maths;
 use throng_core::Joint;
 pub use unreached::Unreached;
-use within::{Fit, HALVES, Quick, Swivels, Twist};
+use within::{Fit, HALVES, Quick, Swivels, Twist, widest};
 
 /// Outside limits by less than this counts as on them (rad).
 const ON_LIMIT: f64 = 1e-7;
+
+/// What is farther outside of limits by a quick look needs no exact one (rad).
+const WELL_OUTSIDE: f64 = 0.05;
 
 /// Solves for the seven degrees of freedom of a limb: three of shoulder or hip, flexion and twist of elbow or knee, swing of
 /// wrist or ankle.
@@ -42,6 +45,8 @@ pub struct LimbIk {
     elbow_twist: Twist,
     /// Of shoulder and wrist.
     quick: [Quick; 2],
+    /// Squares of the least cosines of half a swing of shoulder and wrist.
+    widest: [f64; 2],
 }
 
 fn unit([a, b]: [f64; 2]) -> [f64; 2] {
@@ -83,7 +88,8 @@ impl LimbIk {
             .expect("elbows and knees have flexion");
         let elbow_twist = Twist::new(&limits[1], limits[1].mirrored);
         let quick = [Quick::new(&limits[0]), Quick::new(&limits[2])];
-        Self { chain: *chain, limits, joints, elbow, elbow_twist, quick }
+        let widest = [widest(&limits[0], None), widest(&limits[2], Some(elbow.along))];
+        Self { chain: *chain, limits, joints, elbow, elbow_twist, quick, widest }
     }
 
     /// Poses the limb so that hand or foot is at `goal`.
@@ -112,7 +118,8 @@ impl LimbIk {
         let local = base.local(*goal);
         let reach = self.reach(&local, first).map_err(|by_m| Unreached::OutOfReach { by_m })?;
         let [c, s] = self.present_swivel(&reach, present.0[first]);
-        let mut best: Option<Tried> = None;
+        // The swivel that is least outside limits.
+        let mut best = (f64::INFINITY, [c, s]);
         let mut in_the_way = None;
         // Within limits: is it free?
         let mut free = |turns: &[DQuat; 3]| {
@@ -126,11 +133,8 @@ impl LimbIk {
                 }
             }
         };
-        let mut exactly = |half: [f64; 2]| {
+        let exactly = |half: [f64; 2]| {
             let tried = self.tried(&reach, half);
-            if best.is_none_or(|b| tried.excess < b.excess) {
-                best = Some(tried);
-            }
             (tried.excess, (tried.excess <= ON_LIMIT).then_some(tried.pose))
         };
         let swivels = Swivels::new(self, &reach);
@@ -147,17 +151,23 @@ impl LimbIk {
         }
         let found = refined(2.0 * maths::atan2(s, c), |swivel| {
             let (sin, cos) = maths::sin_cos(0.5 * swivel);
-            let (excess, turns) = exactly([cos, sin]);
+            let about = swivels.excess([cos, sin]);
+            let (excess, turns) = if about > WELL_OUTSIDE { (about, None) } else { exactly([cos, sin]) };
+            if excess < best.0 {
+                best = (excess, [cos, sin]);
+            }
             (excess, turns.and_then(|t| free(&t)))
         });
         if let Some(pose) = found {
             return Ok(pose);
         }
-        match (in_the_way, best) {
-            (Some(by), _) => Err(Unreached::Blocked { by }),
-            (None, Some(b)) => Err(Unreached::OutOfLimits { joint: self.joints[b.joint], by_rad: b.excess.max(0.0) }),
-            (None, None) => unreachable!("at least one swivel was tried"),
-        }
+        Err(match in_the_way {
+            Some(by) => Unreached::Blocked { by },
+            None => {
+                let nearest = self.tried(&reach, best.1);
+                Unreached::OutOfLimits { joint: self.joints[nearest.joint], by_rad: nearest.excess.max(0.0) }
+            }
+        })
     }
 
     /// As [`LimbIk::solve`], with nothing in the way.

@@ -182,6 +182,19 @@ fn reasons_say_how_far_and_what() {
     // Straight behind the back, fingers forwards.
     let behind = s.ik.solve_free(&base, &at(-0.3, 0.1, -0.4), &LimbPose::REST).unwrap_err();
     assert!(behind.to_string().starts_with("out of limits of the "), "{behind}");
+    // By as much as the best of all swivels is.
+    for [x, y, z] in [[-0.3, 0.1, -0.4], [0.2, 0.3, -0.3], [-0.4, 0.0, 0.1]] {
+        let reach = s.ik.reach(&at(x, y, z), 0).expect("within reach");
+        let excess = |i: i32| {
+            let half = f64::from(i) * PI / 7200.0;
+            s.ik.tried(&reach, [half.cos(), half.sin()]).excess
+        };
+        let least = (0..7200).map(excess).fold(f64::INFINITY, f64::min);
+        match s.ik.solve_free(&base, &at(x, y, z), &LimbPose::REST).unwrap_err() {
+            Unreached::OutOfLimits { by_rad, .. } => assert!((by_rad - least).abs() < 1e-3, "{x}: {by_rad} {least}"),
+            other => panic!("{x}: {other}"),
+        }
+    }
     let mut ahead = at(0.1, -0.1, 0.35);
     ahead.rotation = crate::rotation::about(glam::DVec3::Y, -PI / 2.0);
     let wall = s.ik.solve(&base, &ahead, &LimbPose::REST, |_| Some("box")).unwrap_err();

@@ -95,6 +95,16 @@ impl Quick {
         Self { twist: Twist::new(limits, false), centre_back: limits.centre.inverse() }
     }
 
+    /// How far outside a rotation is, nearly (rad).
+    ///
+    /// - `q`: as [`Quick::own`] has it.
+    fn excess(&self, limits: &JointLimits, q: DQuat) -> f64 {
+        let v = q.xyz();
+        let along = v.dot(limits.bone);
+        let swing = swing_excess(limits, v, along, q.w).unwrap_or(PI);
+        swing.max(limits.twist.excess(quick_twist(along, q.w)))
+    }
+
     /// A rotation as its limits see it.
     fn own(&self, limits: &JointLimits, q: DQuat) -> DQuat {
         self.centre_back * if limits.mirrored { mirrored(q) } else { q }
@@ -106,29 +116,37 @@ impl Quick {
         let along = v.dot(limits.bone);
         match self.twist.fit(along, q.w) {
             Fit::Outside => Fit::Outside,
-            twist => twist.and(swing_fit(limits, v, along, q.w)),
+            twist => twist.and(swing_excess(limits, v, along, q.w).map_or(Fit::OnEdge, Fit::of)),
         }
     }
 }
 
+/// How far outside a swing is; none near half a turn (rad).
+///
 /// - `v`, `along`, `w`: of a quaternion as its limits see it.
-fn swing_fit(limits: &JointLimits, v: DVec3, along: f64, w: f64) -> Fit {
+fn swing_excess(limits: &JointLimits, v: DVec3, along: f64, w: f64) -> Option<f64> {
     let across = v - limits.bone * along;
     let (sin, cos) = (across.length(), (along * along + w * w).sqrt());
     if cos < 1e-3 {
-        return Fit::OnEdge;
+        return None;
     }
     // The swing's rotation vector: what is across, turned back by half the twist.
     let scale = if sin < 1e-9 { 2.0 } else { 2.0 * quick_angle(sin, cos) / sin };
     let swing = (across * w - across.cross(limits.bone) * along) * (scale / cos);
     let [x, y] = limits.axes.map(|a| swing.dot(a));
-    Fit::of(match limits.swing {
+    Some(match limits.swing {
         Swing::Ellipse(radii) => {
             let [x, y] = [x / radii[0], y / radii[1]];
             ((x * x + y * y).sqrt() - 1.0) * radii[0].min(radii[1])
         }
         Swing::Hinge { flexion, play } => flexion.excess(x).max(y.abs() - play),
     })
+}
+
+/// A twist, in [-pi, pi] (rad).
+fn quick_twist(along: f64, w: f64) -> f64 {
+    let angle = 2.0 * quick_angle(along.abs(), w.abs());
+    if (along < 0.0) == (w < 0.0) { angle } else { -angle }
 }
 
 /// The angle of a sine and a cosine that are not negative, within 4e-6 rad.
@@ -154,6 +172,15 @@ impl Linear {
     fn at(&self, [cos, sin]: [f64; 2]) -> DQuat {
         self.cos * cos + self.sin * sin
     }
+
+    /// The parts along an axis, and the scalar parts: each weighed by cosine and sine.
+    fn twist(&self, axis: DVec3) -> [[f64; 2]; 2] {
+        [[self.cos.xyz().dot(axis), self.sin.xyz().dot(axis)], [self.cos.w, self.sin.w]]
+    }
+}
+
+fn weighed([a, b]: [f64; 2], [cos, sin]: [f64; 2]) -> f64 {
+    a * cos + b * sin
 }
 
 /// What does not depend on the swivel.
@@ -165,6 +192,8 @@ pub(super) struct Swivels<'a> {
     own_shoulder: Linear,
     /// Twist and wrist together, in the forearm's frame.
     rest: Linear,
+    /// Of shoulder and rest: the part along the bone, and the scalar part.
+    twists: [[[f64; 2]; 2]; 2],
 }
 
 impl<'a> Swivels<'a> {
@@ -174,7 +203,9 @@ impl<'a> Swivels<'a> {
         let [cos, sin] = [shoulder.cos, shoulder.sin].map(|q| ik.quick[0].own(&ik.limits[0], q));
         let back = (reach.onto * reach.bent).inverse();
         let rest = Linear { cos: back * reach.hand, sin: -(back * line) * reach.hand };
-        Self { ik, bent: reach.bent, shoulder, own_shoulder: Linear { cos, sin }, rest }
+        let own_shoulder = Linear { cos, sin };
+        let twists = [own_shoulder.twist(ik.limits[0].bone), rest.twist(ik.elbow.along)];
+        Self { ik, bent: reach.bent, shoulder, own_shoulder, rest, twists }
     }
 
     /// Where a swivel is, and the pose of one that is within limits.
@@ -183,13 +214,18 @@ impl<'a> Swivels<'a> {
     pub fn look(&self, half: [f64; 2]) -> (Fit, [DQuat; 3]) {
         let ik = self.ik;
         let none = [DQuat::IDENTITY; 3];
-        let rest = self.rest.at(half);
-        let rest = if rest.w < 0.0 { -rest } else { rest };
-        let along = rest.xyz().dot(ik.elbow.along);
-        let twist = ik.elbow_twist.fit(along, rest.w);
-        if twist == Fit::Outside {
-            return (twist, none);
+        // Twists and how wide swings are come first: they need two products each.
+        let [[upper, upper_w], [along, w]] = self.twists.map(|t| t.map(|t| weighed(t, half)));
+        let twist = ik.elbow_twist.fit(along, w);
+        if twist == Fit::Outside
+            || upper * upper + upper_w * upper_w < ik.widest[0]
+            || along * along + w * w < ik.widest[1]
+            || ik.quick[0].twist.fit(upper, upper_w) == Fit::Outside
+        {
+            return (Fit::Outside, none);
         }
+        let rest = self.rest.at(half);
+        let (rest, along) = if w < 0.0 { (-rest, -along) } else { (rest, along) };
         let shoulder = ik.quick[0].fit(&ik.limits[0], self.own_shoulder.at(half));
         if shoulder == Fit::Outside {
             return (shoulder, none);
@@ -208,6 +244,42 @@ impl<'a> Swivels<'a> {
     }
 }
 
+impl Swivels<'_> {
+    /// How far a swivel is outside limits, nearly (rad).
+    ///
+    /// - `half`: cosine and sine of half of it.
+    pub fn excess(&self, half: [f64; 2]) -> f64 {
+        let ik = self.ik;
+        let [along, w] = self.twists[1].map(|t| weighed(t, half));
+        let length = (along * along + w * w).sqrt();
+        let twisted = if length < 1e-6 {
+            DQuat::IDENTITY
+        } else {
+            let v = ik.elbow.along * (along / length);
+            DQuat::from_xyzw(v.x, v.y, v.z, w / length)
+        };
+        let hand = twisted.inverse() * self.rest.at(half);
+        let shoulder = ik.quick[0].excess(&ik.limits[0], self.own_shoulder.at(half));
+        let wrist = ik.quick[1].excess(&ik.limits[2], ik.quick[1].own(&ik.limits[2], hand));
+        ik.elbow.twist_excess(quick_twist(along, w)).max(shoulder).max(wrist)
+    }
+}
+
+/// A swing whose cosine of half its angle has a smaller square is outside limits; nothing is where the joint's own twist, or its
+/// middle, is turned away from the forearm.
+///
+/// - `along`: what the twist before it is about, if there is one.
+pub(super) fn widest(limits: &JointLimits, along: Option<DVec3>) -> f64 {
+    let bone = if limits.mirrored { mirrored_direction(limits.bone) } else { limits.bone };
+    let is_aligned = along.is_none_or(|a| bone.distance(a) < 1e-9 && limits.centre == DQuat::IDENTITY);
+    let cos = maths::cos(0.5 * (limits.widest_swing() + ROOM).min(PI));
+    if is_aligned { cos * cos } else { 0.0 }
+}
+
+fn mirrored_direction(v: DVec3) -> DVec3 {
+    DVec3::new(-v.x, v.y, v.z)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -222,6 +294,10 @@ mod tests {
             let angle = f64::from(i) * FRAC_PI_2 / 20_000.0;
             let (sin, cos) = maths::sin_cos(angle);
             assert!((quick_angle(sin, cos.max(0.0)) - angle).abs() < 4e-6, "{angle}");
+            for (along, w, twist) in [(sin, cos, angle), (-sin, cos, -angle), (-sin, -cos, angle), (sin, -cos, -angle)]
+            {
+                assert!((quick_twist(along, w) - 2.0 * twist).abs() < 1e-5 || angle > 1.57, "{along} {w}");
+            }
         }
     }
 
@@ -237,6 +313,8 @@ mod tests {
                 }
                 let quick = Quick::new(&limits);
                 let excess = limits.excess(q);
+                let about = quick.excess(&limits, quick.own(&limits, q));
+                prop_assert!((about - excess).abs() < 2e-5 || excess > 1.0, "{joint:?} {about} {excess}");
                 match quick.fit(&limits, quick.own(&limits, q)) {
                     Fit::Inside => prop_assert!(excess < 0.0, "{joint:?} {excess}"),
                     Fit::Outside => prop_assert!(excess > 0.0, "{joint:?} {excess}"),
