@@ -90,7 +90,7 @@ fn look(stage: &Stage<'_>, who: usize, actor: &Actor, piece: &Planned, report: &
     let touched = stage.contacts.iter().filter(|(by, _, a)| *by != who && a.with == name(who));
     around.allowed.extend(touched.map(|(by, _, a)| Allowed { part: None, with: name(*by).into(), ..a.clone() }));
     let others: Vec<OtherClip<'_>> = (0..stage.actors.len())
-        .filter(|i| *i != who)
+        .filter(|i| *i != who && stage.actors[*i].worn.is_none())
         .map(|i| OtherClip {
             name: &stage.task.characters[i].name,
             clip: &stage.actors[i].clip,

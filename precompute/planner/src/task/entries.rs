@@ -16,6 +16,8 @@ pub(super) struct TaskFile {
     /// How messages and `to` call who moves as `clip` says.
     #[serde(default = "main")]
     pub name: String,
+    /// The character that it wears, with a skin (GLB or glTF), from the task's folder: as thick as that is, it collides.
+    pub body: Option<PathBuf>,
     /// Who else is around.
     #[serde(default)]
     pub characters: Vec<CharacterEntry>,
@@ -145,6 +147,8 @@ pub(super) struct CharacterEntry {
     pub name: String,
     /// Its motion.
     pub clip: ClipEntry,
+    /// The character that it wears, with a skin (GLB or glTF), from the task's folder: its triangles are in the others' way.
+    pub body: Option<PathBuf>,
     /// Its motion is moved by so much (m).
     #[serde(default)]
     pub at: [f64; 3],

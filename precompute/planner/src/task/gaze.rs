@@ -46,6 +46,9 @@ pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
     }
     // One thing after the other.
     let others = || stage.looked.iter().filter(|l| l.character == who);
+    if others().any(|l| (l.times_s[1] - at_s).abs() < HELD_S) {
+        return;
+    }
     let from_s = others().map(|l| l.times_s[1] + HELD_S).filter(|t| *t < at_s + HELD_S).fold(from_s, f64::max);
     let to_s = others().map(|l| l.times_s[1] - HELD_S).filter(|t| *t > at_s - HELD_S).fold(to_s, f64::min);
     let rate_hz = stage.actors[who].clip.rate_hz;

@@ -23,7 +23,7 @@ mod walk;
 
 pub use ahead::{Ahead, MeshAhead};
 pub use entries::{PaceEntry, WalkEntry};
-pub use file::{Character, ClipEntry, Start, Task, Thing};
+pub use file::{Body, Character, ClipEntry, Start, Task, Thing};
 pub use obj::triangles as obj_triangles;
 pub use run::{Attachment, Done, Event, Left, NoClips, TaskOutcome, Watch};
 pub use scenery::{Handle, Scenery};

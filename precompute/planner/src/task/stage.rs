@@ -1,6 +1,6 @@
 //! Who and what is there while a task is worked on: clips as they are by now, and where every thing is at every time.
 
-use super::file::{Start, Task};
+use super::file::{Character, Start, Task};
 use super::held::capsules;
 use super::step::{Anchor, Place};
 use crate::body::BodyShape;
@@ -11,7 +11,9 @@ use crate::linkage::{Limb, LimbPose, Linkage};
 use crate::problem::{PRESENT_STEP_S, Problem, Solid, State};
 use crate::rotation::{Rigid, about};
 use crate::setup::{Allowed, Held, Other, ProblemSpec};
+use crate::shape::Shape;
 use crate::track::{Clock, Path as Motion, Track};
+use crate::worn::Worn;
 use glam::{DVec3, Quat};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -49,6 +51,8 @@ pub(super) struct Actor {
     pub limits: BodyLimits,
     pub shape: BodyShape,
     pub motion: Driven,
+    /// The mesh that it wears, which others meet in place of its capsules.
+    pub worn: Option<Worn>,
     /// What limbs are in by the clip itself, and stay in.
     pub pressed: Vec<(Limb, Allowed)>,
 }
@@ -149,8 +153,8 @@ pub(super) struct Surroundings {
 }
 
 impl Actor {
-    /// - `placed`: by how much the clip is moved and turned.
-    fn new(actor: &ActorClip, placed: &Rigid) -> Self {
+    fn new(actor: &ActorClip, character: &Character) -> Self {
+        let placed = &character.placed;
         let (mut clip, skeleton) = (actor.clip.clone(), actor.skeleton.clone());
         if *placed != Rigid::IDENTITY {
             let turn: Quat = placed.rotation.as_quat();
@@ -158,8 +162,11 @@ impl Actor {
             clip.rotations.iter_mut().step_by(NUM_JOINTS).for_each(|q| *q = (turn * *q).normalize());
         }
         let motion = driven(&clip, &skeleton);
-        let (limits, shape) = (BodyLimits::built_in(&skeleton), BodyShape::fitted(&skeleton));
-        let mut actor = Self { before: clip.clone(), clip, skeleton, limits, shape, motion, pressed: Vec::new() };
+        let limits = BodyLimits::built_in(&skeleton);
+        // What was read fits one skeleton, and so all.
+        let worn = character.body.as_ref().and_then(|b| Worn::of(&b.figure, &skeleton).ok());
+        let shape = worn.as_ref().map_or_else(|| BodyShape::fitted(&skeleton), |w| w.capsules(&skeleton));
+        let mut actor = Self { before: clip.clone(), clip, skeleton, limits, shape, motion, worn, pressed: Vec::new() };
         actor.pressed = Limb::ALL.iter().flat_map(|l| actor.presses(*l)).collect();
         actor
     }
@@ -238,7 +245,7 @@ fn driven(clip: &Clip, skeleton: &Skeleton) -> Driven {
 impl<'a> Stage<'a> {
     /// Everything as it is before anything was planned.
     pub fn new(task: &'a Task, clips: &[ActorClip]) -> Self {
-        let actors = clips.iter().zip(&task.characters).map(|(c, who)| Actor::new(c, &who.placed)).collect();
+        let actors = clips.iter().zip(&task.characters).map(|(c, who)| Actor::new(c, who)).collect();
         let life = |start: &Start| {
             let at = match start {
                 Start::Path(path) => Whereabouts::Path(path.clone()),
@@ -373,6 +380,14 @@ impl<'a> Stage<'a> {
                 }
             }
         }
+        for (name, other) in self.others(who) {
+            let pieces = other.worn.iter().flat_map(|w| &w.pieces);
+            out.solids.extend(pieces.map(|(joint, mesh)| Solid {
+                name: name.clone(),
+                shape: Shape::Mesh(Arc::clone(mesh)),
+                path: Motion::Track(Arc::new(Track::rigid(other.motion.clock(), other.motion.of_joint(*joint)))),
+            }));
+        }
         out.allowed.extend(self.actors[who].pressed.iter().filter(|(l, _)| *l == limb).map(|(_, a)| a.clone()));
         self.leave_to_others(who, limb, &mut out);
         let known = |a: &Allowed| {
@@ -410,8 +425,14 @@ impl<'a> Stage<'a> {
         all.filter(move |(i, _)| *i != who).map(|(_, (c, actor))| (&c.name, actor))
     }
 
-    /// Everybody else.
+    /// Everybody else whose mesh is not among what is [around](Stage::around).
     pub fn other_bodies(&self, who: usize) -> Vec<Other<'_>> {
+        let all = self.others(who).filter(|(_, a)| a.worn.is_none());
+        all.map(|(name, a)| Other { name, motion: &a.motion, shape: &a.shape }).collect()
+    }
+
+    /// Everybody else, as capsules.
+    pub fn other_capsules(&self, who: usize) -> Vec<Other<'_>> {
         self.others(who).map(|(name, a)| Other { name, motion: &a.motion, shape: &a.shape }).collect()
     }
 
