@@ -1,3 +1,6 @@
+mod both;
+mod worn;
+
 use super::*;
 use crate::search::Grown;
 use crate::testing::Somebody;
@@ -6,7 +9,7 @@ use proptest::prelude::*;
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use throng_core::{Joint, NUM_JOINTS};
+use throng_core::NUM_JOINTS;
 use throng_motion::Clip;
 
 /// A cup that moves past, and a ball that flies through the arm later.
@@ -210,162 +213,6 @@ fn a_cup_goes_from_hand_to_hand_and_is_laid_down() {
     // What was planned earlier is not undone by what comes later.
     let busy = run(&ERRANDS.replace("[1.4, 2.8]", "[0.5, 2.8]"), &s);
     assert!(why(&busy, 1).contains("has to be elsewhere at 0.80 s"), "{}", why(&busy, 1));
-}
-
-/// A crate that both hands take off one table and put onto another.
-const CRATE: &str = r#"
-clip = "stand.bvh"
-
-[[scene.obstacles]]
-name = "table"
-shape = { box = { size = [0.4, 0.02, 0.2] } }
-at = [0.1, 1.0, 0.5]
-
-[[scene.obstacles]]
-name = "shelf"
-shape = { box = { size = [0.4, 0.02, 0.2] } }
-at = [-0.1, 1.3, 0.52]
-
-[[scene.objects]]
-name = "crate"
-shape = { box = { size = [0.26, 0.12, 0.16] } }
-at = [0.08, 1.071, 0.48]
-
-[[tasks]]
-limb = "left_arm"
-do = "grab"
-object = "crate"
-at_s = 1.0
-window_s = [0.1, 4.8]
-grips = [{ at = [0.14, 0.0, -0.03] }]
-second = { limb = "right_arm", grips = [{ at = [-0.14, 0.0, -0.03] }] }
-
-[[tasks]]
-limb = "left_arm"
-do = "carry"
-object = "crate"
-to = { at = [0.0, 1.2, 0.3], turn_deg = [0.0, 0.0, 0.0] }
-at_s = 2.2
-window_s = [1.2, 4.8]
-
-[[tasks]]
-limb = "left_arm"
-do = "drop"
-object = "crate"
-to = { on = "shelf", at = [0.08, 0.071, -0.03], turn_deg = [0.0, 0.0, 0.0] }
-at_s = 3.6
-window_s = [2.6, 4.8]
-"#;
-
-#[test]
-fn both_hands_carry_a_crate() {
-    let s = Somebody::standing();
-    let outcome = run(CRATE, &s);
-    assert!(outcome.is_solved(), "{:?}", outcome.done.iter().map(|d| &d.why).collect::<Vec<_>>());
-    assert_eq!(outcome.recheck.violations, []);
-    assert!(outcome.recheck.second_hand_off_m < 2e-3, "{}", outcome.recheck.second_hand_off_m);
-    let held: Vec<_> =
-        outcome.attachments.iter().map(|a| (a.joint.as_deref(), a.second.as_deref(), a.from_s)).collect();
-    assert_eq!(held, [(None, None, 0.0), (Some("left_hand"), Some("right_hand"), 1.0), (None, None, 3.6)]);
-    let at = |t: f64| outcome.scenery[1].paths[2].at(t).position;
-    assert!(at(2.2).distance(glam::DVec3::new(0.0, 1.2, 0.3)) < 1e-4 && at(4.9).y > 1.36);
-    // By the clip alone: how far apart the hands are, and how the second one is turned, is the same all along.
-    let clip = &outcome.clips[0][1];
-    let seen = |f: usize| {
-        let all = clip.joint_transforms(&s.skeleton, f);
-        let [(a, turn), (b, other)] = [Joint::LeftHand, Joint::RightHand].map(|j| all[j.index()]);
-        (turn.inverse() * (b - a), turn.inverse() * other)
-    };
-    let first = seen(30);
-    assert!((30..=108).all(|f| seen(f).0.distance(first.0) < 1e-4 && seen(f).1.angle_between(first.1) < 1e-3));
-    assert!(seen(115).0.distance(first.0) > 1e-3);
-    // Both arms are where the clip has them before and after.
-    assert!([2, 145].into_iter().all(|f| clip.frame_rotations(f) == outcome.clips[0][0].frame_rotations(f)));
-}
-
-#[test]
-fn what_somebody_wears_is_in_the_way() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let s = Somebody::standing();
-    let file = crate::worn::tests::figure_file(folder.path(), &s.skeleton);
-    let body = |more: &str| {
-        let text = format!(
-            "clip = \"stand.bvh\"\n{more}\n[[characters]]\nname = \"Bo\"\nclip = \"b.bvh\"\nat = [0.25, 0.0, 0.7]\nheading_deg = 180.0\nBODY\n\
-             [[scene.objects]]\nname = \"cup\"\nshape = {{ ball = {{ radius = 0.03 }} }}\nat = [0.25, 1.3, 0.42]\n\
-             [[tasks]]\nlimb = \"left_arm\"\ndo = \"touch\"\nobject = \"cup\"\ngrips = [{{ at = [0.0, 0.0, -0.06] }}]\nat_s = 1.4\nwindow_s = [0.4, 2.4]\n"
-        );
-        text
-    };
-    let with = |text: String| {
-        let task = Task::parse(&text, &folder.path().join("t.toml")).map_err(|e| e.to_string())?;
-        let clips = vec![ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }; 2];
-        Ok::<_, String>(task.run(&clips, None).expect("clips"))
-    };
-    let name = file.file_name().expect("a name").to_string_lossy().into_owned();
-    let plain = with(body("").replace("BODY", "")).expect("a task");
-    let worn = with(body("").replace("BODY", &format!("body = \"{name}\""))).expect("a task");
-    for outcome in [&plain, &worn] {
-        assert!(outcome.is_solved(), "{}", why(outcome, 0));
-        assert_eq!(outcome.recheck.violations, []);
-    }
-    // A step nearer, the cup is in what Bo wears.
-    let nearer =
-        with(body("").replace("BODY", &format!("body = \"{name}\"")).replace("0.7]", "0.46]")).expect("a task");
-    assert!(why(&nearer, 0).contains("blocked by Bo"), "{}", why(&nearer, 0));
-    // In the stage, the mesh is where the joints are.
-    let text = body(&format!("body = \"{name}\"")).replace("BODY", &format!("body = \"{name}\""));
-    let task = Task::parse(&text, &folder.path().join("t.toml")).expect("a task");
-    let clips = vec![ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }; 2];
-    let stage = super::stage::Stage::new(&task, &clips);
-    let around = stage.around(0, crate::linkage::Limb::LeftArm, [0.4, 1.4]);
-    let pieces: Vec<_> = around.solids.iter().filter(|solid| solid.name == "Bo").collect();
-    assert!(pieces.len() > 15 && stage.other_bodies(0).is_empty() && stage.other_capsules(0).len() == 1);
-    let head = stage.actors[1].joint(Joint::Head, 1.0).position;
-    let nearest = |at: glam::DVec3| {
-        let far = |solid: &&crate::problem::Solid| {
-            let p = solid.path.at(1.0).local_point(at);
-            solid.shape.distance(&crate::shape::Segment::new(p, p), 9.0)
-        };
-        pieces.iter().map(far).fold(9.0, f64::min)
-    };
-    assert!(nearest(head) < 0.2 && nearest(head + glam::DVec3::Y * 0.5) > 0.15, "{}", nearest(head));
-    // The own arm is as thick as what it wears, not as people are.
-    let radius = |stage: &super::stage::Stage<'_>| {
-        stage.actors[0].shape.capsules.iter().find(|c| c.joint == Joint::LeftForearm).map(|c| c.radius)
-    };
-    let bare = Task::parse(&body("").replace("BODY", ""), &folder.path().join("t.toml")).expect("a task");
-    assert_ne!(radius(&stage), radius(&super::stage::Stage::new(&bare, &clips)));
-    let missing = with(body("").replace("BODY", "body = \"nobody.glb\"")).unwrap_err();
-    assert!(missing.contains("nobody.glb") && missing.contains("t.toml:"), "{missing}");
-}
-
-#[test]
-fn what_the_second_hand_cannot_do_is_said() {
-    let s = Somebody::standing();
-    let far = run(&CRATE.replace("[{ at = [-0.14, 0.0, -0.03] }]", "[{ at = [-0.64, 0.0, 0.4] }]"), &s);
-    assert!(why(&far, 0).starts_with("right arm: ") && why(&far, 0).contains("out of reach by 0."), "{}", why(&far, 0));
-    assert!(why(&far, 1).contains("does not hold `crate`") && far.recheck.violations.is_empty());
-    // What cannot be put down stays in both hands.
-    let kept = run(&CRATE.replace("to = { on = \"shelf\", at = [0.08,", "to = { on = \"shelf\", at = [0.98,"), &s);
-    assert!(
-        why(&kept, 2).contains("not reached at 3.60 s") && kept.recheck.violations.is_empty(),
-        "{:?}",
-        kept.recheck
-    );
-    assert_eq!(kept.attachments.last().and_then(|a| a.second.as_deref()), Some("right_hand"));
-    // One hand alone does nothing else as long as both hold something.
-    let bell = "[[scene.obstacles]]\nname = \"bell\"\nshape = { ball = { radius = 0.03 } }\nat = [-0.3, 1.2, 0.4]\n";
-    let touch = "[[tasks]]\nlimb = \"right_arm\"\ndo = \"touch\"\nobject = \"bell\"\nat_s = 2.4\nwindow_s = [2.3, 2.5]\ngrips = [{}]\n";
-    let busy = run(&format!("{}{touch}", CRATE.replace("[[scene.objects]]", &format!("{bell}[[scene.objects]]"))), &s);
-    assert!(why(&busy, 3).contains("and the other one hold `crate`"), "{}", why(&busy, 3));
-    for (from, to, says) in [
-        ("limb = \"right_arm\", grips", "limb = \"left_arm\", grips", "expected the other arm"),
-        ("limb = \"right_arm\", grips", "limb = \"right_leg\", grips", "expected the other arm"),
-        ("do = \"grab\"", "do = \"reach\"", "expected `second` in `grab` alone"),
-    ] {
-        let e = parse(&CRATE.replace(from, to)).unwrap_err();
-        assert!(e.contains(says) && e.contains("t.toml:"), "{e}");
-    }
 }
 
 #[test]
