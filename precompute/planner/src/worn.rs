@@ -103,7 +103,7 @@ pub(crate) mod tests {
     pub fn figure_file(folder: &Path, skeleton: &Skeleton) -> PathBuf {
         let mut writer = TakeWriter::new(folder, vec![(0, "one".into(), skeleton.clone())], 30.0).expect("a take");
         let pose = Pose { translations: skeleton.offsets, rotations: [Quat::IDENTITY; NUM_JOINTS] };
-        (0..2).for_each(|_| writer.push(0, Some(pose.clone())).expect("a frame"));
+        (0..2).for_each(|_| writer.push(0, Some(pose)).expect("a frame"));
         let take = writer.into_take().expect("a take");
         let mut bytes = Vec::new();
         Glb::new(&take).expect("a body").write(&mut bytes).expect("bytes");
