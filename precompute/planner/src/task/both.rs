@@ -233,7 +233,7 @@ fn way(
 /// What both hands hold stays where it is to the clip's end, as nothing came of the step; where that cannot be, the check says so.
 pub(super) fn stay(stage: &mut Stage<'_>, step: &Step) {
     let (who, [from_s, at_s, _]) = (step.character, step.times_s);
-    let Some((_, lead, second)) = stage.held_by_both(who, step.limb, [from_s, at_s]) else { return };
+    let Some((thing, lead, second)) = stage.held_by_both(who, step.limb, [from_s, at_s]) else { return };
     let is_later = |p: &Pin| p.character == who && [lead, second.limb].contains(&p.limb) && p.time_s > from_s + 1e-6;
     if !step.deed.holds() || stage.pins.iter().any(is_later) {
         return;
@@ -241,6 +241,10 @@ pub(super) fn stay(stage: &mut Stage<'_>, step: &Step) {
     let (end_s, rate_hz) = (stage.actors[who].end_s(), stage.actors[who].clip.rate_hz);
     let from_s = (from_s * rate_hz).round() / rate_hz;
     let mut kept = stage.clone();
+    // What it lies on carries it for longer, too.
+    let name = &stage.task.things[thing].name;
+    let own = kept.contacts.iter_mut().filter(|c| c.0 == who && c.1 == lead && c.2.part.as_ref() == Some(name));
+    own.filter_map(|c| c.2.window_s.as_mut()).filter(|w| w[1] >= from_s).for_each(|w| w[1] = f64::INFINITY);
     if from_s < end_s && keep(&mut kept, Pair { who, lead, second }, [from_s, end_s]).is_ok() {
         *stage = kept;
     }

@@ -95,6 +95,15 @@ fn what_the_second_hand_cannot_do_is_said() {
         kept.recheck
     );
     assert_eq!(kept.attachments.last().and_then(|a| a.second.as_deref()), Some("right_hand"));
+    // And where nothing came of the first task with it, on the table.
+    let mut lies = CRATE[..CRATE.find("[[tasks]]\nlimb = \"left_arm\"\ndo = \"carry\"").expect("a task")].to_owned();
+    lies += &CRATE[CRATE.rfind("[[tasks]]").expect("a task")..];
+    let lies = run(&lies.replace("to = { on = \"shelf\", at = [0.08,", "to = { on = \"shelf\", at = [0.98,"), &s);
+    assert!(
+        why(&lies, 1).contains("not reached at 3.60 s") && lies.recheck.violations.is_empty(),
+        "{:?}",
+        lies.recheck
+    );
     // One hand alone does nothing else as long as both hold something.
     let bell = "[[scene.obstacles]]\nname = \"bell\"\nshape = { ball = { radius = 0.03 } }\nat = [-0.3, 1.2, 0.4]\n";
     let touch = "[[tasks]]\nlimb = \"right_arm\"\ndo = \"touch\"\nobject = \"bell\"\nat_s = 2.4\nwindow_s = [2.3, 2.5]\ngrips = [{}]\n";
