@@ -29,7 +29,7 @@ use throng_precompute::plans;
 #[derive(clap::Args)]
 #[command(after_long_help = keys::of::<Report>())]
 pub struct Args {
-    /// Names of scenes, or task files; all scenes where absent.
+    /// Names of scenes, task files, or folders of task files, such as data/tasks; all named scenes where absent.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     scene: Vec<String>,
     /// Seeds for each scene.
@@ -112,7 +112,7 @@ struct Sample {
 
 pub fn run(args: &Args) -> Outcome {
     let all = || SCENES.iter().map(|(name, _)| (*name).to_owned()).collect();
-    let names: Vec<String> = if args.scene.is_empty() { all() } else { args.scene.clone() };
+    let names: Vec<String> = if args.scene.is_empty() { all() } else { in_folders(&args.scene)? };
     let captured = match args.captured.as_slice() {
         [] => None,
         files => natural::captured(files, &BuildConfig::of_motion("", Vec::new())?)?,
@@ -139,6 +139,27 @@ pub fn run(args: &Args) -> Outcome {
     }
     results.iter().try_for_each(print)?;
     captured.map_or(Ok(()), |c| output::table(&[("captured", c.text())]))
+}
+
+/// Scenes, and in place of each folder the task files in it, by their names.
+fn in_folders(scenes: &[String]) -> Result<Vec<String>, Box<dyn Error>> {
+    let mut out = Vec::new();
+    for scene in scenes {
+        if !Path::new(scene).is_dir() {
+            out.push(scene.clone());
+            continue;
+        }
+        let files = std::fs::read_dir(scene).map_err(|e| format!("{scene}: {e}"))?;
+        let files = files.map(|f| f.map(|f| f.path())).collect::<Result<Vec<_>, _>>()?;
+        let mut tasks: Vec<PathBuf> =
+            files.into_iter().filter(|f| crate::args::is_toml(f) && plans::is_task(f)).collect();
+        tasks.sort();
+        if tasks.is_empty() {
+            return Err(format!("{scene}: expected task files (.toml with `[[tasks]]`) in the folder").into());
+        }
+        out.extend(tasks.iter().map(|f| f.to_string_lossy().into_owned()));
+    }
+    Ok(out)
 }
 
 /// Plans a scene with every seed.

@@ -4,9 +4,10 @@ use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 use throng_planner::rotation::Rigid;
 use throng_planner::shape::Shape;
-use throng_planner::task::{ActorClip, Task, TaskOutcome};
+use throng_planner::task::{ActorClip, Looked, Task, TaskOutcome};
 use throng_precompute::environment::{Solid, Triangles};
 use throng_precompute::picture::{self, BodyColours, Colour, Figure, Picture, WorldFigure, WorldMoment, WorldStrip};
+use throng_runtime::Joint;
 
 /// Moments side by side.
 const COLUMNS: usize = 10;
@@ -16,6 +17,10 @@ const WIDTH_M: f32 = 2.0;
 const AROUND_S: f64 = 0.15;
 /// Colours of things, by their number.
 const TINTS: [u32; 6] = [0xb08a4a, 0x5f8f56, 0x87609c, 0xb5653f, 0x4a8f9f, 0x8a8578];
+/// Colour of what is looked at.
+const GAZE: u32 = 0xc8102e;
+/// In front of the head's joint, where a line from the face begins (m).
+const EYES: Vec3 = Vec3::new(0.0, 0.07, 0.1);
 /// Colours of characters but the first.
 const OTHERS: [u32; 3] = [0x7d8aa0, 0x9a8fa0, 0x8fa08a];
 
@@ -93,7 +98,22 @@ fn moment(
         let at = path.at(time_s);
         thing.shapes.iter().map(move |s| (solid(s, &at), Colour::hex(TINTS[i % TINTS.len()])))
     });
-    WorldMoment { time_s: time_s as f32, figures, solids: solids.collect() }
+    let gazes = (0..outcome.clips.len()).filter(|_| when == 1).flat_map(|i| gaze(clips, outcome, i, time_s));
+    let solids = solids.chain(gazes.map(|s| (s, Colour::hex(GAZE)))).collect();
+    WorldMoment { time_s: time_s as f32, figures, solids }
+}
+
+/// What a face turns to: a line ahead of the face, as long as to what is looked at, and a ball there.
+fn gaze(clips: &[ActorClip], outcome: &TaskOutcome, who: usize, time_s: f64) -> Vec<Solid> {
+    let inside = |l: &&Looked| l.character == who && l.times_s[0] < time_s && time_s < l.times_s[2];
+    let Some(look) = outcome.looks.iter().find(inside) else { return Vec::new() };
+    let clip = &outcome.clips[who][1];
+    let frame = ((time_s * clip.rate_hz).round() as usize).min(clip.num_frames() - 1);
+    let (head, turn) = clip.joint_transforms(&clips[who].skeleton, frame)[Joint::Head.index()];
+    let at = look.at.as_vec3();
+    let eyes = head + turn * EYES;
+    let to = eyes + turn * Vec3::Z * eyes.distance(at);
+    vec![Solid::Bar { from: eyes, to, radius: 0.004 }, Solid::Bar { from: at, to: at, radius: 0.015 }]
 }
 
 fn solid(shape: &Shape, at: &Rigid) -> Solid {

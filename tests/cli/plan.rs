@@ -203,4 +203,16 @@ fn schema_and_figures_are_printed() {
     }
     let unknown = text(&throng(&["bench", "plan", "--scene", "tabel"]).stderr);
     assert!(unknown.contains("there is no scene `tabel`") && unknown.contains("arm-static"), "{unknown}");
+    // A folder stands for the tasks in it.
+    let folder = folder();
+    let path = at(&folder, "");
+    let command = ["bench", "plan", "--seeds", "1", "--poses", "10", "--json", "--scene", &path];
+    let empty = text(&throng(&command).stderr);
+    assert!(empty.contains("expected task files"), "{empty}");
+    let task = tasks().into_iter().find(|t| t.ends_with("arm-low.toml")).expect("a task");
+    std::fs::copy(task, at(&folder, "arm.toml")).expect("a copy");
+    std::fs::write(at(&folder, "other.toml"), "name = \"no task\"\n").expect("a file");
+    let report = json(&command, &["results"]);
+    let results = report["results"].as_array().expect("a list");
+    assert!(results.len() == 1 && results[0]["scene"].as_str().is_some_and(|s| s.ends_with("arm.toml")), "{report}");
 }

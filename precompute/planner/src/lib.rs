@@ -31,3 +31,4 @@ pub mod task;
 #[cfg(test)]
 mod testing;
 pub mod track;
+pub mod worn;

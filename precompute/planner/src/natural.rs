@@ -29,6 +29,8 @@ pub struct ReachFigures {
     pub peaks: usize,
     /// How high the elbow is above the middle between shoulder and hand, at most (m).
     pub elbow_m: f64,
+    /// How high the hand is above the shoulder in the end (m).
+    pub hand_up_m: f64,
     /// Root mean square of its jerk, times the cube of the time, over the length of the way: 26.8 is the least.
     ///
     /// # Source
@@ -41,6 +43,8 @@ struct Arm {
     hand: Vec<DVec3>,
     stretch_m: Vec<f64>,
     elbow_m: Vec<f64>,
+    /// The hand's height above the shoulder.
+    hand_up_m: Vec<f64>,
 }
 
 impl Arm {
@@ -51,12 +55,13 @@ impl Arm {
         let every = ((1.0 / RATE_HZ) / step_s.max(1e-9)).round().max(1.0) as usize;
         let [shoulder, elbow, wrist] = limb.joints().map(Joint::index);
         let rows = driven.places().iter().step_by(every);
-        let mut arm = Self { hand: Vec::new(), stretch_m: Vec::new(), elbow_m: Vec::new() };
+        let mut arm = Self { hand: Vec::new(), stretch_m: Vec::new(), elbow_m: Vec::new(), hand_up_m: Vec::new() };
         for p in rows {
             let [s, e, w] = [shoulder, elbow, wrist].map(|j| p[j].position);
             arm.hand.push(p[Joint::UpperChest.index()].local_point(w));
             arm.stretch_m.push(s.distance(w));
             arm.elbow_m.push(e.y - 0.5 * (s.y + w.y));
+            arm.hand_up_m.push(w.y - s.y);
         }
         let raw = arm.hand.clone();
         for (i, out) in arm.hand.iter_mut().enumerate() {
@@ -87,6 +92,7 @@ impl Arm {
             peak_mps: speeds.iter().copied().fold(0.0, f64::max),
             peaks: main_peaks(speeds),
             elbow_m: self.elbow_m[from..=to].iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            hand_up_m: self.hand_up_m[to],
             jerk: square.sqrt() * seconds.powi(3) / length,
         })
     }
@@ -190,6 +196,8 @@ mod tests {
         let whole = reach_figures(&clip, &s.skeleton, Limb::LeftArm, [1.0, 2.0]).expect("a reach");
         for r in [*one, whole] {
             // A hinge's hand goes on a circle, and smoothing takes a little of the peak.
+            // The arm hangs down and forwards.
+            assert!(r.hand_up_m < -0.2 && r.hand_up_m > -0.55, "{r:?}");
             assert!(r.peaks == 1 && (15.0..60.0).contains(&r.jerk), "{r:?}");
         }
         // Least jerk: the peak is 1.875 times the mean.

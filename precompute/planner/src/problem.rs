@@ -43,6 +43,7 @@ pub struct Problem {
     pub(crate) parts: Vec<Part>,
     pub(crate) solids: Vec<PlacedSolid>,
     pub(crate) bodies: Vec<BodyPart>,
+    pub(crate) tether: Option<TetherTrack>,
     /// What may not come near each other, those with the same target side by side.
     pub(crate) pairs: Vec<Pair>,
     /// Poses that the external motion would give the linkage, every [`PRESENT_STEP_S`] from `init` on.
@@ -97,6 +98,17 @@ pub(crate) struct BodyPart {
 pub(crate) enum Target {
     Solid(usize),
     Body(usize),
+    /// The reach of the other hand; the part is a point of it.
+    Tether,
+}
+
+/// Where the other hand is reached from.
+#[derive(Clone, Debug)]
+pub(crate) struct TetherTrack {
+    pub name: String,
+    pub from: Track<Rigid>,
+    /// Least and greatest distance (m).
+    pub distances_m: [f64; 2],
 }
 
 /// A part of the linkage, what it may not come near, and how near it may come.
@@ -171,6 +183,7 @@ impl Problem {
         match target {
             Target::Solid(i) => self.solids[i].solid.name.clone(),
             Target::Body(i) => self.bodies[i].name(),
+            Target::Tether => self.tether.as_ref().map_or_else(String::new, |t| t.name.clone()),
         }
     }
 

@@ -37,6 +37,9 @@ pub struct PlanReport {
     pub gaze_off_rad: Option<f64>,
     /// How much farther the weight is off the feet that stand than the clip has it; none where `balance` is off (m).
     pub off_balance_m: Option<f64>,
+    /// How far a second hand is from where it holds something, at most, between frames, too; none where no two hands hold
+    /// anything (m).
+    pub second_hand_off_m: Option<f64>,
     /// What a check by other means found wrong; anything but 0 fails.
     pub recheck_violations: usize,
     /// What was written.
@@ -100,6 +103,7 @@ pub fn report(task: &Task, found: &[(u64, TaskOutcome)]) -> Option<PlanReport> {
     let mean = |k: usize| sum(&|p| p.roughness[k].jerk_rms) / plans.len().max(1) as f64;
     let finite = |x: f64| x.is_finite().then_some(x);
     let times_s = task.times_s();
+    let held_by_two = outcome.attachments.iter().any(|a| a.second.is_some());
     let one = |(d, at_s): (&Done, Option<f64>)| TaskReport {
         name: d.name.clone(),
         solved: d.why.is_none(),
@@ -123,6 +127,7 @@ pub fn report(task: &Task, found: &[(u64, TaskOutcome)]) -> Option<PlanReport> {
         penetration_max_m: outcome.recheck.penetration_max_m,
         gaze_off_rad: task.gaze.then_some(outcome.recheck.gaze_off_rad),
         off_balance_m: task.balance.then_some(outcome.recheck.off_balance_m),
+        second_hand_off_m: held_by_two.then_some(outcome.recheck.second_hand_off_m),
         recheck_violations: outcome.recheck.violations.len(),
         files: Vec::new(),
         variants: if found.len() > 1 { distances(found) } else { Vec::new() },

@@ -9,7 +9,7 @@ use crate::import::gltf;
 use crate::import::source::content_error;
 use glam::{Affine3A, Quat, Vec3};
 use std::path::Path;
-use throng_core::{Mat3x4, NUM_JOINTS, Skeleton};
+use throng_core::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 
 /// A character with its triangles, which wears one pose after another.
 pub struct Figure {
@@ -77,6 +77,15 @@ impl Figure {
     /// Number of matrices of a pose.
     pub fn num_frames(&self) -> usize {
         self.frames.len()
+    }
+
+    /// The joint that each frame of the surface goes with: its own role, or that of the nearest joint above it that has one.
+    pub fn carriers(&self) -> Vec<Joint> {
+        let carrier = |node: usize| {
+            let mut up = std::iter::successors(Some(node), |&n| self.nodes[n].parent);
+            up.find_map(|n| Some(self.wearer.moved[self.nodes[n].moved?].carrier())).unwrap_or(Joint::Hips)
+        };
+        self.frames.iter().map(|(node, _)| carrier(*node)).collect()
     }
 
     /// What wears the motion.

@@ -54,6 +54,14 @@ pub struct Twist {
 }
 
 impl Moved {
+    /// The joint that it goes with.
+    pub fn carrier(&self) -> Joint {
+        match &self.how {
+            How::Role(joint) => *joint,
+            How::Twist(twist) => twist.limb,
+        }
+    }
+
     /// What it twists with, if it does.
     pub fn twist(&self) -> Option<&Twist> {
         match &self.how {

@@ -69,6 +69,12 @@ impl Checker {
                 let gap = core.distance(&other) - radii;
                 if gap < limit { gap } else { f64::INFINITY }
             }
+            Target::Tether => problem.tether.as_ref().map_or(f64::INFINITY, |tether| {
+                let [nearest, farthest] = tether.distances_m;
+                let apart = middle.distance(tether.from.at(time_s).position);
+                let gap = (farthest - apart).min(apart - nearest);
+                if gap < limit { gap } else { f64::INFINITY }
+            }),
             Target::Solid(s) => {
                 let Some(local) = self.in_reach(problem, s, pair.part, time_s, limit) else {
                     return f64::INFINITY;
@@ -147,7 +153,11 @@ impl Checker {
     pub fn clearance(&mut self, problem: &Problem, state: &State, limit: f64) -> f64 {
         self.prepare_if_other(problem);
         self.look(problem, &state.pose, state.time_s);
-        let own = |target| matches!(target, Target::Body(b) if problem.bodies[b].of.is_none());
+        let own = |target| match target {
+            Target::Body(b) => problem.bodies[b].of.is_none(),
+            Target::Tether => true,
+            Target::Solid(_) => false,
+        };
         let open = problem.pairs.iter().filter(|p| !own(p.target) && !p.may_touch_at(state.time_s));
         open.fold(limit, |least, pair| least.min(self.gap(problem, pair, state.time_s, least)))
     }

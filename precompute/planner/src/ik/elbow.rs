@@ -58,8 +58,12 @@ impl Elbow {
 
     /// How far flexion and twist about the forearm are outside their limits (rad).
     pub fn excess(&self, flexion: f64, twist: f64) -> f64 {
-        let twist = if self.mirrored { -twist } else { twist };
-        self.flexion.excess(flexion).max(self.twist.excess(twist))
+        self.flexion.excess(flexion).max(self.twist_excess(twist))
+    }
+
+    /// How far a twist about the forearm is outside its limits (rad).
+    pub fn twist_excess(&self, twist: f64) -> f64 {
+        self.twist.excess(if self.mirrored { -twist } else { twist })
     }
 
     /// Squared distance from shoulder to wrist (m^2).

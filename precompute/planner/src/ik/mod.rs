@@ -9,24 +9,27 @@ mod within;
 
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
-use crate::rotation::{Rigid, about, between, twist_about};
+use crate::rotation::{Rigid, between, twist_about};
 use elbow::Elbow;
 use glam::{DQuat, DVec3};
-use swivel::{offsets, refined};
+use swivel::refined;
 use throng_base::maths;
 use throng_core::Joint;
 pub use unreached::Unreached;
-use within::{HALVES, Swivels, Twist};
+use within::{Fit, HALVES, Quick, Swivels, Twist, widest};
 
 /// Outside limits by less than this counts as on them (rad).
 const ON_LIMIT: f64 = 1e-7;
+
+/// What is farther outside of limits by a quick look needs no exact one (rad).
+const WELL_OUTSIDE: f64 = 0.05;
 
 /// Solves for the seven degrees of freedom of a limb: three of shoulder or hip, flexion and twist of elbow or knee, swing of
 /// wrist or ankle.
 ///
 /// A place and a rotation are six conditions; the seventh is the swivel angle, by which the elbow turns about the line from
 /// shoulder to wrist. It begins where the present pose has it, and is searched in growing steps to both sides until limits
-/// and a predicate hold; those outside limits are passed over by a few products. Where that finds nothing, the whole circle is looked at finely.
+/// and a predicate hold; most are told to be inside or outside of limits by some products. Where that finds nothing, the whole circle is looked at finely.
 ///
 /// # Source
 /// Tolani and Badler 1996, *Real-Time Inverse Kinematics of the Human Arm*; Shapiro, Kallmann and Faloutsos 2007, section 5.
@@ -39,8 +42,16 @@ pub struct LimbIk {
     limits: [JointLimits; 3],
     joints: [Joint; 3],
     elbow: Elbow,
-    /// Of shoulder and elbow.
-    twists: [Twist; 2],
+    elbow_twist: Twist,
+    /// Of shoulder and wrist.
+    quick: [Quick; 2],
+    /// Squares of the least cosines of half a swing of shoulder and wrist.
+    widest: [f64; 2],
+}
+
+fn unit([a, b]: [f64; 2]) -> [f64; 2] {
+    let length = (a * a + b * b).sqrt();
+    [a / length, b / length]
 }
 
 /// What does not depend on the swivel.
@@ -75,8 +86,10 @@ impl LimbIk {
         let limits: [JointLimits; 3] = std::array::from_fn(|i| limits[first + i]);
         let elbow = Elbow::new(chain.offsets[first + 1], chain.offsets[first + 2], &limits[1])
             .expect("elbows and knees have flexion");
-        let twists = [Twist::new(&limits[0], false), Twist::new(&limits[1], limits[1].mirrored)];
-        Self { chain: *chain, limits, joints, elbow, twists }
+        let elbow_twist = Twist::new(&limits[1], limits[1].mirrored);
+        let quick = [Quick::new(&limits[0]), Quick::new(&limits[2])];
+        let widest = [widest(&limits[0], None), widest(&limits[2], Some(elbow.along))];
+        Self { chain: *chain, limits, joints, elbow, elbow_twist, quick, widest }
     }
 
     /// Poses the limb so that hand or foot is at `goal`.
@@ -104,45 +117,57 @@ impl LimbIk {
         };
         let local = base.local(*goal);
         let reach = self.reach(&local, first).map_err(|by_m| Unreached::OutOfReach { by_m })?;
-        let start = self.present_swivel(&reach, present.0[first]);
-        let mut best: Option<Tried> = None;
+        let [c, s] = self.present_swivel(&reach, present.0[first]);
+        // The swivel that is least outside limits.
+        let mut best = (f64::INFINITY, [c, s]);
         let mut in_the_way = None;
-        let mut try_at = |swivel: f64, best: &mut Option<Tried>| {
-            let tried = self.tried(&reach, swivel);
-            if best.is_none_or(|b| tried.excess < b.excess) {
-                *best = Some(tried);
-            }
-            if tried.excess > ON_LIMIT {
-                return (tried.excess, None);
-            }
+        // Within limits: is it free?
+        let mut free = |turns: &[DQuat; 3]| {
             let mut pose = *present;
-            pose.0[first..first + 3].copy_from_slice(&tried.pose);
+            pose.0[first..first + 3].copy_from_slice(turns);
             match blocked(&pose) {
-                None => (tried.excess, Some(pose)),
+                None => Some(pose),
                 Some(by) => {
                     in_the_way.get_or_insert(by);
-                    (tried.excess, None)
+                    None
                 }
             }
         };
-        let swivels = Swivels::new(self, &reach, start);
-        for (offset, half) in offsets().zip(HALVES.iter()) {
-            if !swivels.may_be_within(*half) {
-                continue;
-            }
-            if let (_, Some(pose)) = try_at(start + offset, &mut best) {
+        let exactly = |half: [f64; 2]| {
+            let tried = self.tried(&reach, half);
+            (tried.excess, (tried.excess <= ON_LIMIT).then_some(tried.pose))
+        };
+        let swivels = Swivels::new(self, &reach);
+        for [cos, sin] in HALVES.iter() {
+            let half = [c * cos - s * sin, s * cos + c * sin];
+            let turns = match swivels.look(half) {
+                (Fit::Outside, _) => None,
+                (Fit::Inside, turns) => Some(turns),
+                (Fit::OnEdge, _) => exactly(half).1,
+            };
+            if let Some(pose) = turns.and_then(|t| free(&t)) {
                 return Ok(pose);
             }
         }
-        let found = refined(start, |swivel| try_at(swivel, &mut best));
+        let found = refined(2.0 * maths::atan2(s, c), |swivel| {
+            let (sin, cos) = maths::sin_cos(0.5 * swivel);
+            let about = swivels.excess([cos, sin]);
+            let (excess, turns) = if about > WELL_OUTSIDE { (about, None) } else { exactly([cos, sin]) };
+            if excess < best.0 {
+                best = (excess, [cos, sin]);
+            }
+            (excess, turns.and_then(|t| free(&t)))
+        });
         if let Some(pose) = found {
             return Ok(pose);
         }
-        match (in_the_way, best) {
-            (Some(by), _) => Err(Unreached::Blocked { by }),
-            (None, Some(b)) => Err(Unreached::OutOfLimits { joint: self.joints[b.joint], by_rad: b.excess.max(0.0) }),
-            (None, None) => unreachable!("at least one swivel was tried"),
-        }
+        Err(match in_the_way {
+            Some(by) => Unreached::Blocked { by },
+            None => {
+                let nearest = self.tried(&reach, best.1);
+                Unreached::OutOfLimits { joint: self.joints[nearest.joint], by_rad: nearest.excess.max(0.0) }
+            }
+        })
     }
 
     /// As [`LimbIk::solve`], with nothing in the way.
@@ -168,18 +193,32 @@ impl LimbIk {
         Ok(Reach { line, onto: between(folded, line), flexion, bent, hand: local.rotation })
     }
 
-    /// The swivel that leaves the elbow's axis as nearly as it can where the present pose has it (rad).
-    fn present_swivel(&self, reach: &Reach, shoulder: DQuat) -> f64 {
+    /// The swivel that leaves the elbow's axis as nearly as it can where the present pose has it: cosine and sine of half of it.
+    fn present_swivel(&self, reach: &Reach, shoulder: DQuat) -> [f64; 2] {
         let across = |v: DVec3| v - reach.line * v.dot(reach.line);
         let from = across(reach.onto * self.elbow.axis);
         let to = across(shoulder * self.elbow.axis);
         // Where the arm would have to point along that axis, any swivel is as good.
         let to = if to.length_squared() > 1e-6 { to } else { across(shoulder * self.elbow.upper) };
-        maths::atan2(from.cross(to).dot(reach.line), from.dot(to))
+        let (sin, cos) = (from.cross(to).dot(reach.line), from.dot(to));
+        let length = (sin * sin + cos * cos).sqrt();
+        if length < 1e-12 {
+            return [1.0, 0.0];
+        }
+        let (sin, cos) = (sin / length, cos / length);
+        // The half that is not small comes first: the other one follows from it exactly.
+        if cos >= 0.0 {
+            let half = (0.5 * (1.0 + cos)).sqrt();
+            return unit([half, 0.5 * sin / half]);
+        }
+        let half = (0.5 * (1.0 - cos)).sqrt().copysign(sin);
+        unit([0.5 * sin / half, half])
     }
 
-    fn tried(&self, reach: &Reach, swivel: f64) -> Tried {
-        let shoulder = about(reach.line, swivel) * reach.onto;
+    /// - `half`: cosine and sine of half the swivel.
+    fn tried(&self, reach: &Reach, [cos, sin]: [f64; 2]) -> Tried {
+        let v = reach.line * sin;
+        let shoulder = DQuat::from_xyzw(v.x, v.y, v.z, cos) * reach.onto;
         // What is left for twist and wrist: twist about the forearm first, then the hand's swing.
         let rest = (shoulder * reach.bent).inverse() * reach.hand;
         let twisted = twist_about(if rest.w < 0.0 { -rest } else { rest }, self.elbow.along);

@@ -1,16 +1,16 @@
-//! Which swivels cannot be within limits, by a few products: the rotations of shoulder and forearm are linear in cosine and
-//! sine of half the swivel.
+//! Which swivels are within limits, by some products: rotations of shoulder and forearm are linear in cosine and sine of half the
+//! swivel. What is near a limit is left to the exact look.
 
 use super::{LimbIk, Reach};
 use crate::limits::{JointLimits, Swing};
 use crate::rotation::mirrored;
 use glam::{DQuat, DVec3};
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
 use throng_base::maths;
 
-/// Room, so that nothing is refused that rounding alone has outside (rad).
-const ROOM: f64 = 1e-6;
+/// Angles are looked at that exactly here: what is nearer to a limit may be on either side (rad).
+const ROOM: f64 = 2e-5;
 
 /// Half of each offset that is tried, cosine and sine.
 pub(super) static HALVES: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
@@ -21,23 +21,145 @@ pub(super) static HALVES: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     super::swivel::offsets().map(half).collect()
 });
 
-/// Tangents of half the least and the greatest twist; none where a side is open.
+/// Where a rotation is, as seen from limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Fit {
+    Inside,
+    Outside,
+    /// Too near for a quick look.
+    OnEdge,
+}
+
+impl Fit {
+    /// - `excess`: how far outside (rad).
+    fn of(excess: f64) -> Self {
+        if excess > ROOM {
+            Self::Outside
+        } else if excess < -ROOM {
+            Self::Inside
+        } else {
+            Self::OnEdge
+        }
+    }
+
+    /// Of two conditions.
+    fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Outside, _) | (_, Self::Outside) => Self::Outside,
+            (Self::Inside, Self::Inside) => Self::Inside,
+            _ => Self::OnEdge,
+        }
+    }
+}
+
+/// Tangents of half the least and the greatest twist, with a little room outside and inside; none where a side is open.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Twist([Option<f64>; 2]);
+pub(super) struct Twist {
+    outside: [Option<f64>; 2],
+    inside: [Option<f64>; 2],
+}
 
 impl Twist {
     /// - `turned`: the other way round, as in a mirror.
     pub fn new(limits: &JointLimits, turned: bool) -> Self {
         let side = |angle: f64| (angle.abs() < PI - 0.01).then(|| maths::sin(0.5 * angle) / maths::cos(0.5 * angle));
-        let (least, most) = (side(limits.twist.least - ROOM), side(limits.twist.most + ROOM));
-        Self(if turned { [most.map(|t| -t), least.map(|t| -t)] } else { [least, most] })
+        let sides = |room: f64| {
+            let [least, most] = [side(limits.twist.least - room), side(limits.twist.most + room)];
+            if turned { [most.map(|t| -t), least.map(|t| -t)] } else { [least, most] }
+        };
+        Self { outside: sides(ROOM), inside: sides(-ROOM) }
     }
 
-    /// True where a twist cannot be within: of a quaternion, its part along the axis and its scalar part.
-    fn is_outside(self, along: f64, w: f64) -> bool {
+    /// - `along`, `w`: part along the axis, and scalar part, of a quaternion.
+    fn fit(&self, along: f64, w: f64) -> Fit {
         let (along, w) = if w < 0.0 { (-along, -w) } else { (along, w) };
-        self.0[0].is_some_and(|t| along < t * w) || self.0[1].is_some_and(|t| along > t * w)
+        let [least, most] = self.outside;
+        if least.is_some_and(|t| along < t * w) || most.is_some_and(|t| along > t * w) {
+            return Fit::Outside;
+        }
+        let [least, most] = self.inside;
+        let is_inside = least.is_some_and(|t| along > t * w) && most.is_some_and(|t| along < t * w);
+        if is_inside { Fit::Inside } else { Fit::OnEdge }
     }
+}
+
+/// Limits of a joint, for quick looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Quick {
+    twist: Twist,
+    centre_back: DQuat,
+}
+
+impl Quick {
+    pub fn new(limits: &JointLimits) -> Self {
+        Self { twist: Twist::new(limits, false), centre_back: limits.centre.inverse() }
+    }
+
+    /// How far outside a rotation is, nearly (rad).
+    ///
+    /// - `q`: as [`Quick::own`] has it.
+    fn excess(&self, limits: &JointLimits, q: DQuat) -> f64 {
+        let v = q.xyz();
+        let along = v.dot(limits.bone);
+        let swing = swing_excess(limits, v, along, q.w).unwrap_or(PI);
+        swing.max(limits.twist.excess(quick_twist(along, q.w)))
+    }
+
+    /// A rotation as its limits see it.
+    fn own(&self, limits: &JointLimits, q: DQuat) -> DQuat {
+        self.centre_back * if limits.mirrored { mirrored(q) } else { q }
+    }
+
+    /// - `q`: as [`Quick::own`] has it.
+    fn fit(&self, limits: &JointLimits, q: DQuat) -> Fit {
+        let v = q.xyz();
+        let along = v.dot(limits.bone);
+        match self.twist.fit(along, q.w) {
+            Fit::Outside => Fit::Outside,
+            twist => twist.and(swing_excess(limits, v, along, q.w).map_or(Fit::OnEdge, Fit::of)),
+        }
+    }
+}
+
+/// How far outside a swing is; none near half a turn (rad).
+///
+/// - `v`, `along`, `w`: of a quaternion as its limits see it.
+fn swing_excess(limits: &JointLimits, v: DVec3, along: f64, w: f64) -> Option<f64> {
+    let across = v - limits.bone * along;
+    let (sin, cos) = (across.length(), (along * along + w * w).sqrt());
+    if cos < 1e-3 {
+        return None;
+    }
+    // The swing's rotation vector: what is across, turned back by half the twist.
+    let scale = if sin < 1e-9 { 2.0 } else { 2.0 * quick_angle(sin, cos) / sin };
+    let swing = (across * w - across.cross(limits.bone) * along) * (scale / cos);
+    let [x, y] = limits.axes.map(|a| swing.dot(a));
+    Some(match limits.swing {
+        Swing::Ellipse(radii) => {
+            let [x, y] = [x / radii[0], y / radii[1]];
+            ((x * x + y * y).sqrt() - 1.0) * radii[0].min(radii[1])
+        }
+        Swing::Hinge { flexion, play } => flexion.excess(x).max(y.abs() - play),
+    })
+}
+
+/// A twist, in [-pi, pi] (rad).
+fn quick_twist(along: f64, w: f64) -> f64 {
+    let angle = 2.0 * quick_angle(along.abs(), w.abs());
+    if (along < 0.0) == (w < 0.0) { angle } else { -angle }
+}
+
+/// The angle of a sine and a cosine that are not negative, within 4e-6 rad.
+///
+/// # Source
+/// A polynomial of least greatest error for the arcus tangent on [0, 1].
+fn quick_angle(sin: f64, cos: f64) -> f64 {
+    let is_steep = sin > cos;
+    let t = if is_steep { cos / sin } else { sin / cos };
+    let u = t * t;
+    let series = 0.193_543_46 + u * (-0.116_432_87 + u * (0.052_653_32 - u * 0.011_721_20));
+    let angle = t * (0.999_977_26 + u * (-0.332_623_47 + u * series));
+    if is_steep { FRAC_PI_2 - angle } else { angle }
 }
 
 /// Two quaternions, which cosine and sine of half the swivel weigh.
@@ -50,62 +172,155 @@ impl Linear {
     fn at(&self, [cos, sin]: [f64; 2]) -> DQuat {
         self.cos * cos + self.sin * sin
     }
+
+    /// The parts along an axis, and the scalar parts: each weighed by cosine and sine.
+    fn twist(&self, axis: DVec3) -> [[f64; 2]; 2] {
+        [[self.cos.xyz().dot(axis), self.sin.xyz().dot(axis)], [self.cos.w, self.sin.w]]
+    }
+}
+
+fn weighed([a, b]: [f64; 2], [cos, sin]: [f64; 2]) -> f64 {
+    a * cos + b * sin
 }
 
 /// What does not depend on the swivel.
 pub(super) struct Swivels<'a> {
     ik: &'a LimbIk,
-    /// Of the swivel where the search begins.
-    start: [f64; 2],
-    /// In the shoulder's own frame.
+    bent: DQuat,
     shoulder: Linear,
+    /// As its limits see it.
+    own_shoulder: Linear,
     /// Twist and wrist together, in the forearm's frame.
     rest: Linear,
+    /// Of shoulder and rest: the part along the bone, and the scalar part.
+    twists: [[[f64; 2]; 2]; 2],
 }
 
 impl<'a> Swivels<'a> {
-    pub fn new(ik: &'a LimbIk, reach: &Reach, start: f64) -> Self {
-        let (sin, cos) = maths::sin_cos(0.5 * start);
+    pub fn new(ik: &'a LimbIk, reach: &Reach) -> Self {
         let line = DQuat::from_vec4(reach.line.extend(0.0));
-        let limits = &ik.limits[0];
-        let own = |q: DQuat| limits.centre.inverse() * if limits.mirrored { mirrored(q) } else { q };
+        let shoulder = Linear { cos: reach.onto, sin: line * reach.onto };
+        let [cos, sin] = [shoulder.cos, shoulder.sin].map(|q| ik.quick[0].own(&ik.limits[0], q));
         let back = (reach.onto * reach.bent).inverse();
-        Self {
-            ik,
-            start: [cos, sin],
-            shoulder: Linear { cos: own(reach.onto), sin: own(line * reach.onto) },
-            rest: Linear { cos: back * reach.hand, sin: -(back * line) * reach.hand },
-        }
+        let rest = Linear { cos: back * reach.hand, sin: -(back * line) * reach.hand };
+        let own_shoulder = Linear { cos, sin };
+        let twists = [own_shoulder.twist(ik.limits[0].bone), rest.twist(ik.elbow.along)];
+        Self { ik, bent: reach.bent, shoulder, own_shoulder, rest, twists }
     }
 
-    /// False where the swivel at an offset is outside limits for certain.
-    pub fn may_be_within(&self, [cos, sin]: [f64; 2]) -> bool {
-        let [c, s] = self.start;
-        let half = [c * cos - s * sin, s * cos + c * sin];
+    /// Where a swivel is, and the pose of one that is within limits.
+    ///
+    /// - `half`: cosine and sine of half of it.
+    pub fn look(&self, half: [f64; 2]) -> (Fit, [DQuat; 3]) {
+        let ik = self.ik;
+        let none = [DQuat::IDENTITY; 3];
+        // Twists and how wide swings are come first: they need two products each.
+        let [[upper, upper_w], [along, w]] = self.twists.map(|t| t.map(|t| weighed(t, half)));
+        let twist = ik.elbow_twist.fit(along, w);
+        if twist == Fit::Outside
+            || upper * upper + upper_w * upper_w < ik.widest[0]
+            || along * along + w * w < ik.widest[1]
+            || ik.quick[0].twist.fit(upper, upper_w) == Fit::Outside
+        {
+            return (Fit::Outside, none);
+        }
         let rest = self.rest.at(half);
-        if self.ik.twists[1].is_outside(rest.xyz().dot(self.ik.elbow.along), rest.w) {
-            return false;
+        let (rest, along) = if w < 0.0 { (-rest, -along) } else { (rest, along) };
+        let shoulder = ik.quick[0].fit(&ik.limits[0], self.own_shoulder.at(half));
+        if shoulder == Fit::Outside {
+            return (shoulder, none);
         }
-        let shoulder = self.shoulder.at(half);
-        let limits = &self.ik.limits[0];
-        let v = shoulder.xyz();
-        let along = v.dot(limits.bone);
-        !self.ik.twists[0].is_outside(along, shoulder.w) && !self.swings_too_far(v, along, shoulder.w)
+        let length = (along * along + rest.w * rest.w).sqrt();
+        if length < 1e-6 {
+            return (Fit::OnEdge, none);
+        }
+        let v = ik.elbow.along * (along / length);
+        let twisted = DQuat::from_xyzw(v.x, v.y, v.z, rest.w / length);
+        let hand = twisted.inverse() * rest;
+        let wrist = ik.quick[1].fit(&ik.limits[2], ik.quick[1].own(&ik.limits[2], hand));
+        let fit = twist.and(shoulder).and(wrist);
+        let pose = if fit == Fit::Inside { [self.shoulder.at(half), self.bent * twisted, hand] } else { none };
+        (fit, pose)
+    }
+}
+
+impl Swivels<'_> {
+    /// How far a swivel is outside limits, nearly (rad).
+    ///
+    /// - `half`: cosine and sine of half of it.
+    pub fn excess(&self, half: [f64; 2]) -> f64 {
+        let ik = self.ik;
+        let [along, w] = self.twists[1].map(|t| weighed(t, half));
+        let length = (along * along + w * w).sqrt();
+        let twisted = if length < 1e-6 {
+            DQuat::IDENTITY
+        } else {
+            let v = ik.elbow.along * (along / length);
+            DQuat::from_xyzw(v.x, v.y, v.z, w / length)
+        };
+        let hand = twisted.inverse() * self.rest.at(half);
+        let shoulder = ik.quick[0].excess(&ik.limits[0], self.own_shoulder.at(half));
+        let wrist = ik.quick[1].excess(&ik.limits[2], ik.quick[1].own(&ik.limits[2], hand));
+        ik.elbow.twist_excess(quick_twist(along, w)).max(shoulder).max(wrist)
+    }
+}
+
+/// A swing whose cosine of half its angle has a smaller square is outside limits; nothing is where the joint's own twist, or its
+/// middle, is turned away from the forearm.
+///
+/// - `along`: what the twist before it is about, if there is one.
+pub(super) fn widest(limits: &JointLimits, along: Option<DVec3>) -> f64 {
+    let bone = if limits.mirrored { mirrored_direction(limits.bone) } else { limits.bone };
+    let is_aligned = along.is_none_or(|a| bone.distance(a) < 1e-9 && limits.centre == DQuat::IDENTITY);
+    let cos = maths::cos(0.5 * (limits.widest_swing() + ROOM).min(PI));
+    if is_aligned { cos * cos } else { 0.0 }
+}
+
+fn mirrored_direction(v: DVec3) -> DVec3 {
+    DVec3::new(-v.x, v.y, v.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits::{BodyLimits, Interval};
+    use crate::rotation::exp;
+    use proptest::prelude::*;
+    use throng_core::{Joint, Skeleton};
+
+    #[test]
+    fn quick_angles_are_near() {
+        for i in 0..=20_000 {
+            let angle = f64::from(i) * FRAC_PI_2 / 20_000.0;
+            let (sin, cos) = maths::sin_cos(angle);
+            assert!((quick_angle(sin, cos.max(0.0)) - angle).abs() < 4e-6, "{angle}");
+            for (along, w, twist) in [(sin, cos, angle), (-sin, cos, -angle), (-sin, -cos, angle), (sin, -cos, -angle)]
+            {
+                assert!((quick_twist(along, w) - 2.0 * twist).abs() < 1e-5 || angle > 1.57, "{along} {w}");
+            }
+        }
     }
 
-    /// - `v`, `along`, `w`: of the shoulder's quaternion in its own frame.
-    fn swings_too_far(&self, v: DVec3, along: f64, w: f64) -> bool {
-        let limits = &self.ik.limits[0];
-        let Swing::Ellipse(radii) = limits.swing else { return false };
-        let cos = maths::hypot(along, w);
-        let across = v - limits.bone * along;
-        let sin = across.length();
-        if cos < 1e-9 || sin < 1e-9 {
-            return false;
+    proptest! {
+        #[test]
+        fn quick_looks_say_what_exact_ones_do(v in prop::array::uniform3(-3.0f64..3.0), open in any::<bool>()) {
+            let all = BodyLimits::built_in(&Skeleton::default());
+            let q = exp(DVec3::from(v));
+            for joint in [Joint::LeftUpperArm, Joint::RightUpperArm, Joint::RightThigh, Joint::LeftHand, Joint::RightFoot, Joint::LeftShin] {
+                let mut limits = all.joints[joint.index()].expect("limits");
+                if open {
+                    limits.twist = Interval::new(-PI, PI);
+                }
+                let quick = Quick::new(&limits);
+                let excess = limits.excess(q);
+                let about = quick.excess(&limits, quick.own(&limits, q));
+                prop_assert!((about - excess).abs() < 2e-5 || excess > 1.0, "{joint:?} {about} {excess}");
+                match quick.fit(&limits, quick.own(&limits, q)) {
+                    Fit::Inside => prop_assert!(excess < 0.0, "{joint:?} {excess}"),
+                    Fit::Outside => prop_assert!(excess > 0.0, "{joint:?} {excess}"),
+                    Fit::OnEdge => prop_assert!(excess.abs() < 1e-3 || open, "{joint:?} {excess}"),
+                }
+            }
         }
-        // The swing's axis: what is across, turned back by half the twist.
-        let swing = (across * w - across.cross(limits.bone) * along) * (2.0 * maths::atan2(sin, cos) / (sin * cos));
-        let [x, y] = [swing.dot(limits.axes[0]) / radii[0], swing.dot(limits.axes[1]) / radii[1]];
-        x * x + y * y > (1.0 + ROOM / radii[0].min(radii[1])).powi(2)
     }
 }

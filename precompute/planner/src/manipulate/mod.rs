@@ -120,7 +120,7 @@ pub fn reach(
     Ok((out, Reached { target, times_s, outcomes: [first, second] }))
 }
 
-fn between<'a>(spec: &ProblemSpec<'a>, init: State, goal: State) -> ProblemSpec<'a> {
+pub(crate) fn between<'a>(spec: &ProblemSpec<'a>, init: State, goal: State) -> ProblemSpec<'a> {
     ProblemSpec { init, goal, admit_ends: true, ..spec.clone() }
 }
 
@@ -159,7 +159,8 @@ fn reached(problem: &Problem, task: &Reach<'_>, time_s: f64) -> Result<(usize, L
     Err(NotReached::Target { time_s, why })
 }
 
-fn planned(
+/// Plans from a spec's start to its goal, into the clip.
+pub(crate) fn planned(
     clip: &Clip,
     planner: &mut Planner,
     spec: &ProblemSpec<'_>,
@@ -176,6 +177,6 @@ fn planned(
     }
 }
 
-fn misfit(e: Misfit) -> ProblemError {
+pub(crate) fn misfit(e: Misfit) -> ProblemError {
     ProblemError::Value { what: e.to_string(), expected: "the clip's frames" }
 }

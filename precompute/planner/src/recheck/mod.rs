@@ -11,6 +11,7 @@ mod tests;
 use crate::body::BodyCapsule;
 use crate::limits::JointLimits;
 use crate::problem::Solid;
+use crate::rotation::Rigid;
 use crate::setup::{Allowed, Held};
 use distance::{Core, to_capsule, to_solid};
 use glam::{Quat, Vec3};
@@ -20,7 +21,7 @@ use throng_motion::Clip;
 use throng_motion::clip::joint_transforms;
 
 /// Looks a second.
-const RATE_HZ: f64 = 1000.0;
+pub(crate) const RATE_HZ: f64 = 1000.0;
 /// Speeds may be above their limit by this share: clips hold floats.
 const SPEED_TOLERANCE: f64 = 1e-3;
 /// Limits may be left by so much (rad).
@@ -94,6 +95,8 @@ pub struct RecheckReport {
     pub gaze_off_rad: f64,
     /// How much farther the weight is off the feet that stand than the clip has it, at most; 0 where that is not asked for (m).
     pub off_balance_m: f64,
+    /// How far the second hand at something is from where it holds it, at most, between the clip's frames, too (m).
+    pub second_hand_off_m: f64,
     /// Looks.
     pub looks: usize,
 }
@@ -109,6 +112,7 @@ impl Default for RecheckReport {
             speed_share: 0.0,
             gaze_off_rad: 0.0,
             off_balance_m: 0.0,
+            second_hand_off_m: 0.0,
             looks: 0,
         }
     }
@@ -302,6 +306,12 @@ fn turns_at(clip: &Clip, time_s: f64) -> [Quat; NUM_JOINTS] {
 fn frame_at(clip: &Clip, time_s: f64) -> (usize, f32) {
     let at = (time_s * clip.rate_hz).clamp(0.0, (clip.num_frames() - 1) as f64);
     (at as usize, at.fract() as f32)
+}
+
+/// Where a joint is at any time.
+pub(crate) fn place_at(clip: &Clip, skeleton: &Skeleton, joint: Joint, time_s: f64) -> Rigid {
+    let (at, turn) = transforms_at(clip, skeleton, time_s, &turns_at(clip, time_s))[joint.index()];
+    Rigid { position: at.as_dvec3(), rotation: turn.as_dquat().normalize() }
 }
 
 fn transforms_at(

@@ -1,13 +1,13 @@
 //! Checks and prepares.
 
-use super::{Allowed, ProblemError, ProblemSpec};
+use super::{Allowed, ProblemError, ProblemSpec, Tether};
 use crate::body::{BodyCapsule, BodyShape};
 use crate::collide::Checker;
 use crate::correct::Span;
 use crate::driven::Driven;
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, Limb, MAX_JOINTS};
-use crate::problem::{BodyPart, PRESENT_STEP_S, Pair, Part, PlacedSolid, Problem, Solid, Target};
+use crate::problem::{BodyPart, PRESENT_STEP_S, Pair, Part, PlacedSolid, Problem, Solid, Target, TetherTrack};
 use crate::shape::Segment;
 use crate::track::Track;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -50,6 +50,12 @@ impl Problem {
         let chain = Chain::new(spec.linkage, spec.skeleton);
         let mut parts = limb_parts(spec, &chain);
         parts.extend(spec.held.iter().map(|h| part(&chain, h.name.clone(), chain.len() - 1, h.core, h.radius)));
+        let tether = spec.tether.map(|t| {
+            parts.push(part(&chain, "the other hand".into(), chain.len() - 1, Segment::new(t.at, t.at), 0.0));
+            let name = format!("the reach from {}", t.from.name());
+            let from = Track::rigid(spec.motion.clock(), spec.motion.of_joint(t.from));
+            TetherTrack { name, from, distances_m: t.distances_m }
+        });
         let solids = spec.solids.iter().map(placed_solid).collect();
         let mut bodies = driven_parts(None, spec.motion, spec.shape, |j| chain_link(&chain, j).is_none());
         for o in spec.others {
@@ -66,6 +72,7 @@ impl Problem {
             parts,
             solids,
             bodies,
+            tether,
             pairs: Vec::new(),
             present: present.collect(),
             init: spec.init,
@@ -100,10 +107,13 @@ impl Problem {
         // What carries the limb goes with the trunk.
         let own_bend = spec.motion.bend_m(|j| Limb::ALL.iter().all(|l| !l.moves(j)));
         let mut pairs = Vec::new();
+        // The other hand collides by itself; only whether it reaches is asked here.
+        let bodies = self.parts.len() - usize::from(self.tether.is_some());
         let targets = (0..self.solids.len()).map(Target::Solid).chain((0..self.bodies.len()).map(Target::Body));
         for target in targets {
-            for (i, part) in self.parts.iter().enumerate() {
+            for (i, part) in self.parts[..bodies].iter().enumerate() {
                 let (with, gap) = match target {
+                    Target::Tether => continue,
                     Target::Solid(s) => (self.solids[s].solid.name.as_str(), spec.clearance_m + own_bend),
                     Target::Body(b) => match &self.bodies[b].of {
                         Some(who) => (who.as_str(), spec.clearance_m + own_bend + others_bend),
@@ -122,6 +132,12 @@ impl Problem {
                 }
             }
         }
+        pairs.extend(self.tether.iter().map(|_| Pair {
+            part: bodies,
+            target: Target::Tether,
+            gap: 0.0,
+            allowed: None,
+        }));
         pairs
     }
 
@@ -288,6 +304,11 @@ fn check_numbers(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
         if !capsule(&h.core, h.radius) {
             return wrong(format!("what is held: `{}`", h.name), "finite ends and a positive radius");
         }
+    }
+    if let Some(Tether { at, distances_m: [nearest, farthest], .. }) = spec.tether
+        && !(at.is_finite() && 0.0 <= nearest && nearest < farthest)
+    {
+        return wrong("where the other hand is".into(), "a finite place and ascending distances");
     }
     let shapes = spec.others.iter().map(|o| o.shape).chain([spec.shape]);
     for c in shapes.flat_map(|s| &s.capsules) {

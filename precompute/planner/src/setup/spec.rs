@@ -6,7 +6,8 @@ use crate::limits::BodyLimits;
 use crate::linkage::Linkage;
 use crate::problem::{Solid, State};
 use crate::shape::Segment;
-use throng_core::Skeleton;
+use glam::DVec3;
+use throng_core::{Joint, Skeleton};
 
 /// Another character.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +42,17 @@ pub struct Allowed {
     pub window_s: Option<[f64; 2]>,
 }
 
+/// The other hand at what is held: a place on the hand or foot that stays within reach of another joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tether {
+    /// The joint from which it is reached: the other shoulder.
+    pub from: Joint,
+    /// The other wrist, in the frame of the linkage's last joint (m).
+    pub at: DVec3,
+    /// Least and greatest distance between both (m).
+    pub distances_m: [f64; 2],
+}
+
 /// A problem before it is checked.
 #[derive(Clone, Debug)]
 pub struct ProblemSpec<'a> {
@@ -66,6 +78,8 @@ pub struct ProblemSpec<'a> {
     pub held: &'a [Held],
     /// What may touch.
     pub allowed: &'a [Allowed],
+    /// Where the other hand is at what is held.
+    pub tether: Option<Tether>,
     /// How far everything stays from solids and from others (m, >= 0).
     pub clearance_m: f64,
     /// How deep parts of the own body may press into each other, as flesh does (m, >= 0).
@@ -98,6 +112,7 @@ impl<'a> ProblemSpec<'a> {
             others: &[],
             held: &[],
             allowed: &[],
+            tether: None,
             clearance_m: 0.005,
             self_press_m: 0.02,
             admit_ends: false,

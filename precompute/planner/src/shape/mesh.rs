@@ -1,8 +1,8 @@
 //! Surfaces of triangles with a tree of boxes over them.
 
 use super::segment::Segment;
-use super::triangle::square_distance;
-use glam::{DVec3, Vec3};
+use super::triangle::{is_farther, square_distance};
+use glam::{DVec3, Vec3, Vec3A};
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode, TraversalAction};
 
@@ -112,22 +112,27 @@ impl Mesh {
         corners.is_some_and(|t| square_distance(s, &t.map(|c| c.as_dvec3())) < limit * limit)
     }
 
-    /// Calls `look` with the squared distances of triangles whose boxes are within a limit, which it returns anew, or
+    /// Calls `look` with the squared distances of triangles that may be within a limit, which it returns anew, or
     /// nothing to stop.
     fn visit(&self, s: &Segment, limit: f64, mut look: impl FnMut(u32, f64) -> Option<f64>) {
         if limit.is_nan() || limit <= 0.0 {
             return;
         }
         let core = Core32::new(s);
-        let mut square = core.square(limit);
+        let length = (s.b - s.a).length_squared();
+        let over = if length > 1e-18 { 1.0 / length } else { 0.0 };
+        let (mut square, mut square_limit) = (core.square(limit), limit * limit);
         self.tree.traverse(|node: &BvhNode| {
             if core.is_farther(node, square) {
                 return TraversalAction::Prune;
             }
             let Some(leaf) = node.leaf_data() else { return TraversalAction::Continue };
             let triangle = self.corners[leaf as usize].map(|c| c.as_dvec3());
+            if is_farther(s, over, &triangle, square_limit) {
+                return TraversalAction::Continue;
+            }
             match look(leaf, square_distance(s, &triangle)) {
-                Some(limit) => square = core.square(limit),
+                Some(limit) => (square, square_limit) = (core.square(limit), limit * limit),
                 None => return TraversalAction::EarlyExit,
             }
             TraversalAction::Continue
@@ -137,18 +142,18 @@ impl Mesh {
 
 /// A segment in floats, as boxes are, with what rounding may take away from a distance.
 struct Core32 {
-    a: Vec3,
-    d: Vec3,
+    a: Vec3A,
+    d: Vec3A,
     /// One over the square of its length; 0 for a point.
     over: f32,
-    low: Vec3,
-    high: Vec3,
+    low: Vec3A,
+    high: Vec3A,
     slack: f32,
 }
 
 impl Core32 {
     fn new(s: &Segment) -> Self {
-        let (a, b) = (s.a.as_vec3(), s.b.as_vec3());
+        let (a, b) = (s.a.as_vec3a(), s.b.as_vec3a());
         let square = (b - a).length_squared();
         let over = if square > 1e-12 { 1.0 / square } else { 0.0 };
         // A few units in the last place of the largest number that there is.
@@ -162,20 +167,21 @@ impl Core32 {
         limit * limit
     }
 
-    /// True where the box of a node is farther away than a limit: by the box around the segment, or by the ball around the
-    /// node's box.
+    /// True where the box of a node is farther away than a limit: by the box around the segment, or as seen along the line from
+    /// the segment to the box's middle.
     fn is_farther(&self, node: &BvhNode, square: f32) -> bool {
-        let (mins, maxs) = (node.mins(), node.maxs());
-        if (mins - self.high).max(self.low - maxs).max(Vec3::ZERO).length_squared() > square {
+        let (mins, maxs) = (Vec3A::from(node.mins()), Vec3A::from(node.maxs()));
+        if (mins - self.high).max(self.low - maxs).max(Vec3A::ZERO).length_squared() > square {
             return true;
         }
         let middle = 0.5 * (mins + maxs);
         let share = ((middle - self.a).dot(self.d) * self.over).clamp(0.0, 1.0);
-        let apart = (self.a + self.d * share).distance_squared(middle);
-        // apart > limit + radius, squared twice: no square root where it is not needed.
-        let radius = 0.25 * (maxs - mins).length_squared();
-        let rest = apart - square - radius;
-        rest > 0.0 && rest * rest > 4.0 * square * radius
+        let line = middle - (self.a + self.d * share);
+        // No point of the segment is farther along that line than the one nearest to the middle, none of the box nearer than by
+        // half of what the box takes up of it. Both sides are multiplied by the line's length: there is no square root.
+        let apart = line.length_squared();
+        let rest = apart - 0.5 * line.abs().dot(maxs - mins);
+        rest > 0.0 && rest * rest > square * apart
     }
 }
 

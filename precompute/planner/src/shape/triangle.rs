@@ -32,6 +32,21 @@ pub fn square_distance(s: &Segment, &[a, b, c]: &[DVec3; 3]) -> f64 {
     best
 }
 
+/// True where a triangle is no nearer to a segment than a limit, as seen along the line from the segment to the triangle's middle;
+/// false says nothing.
+///
+/// - `over`: one over the square of the segment's length; 0 for a point.
+/// - `square_limit`: (m^2)
+pub fn is_farther(s: &Segment, over: f64, &[a, b, c]: &[DVec3; 3], square_limit: f64) -> bool {
+    let along = s.b - s.a;
+    let middle = (a + b + c) * (1.0 / 3.0);
+    let near = s.a + along * ((middle - s.a).dot(along) * over).clamp(0.0, 1.0);
+    let line = middle - near;
+    // No point of the segment is farther along the line than the one nearest to the middle.
+    let rest = (a - near).dot(line).min((b - near).dot(line)).min((c - near).dot(line));
+    rest > 0.0 && rest * rest >= square_limit * line.length_squared()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::segment::tests::{least, points};
@@ -47,6 +62,10 @@ mod tests {
             let searched = least(|u| least(|v| least(|w| (p.lerp(q, u) - a.lerp(b.lerp(c, w), v)).length())));
             let found = square_distance(&s, &[a, b, c]).sqrt();
             prop_assert!((found - searched).abs() < 1e-5, "{found} {searched}");
+            let over = 1.0 / (q - p).length_squared();
+            for limit in [0.5 * found, 1.001 * found + 1e-9] {
+                prop_assert!(!is_farther(&s, over, &[a, b, c], limit * limit) || limit <= found, "{found} {limit}");
+            }
         }
     }
 }

@@ -88,6 +88,11 @@ fn of_step(stage: &Stage<'_>, step: &Step) -> Ahead {
         out.faults.push(why);
     } else {
         visit(stage, step, &mut out);
+        if let Some(second) = &step.second {
+            let own = Step { limb: second.limb, grips: second.grips.clone(), second: None, ..step.clone() };
+            let limb = second.limb.name().replace('_', " ");
+            out.faults.extend(of_step(stage, &own).faults.into_iter().map(|why| format!("{limb}: {why}")));
+        }
     }
     out
 }

@@ -6,7 +6,7 @@ use super::stage::{Actor, Leaned, Planned, Stage, Whereabouts, hand};
 use crate::balance::off_feet;
 use crate::limits::JointLimits;
 use crate::linkage::Linkage;
-use crate::recheck::{OtherClip, Recheck, RecheckReport, Violation, outside};
+use crate::recheck::{OtherClip, RATE_HZ, Recheck, RecheckReport, Violation, outside, place_at};
 use crate::rotation::{Rigid, angle};
 use crate::setup::Allowed;
 use glam::Vec3;
@@ -90,7 +90,7 @@ fn look(stage: &Stage<'_>, who: usize, actor: &Actor, piece: &Planned, report: &
     let touched = stage.contacts.iter().filter(|(by, _, a)| *by != who && a.with == name(who));
     around.allowed.extend(touched.map(|(by, _, a)| Allowed { part: None, with: name(*by).into(), ..a.clone() }));
     let others: Vec<OtherClip<'_>> = (0..stage.actors.len())
-        .filter(|i| *i != who)
+        .filter(|i| *i != who && stage.actors[*i].worn.is_none())
         .map(|i| OtherClip {
             name: &stage.task.characters[i].name,
             clip: &stage.actors[i].clip,
@@ -241,6 +241,26 @@ fn grips(stage: &Stage<'_>, report: &mut RecheckReport) {
                 at => stage.place_in(at, time_s, 0),
             });
             compare(time_s, format!("`{}` as it changes hands", thing.name), &a, &b);
+        }
+        for (k, stretch) in life.iter().enumerate() {
+            let Whereabouts::On { character, joint, second: Some(second), .. } = &stretch.at else { continue };
+            let actor = &stage.actors[*character];
+            let (rate_hz, end_s) = (actor.clip.rate_hz, life.get(k + 1).map_or(actor.end_s(), |next| next.from_s));
+            let frames = [stretch.from_s, end_s].map(|t| (t * rate_hz).round() as usize);
+            for frame in frames[0]..=frames[1].min(actor.clip.num_frames() - 1) {
+                let time_s = frame as f64 / rate_hz;
+                let [first, other] = [*joint, hand(second.limb)].map(|j| in_clip(actor, j, time_s));
+                let what = format!("{} at `{}`", hand(second.limb).name(), thing.name);
+                compare(time_s, what, &first.then(second.grip), &other);
+            }
+            let looks = ((end_s - stretch.from_s) * RATE_HZ) as usize;
+            for look in 0..=looks {
+                let time_s = stretch.from_s + look as f64 / RATE_HZ;
+                let [first, other] =
+                    [*joint, hand(second.limb)].map(|j| place_at(&actor.clip, &actor.skeleton, j, time_s));
+                report.second_hand_off_m =
+                    report.second_hand_off_m.max(first.point(second.grip.position).distance(other.position));
+            }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! One step: a correction, or a limb that goes somewhere and comes back.
 
+use super::both;
 use super::entries::Deed;
 use super::gaze;
 use super::grips::{Goal, goals};
@@ -112,10 +113,12 @@ fn corrected(stage: &mut Stage<'_>, step: &Step, config: &CorrectConfig<'_>) -> 
     let pins = stage.pins.iter().filter(|p| p.character == who && p.limb == limb).map(|p| p.time_s);
     let mut cuts: Vec<f64> = pins.filter(|t| from < *t && *t < to).chain([from, to]).collect();
     cuts.sort_by(f64::total_cmp);
+    // What both hands hold is not theirs to mend.
+    let is_alone = |w: &&[f64]| stage.held_by_both(who, limb, [w[0], w[1]]).is_none();
+    let cuts: Vec<[f64; 2]> = cuts.windows(2).filter(is_alone).map(|w| [w[0], w[1]]).collect();
     let (mut plans, mut spans, mut left) = (Vec::new(), Vec::new(), Vec::new());
     let mut nearest_m: Option<f64> = None;
-    for cut in cuts.windows(2).filter(|w| w[1] - w[0] > 0.5 / rate) {
-        let within = [cut[0], cut[1]];
+    for within in cuts.into_iter().filter(|w| w[1] - w[0] > 0.5 / rate) {
         let around = stage.around(who, limb, within);
         let others = stage.other_bodies(who);
         let spec = stage.spec(who, limb, &around, &others);
@@ -162,32 +165,49 @@ fn no_help(s: &Span, limb: Limb) -> String {
 fn take(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConfig<'_>) -> Did {
     let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
     let name = stage.task.things[object].name.clone();
-    if step.deed == Deed::Grab {
-        free_to_take(stage, step, object)?;
+    let window_s = [step.times_s[0], step.times_s[2]];
+    for limb in [Some(limb), step.second.as_ref().map(|s| s.limb)].into_iter().flatten() {
+        if step.deed == Deed::Grab {
+            free_to_take(stage, step, limb, object)?;
+        }
+        alone(stage, who, limb, window_s)?;
     }
     let place = stage.place(object, at_s);
     let mut hands = goals(&step.grips, &place, &stage.actors[who], limb, at_s);
-    look_ahead(stage, step, object, &mut hands);
+    look_ahead(stage, step, limb, object, &mut hands);
     touch(stage, step, &name, step.deed != Deed::Reach);
+    if let Some(second) = &step.second {
+        let mut others = goals(&second.grips, &place, &stage.actors[who], second.limb, at_s);
+        look_ahead(stage, step, second.limb, object, &mut others);
+        return Ok((both::grab(stage, step, (second.limb, object), [&hands, &others], config)?, Vec::new()));
+    }
     let then = move |goal: &Goal| held(who, limb, goal);
     let change = (step.deed == Deed::Grab).then_some(Change { thing: object, then: &then });
     let (plans, _) = go(stage, Visit::of(step), &hands, change, config)?;
     Ok((plans, Vec::new()))
 }
 
-/// Ranks grips lower from which the object cannot be brought where the limb's next task with it says.
-fn look_ahead(stage: &Stage<'_>, step: &Step, object: usize, hands: &mut [Goal]) {
-    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
-    let is_next = |s: &&Step| {
-        s.deed.holds() && (s.object, s.character, s.limb) == (Some(object), who, limb) && s.times_s[1] > at_s
-    };
-    let next = stage.task.steps.iter().filter(is_next).min_by(|a, b| a.times_s[1].total_cmp(&b.times_s[1]));
-    let Some((next, to)) = next.and_then(|n| Some((n, n.to?))) else { return };
-    let [from_s, then_s, _] = next.times_s;
-    let mut around = stage.around(who, limb, [from_s, then_s]);
+/// Ranks grips lower from which the object cannot be brought where the limb's next tasks with it say, until it is let go.
+///
+/// - `limb`: the step's, or the second one.
+fn look_ahead(stage: &Stage<'_>, step: &Step, limb: Limb, object: usize, hands: &mut [Goal]) {
+    let mut last = step;
+    while let Some(next) = next_with(stage, last, object) {
+        look_ahead_to(stage, step, next, limb, object, hands);
+        if next.deed != Deed::Carry {
+            break;
+        }
+        last = next;
+    }
+}
+
+fn look_ahead_to(stage: &Stage<'_>, step: &Step, next: &Step, limb: Limb, object: usize, hands: &mut [Goal]) {
+    let (Some(to), who, [from_s, then_s, _]) = (next.to, step.character, next.times_s) else { return };
     let name = &stage.task.things[object].name;
-    around.solids.retain(|s| s.name != *name);
-    around.allowed.retain(|a| a.with != *name && a.part.as_ref() != Some(name));
+    let mut around = both::without_thing(stage.around(who, limb, [from_s, then_s]), name);
+    if let Some(second) = &step.second {
+        around = both::without(around, if limb == step.limb { second.limb } else { step.limb });
+    }
     let others = stage.other_bodies(who);
     let spec = stage.spec(who, limb, &around, &others);
     let Ok(problem) = Problem::prepare(&spec) else { return };
@@ -202,14 +222,33 @@ fn look_ahead(stage: &Stage<'_>, step: &Step, object: usize, hands: &mut [Goal])
     }
 }
 
-/// In the hand of a goal.
-fn held(character: usize, limb: Limb, goal: &Goal) -> Whereabouts {
-    let offset = goal.hand.local(goal.object);
-    Whereabouts::On { character, joint: hand(limb), offset, holder: Some(limb) }
+/// What the limb does next with an object that it holds by then.
+pub(super) fn next_with<'s>(stage: &Stage<'s>, step: &Step, object: usize) -> Option<&'s Step> {
+    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+    let is_next = |s: &&Step| {
+        s.deed.holds() && (s.object, s.character, s.limb) == (Some(object), who, limb) && s.times_s[1] > at_s
+    };
+    stage.task.steps.iter().filter(is_next).min_by(|a, b| a.times_s[1].total_cmp(&b.times_s[1]))
 }
 
-fn free_to_take(stage: &Stage<'_>, step: &Step, object: usize) -> Result<(), Problems> {
-    let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
+/// In the hand of a goal.
+pub(super) fn held(character: usize, limb: Limb, goal: &Goal) -> Whereabouts {
+    let offset = goal.hand.local(goal.object);
+    Whereabouts::On { character, joint: hand(limb), offset, holder: Some(limb), second: None }
+}
+
+/// A limb that holds something together with the other one does nothing else.
+fn alone(stage: &Stage<'_>, who: usize, limb: Limb, window_s: [f64; 2]) -> Result<(), Problems> {
+    let Some((thing, ..)) = stage.held_by_both(who, limb, window_s) else { return Ok(()) };
+    let (limb, name) = (limb.name().replace('_', " "), &stage.task.things[thing].name);
+    let [from_s, to_s] = window_s;
+    Err(Problems::new(format!(
+        "{limb} and the other one hold `{name}` between {from_s:.2} s and {to_s:.2} s; drop it first"
+    )))
+}
+
+fn free_to_take(stage: &Stage<'_>, step: &Step, limb: Limb, object: usize) -> Result<(), Problems> {
+    let (who, at_s) = (step.character, step.times_s[1]);
     let name = &stage.task.things[object].name;
     if let Whereabouts::On { character, holder: Some(by), .. } = stage.stretch(object, at_s) {
         let by = format!("{}'s {}", stage.task.characters[*character].name, by.name().replace('_', " "));
@@ -250,15 +289,21 @@ fn bring(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConf
     let goal = |object: Rigid| Goal { rank: 0, hand: object.then(offset.local(Rigid::IDENTITY)), object };
     let hands: Vec<Goal> = stage.resolve(&to, at_s).into_iter().map(goal).collect();
     touch(stage, step, &name, true);
-    hands.iter().for_each(|goal| beside(stage, (who, limb), object, &goal.object, at_s));
+    let both = stage.held_by_both(who, limb, [at_s - 1e-3, at_s]);
+    let until_s = if both.is_some() { both::until_s(stage, step, object) } else { at_s };
+    hands.iter().for_each(|goal| beside(stage, (who, limb), object, &goal.object, [at_s, until_s]));
     let laid = laid(stage, &to, object, at_s)?;
     let then = |goal: &Goal| laid(goal);
     let change = (step.deed != Deed::Carry).then_some(Change { thing: object, then: &then });
-    let (mut plans, given) = go(stage, Visit::of(step), &hands, change, config)?;
+    let (mut plans, given) = match both {
+        Some((_, _, second)) => both::bring(stage, step, (second, object), &hands, change, config)?,
+        None => go(stage, Visit::of(step), &hands, change, config)?,
+    };
     if let (Deed::HandOver, Some(receiver)) = (step.deed, &step.receiver) {
         // The receiver's grasp takes the place of its being laid down.
         stage.lives[object].pop();
         let (who, limb) = (receiver.character, receiver.limb);
+        alone(stage, who, limb, [step.times_s[1], step.times_s[2]])?;
         let taken = Step { character: who, limb, ..step.clone() };
         let hands = goals(&receiver.grips, &given.object, &stage.actors[who], limb, at_s);
         touch(stage, &taken, &name, true);
@@ -303,13 +348,13 @@ fn laid(
         Anchor::World => Whereabouts::Path(crate::track::Path::Still(goal.object)),
         Anchor::Thing(thing) => Whereabouts::OnThing { thing, offset: from.local(goal.object) },
         Anchor::Joint(character, joint) => {
-            Whereabouts::On { character, joint, offset: from.local(goal.object), holder }
+            Whereabouts::On { character, joint, offset: from.local(goal.object), holder, second: None }
         }
     })
 }
 
 /// Notes what a limb, and what it holds, may touch around the moment of a step.
-fn touch(stage: &mut Stage<'_>, step: &Step, object: &str, with_object: bool) {
+pub(super) fn touch(stage: &mut Stage<'_>, step: &Step, object: &str, with_object: bool) {
     let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
     let window_s = Some([at_s - CONTACT_S, at_s + CONTACT_S]);
     let parts = Joint::ALL.into_iter().filter(|j| limb.moves(*j) && !limb.joints()[..2].contains(j));

@@ -16,6 +16,8 @@ pub(super) struct TaskFile {
     /// How messages and `to` call who moves as `clip` says.
     #[serde(default = "main")]
     pub name: String,
+    /// The character that it wears, with a skin (GLB or glTF), from the task's folder: as thick as that is, it collides.
+    pub body: Option<PathBuf>,
     /// Who else is around.
     #[serde(default)]
     pub characters: Vec<CharacterEntry>,
@@ -145,6 +147,8 @@ pub(super) struct CharacterEntry {
     pub name: String,
     /// Its motion.
     pub clip: ClipEntry,
+    /// The character that it wears, with a skin (GLB or glTF), from the task's folder: its triangles are in the others' way.
+    pub body: Option<PathBuf>,
     /// Its motion is moved by so much (m).
     #[serde(default)]
     pub at: [f64; 3],
@@ -278,6 +282,16 @@ pub(super) struct ReceiverEntry {
     pub grips: Vec<GripEntry>,
 }
 
+/// The second hand at an object.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SecondEntry {
+    /// The other arm.
+    pub limb: Limb,
+    /// Where its hand holds the object.
+    pub grips: Vec<GripEntry>,
+}
+
 /// Something to do.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -303,6 +317,8 @@ pub(super) struct TaskEntry {
     /// Where the hand holds the object: tried in this order.
     #[serde(default)]
     pub grips: Vec<GripEntry>,
+    /// The other hand that takes the object, too; from then on it follows the first one. For `grab`.
+    pub second: Option<SecondEntry>,
     /// Where the object is brought.
     pub to: Option<PlaceEntry>,
     /// Who takes it over.

@@ -10,11 +10,15 @@ use crate::planner::{Budget, PlanConfig};
 use crate::rotation::{Rigid, about, exp};
 use crate::shape::{Segment, Shape};
 use crate::track::Path as Motion;
+use crate::worn::Worn;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use throng_base::Result;
 use throng_base::text::Source;
-use throng_core::Joint;
+use throng_core::{Joint, Skeleton};
+use throng_motion::import::ImportConfig;
+use throng_motion::onto::Figure;
 
 pub use super::entries::ClipEntry;
 
@@ -36,6 +40,37 @@ pub struct Character {
     pub clip: ClipEntry,
     /// By how much its motion is moved and turned.
     pub placed: Rigid,
+    /// What it wears.
+    pub body: Option<Body>,
+}
+
+/// A character with a skin that somebody wears.
+#[derive(Clone)]
+pub struct Body {
+    /// Its file.
+    pub path: PathBuf,
+    /// What is in it.
+    pub figure: Arc<Figure>,
+}
+
+impl std::fmt::Debug for Body {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Body").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+impl PartialEq for Body {
+    fn eq(&self, other: &Self) -> bool {
+        self.path == other.path
+    }
+}
+
+impl Body {
+    fn read(path: &Path) -> std::result::Result<Self, String> {
+        let figure = Figure::open(path, &ImportConfig::default()).map_err(|e| e.to_string())?;
+        Worn::of(&figure, &Skeleton::default()).map_err(|e| format!("{}: {e}", path.display()))?;
+        Ok(Self { path: path.to_path_buf(), figure: Arc::new(figure) })
+    }
 }
 
 /// An obstacle or an object.
@@ -145,7 +180,9 @@ impl Task {
         }
         let clip = clip(&file.clip, folder).map_err(|why| source.at("clip", why))?;
         let mut names = vec![file.name.clone()];
-        let mut characters = vec![Character { name: file.name.clone(), clip, placed: Rigid::IDENTITY }];
+        let body = file.body.as_ref().map(|b| Body::read(&folder.join(b))).transpose();
+        let body = body.map_err(|why| source.at("body", why))?;
+        let mut characters = vec![Character { name: file.name.clone(), clip, placed: Rigid::IDENTITY, body }];
         for (i, c) in file.characters.iter().enumerate() {
             let key = format!("characters[{i}]");
             new_name(&mut names, &c.name).map_err(|why| source.at(&key, why))?;
@@ -233,7 +270,8 @@ impl CharacterEntry {
         if !placed.is_valid() {
             return Err("expected finite numbers".into());
         }
-        Ok(Character { name: self.name.clone(), clip: clip(&self.clip, folder)?, placed })
+        let body = self.body.as_ref().map(|b| Body::read(&folder.join(b))).transpose()?;
+        Ok(Character { name: self.name.clone(), clip: clip(&self.clip, folder)?, placed, body })
     }
 }
 

@@ -1,8 +1,8 @@
 //! Head and neck turn to what a limb reaches for, and back.
 
 use super::ahead::target;
-use super::stage::{Looked, Stage};
-use super::step::Step;
+use super::stage::{Looked, Stage, Whereabouts};
+use super::step::{Anchor, Step};
 use crate::rotation::{about, wrap};
 use glam::{DQuat, DVec3};
 use throng_base::maths;
@@ -41,8 +41,14 @@ pub(super) const JOINTS: [Joint; 2] = [Joint::Neck, Joint::Head];
 /// Shapiro, Kallmann and Faloutsos 2007 leave the gaze to the application; angles and shares are those of walkers.
 pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
     let (who, [from_s, at_s, to_s]) = (step.character, step.times_s);
+    if is_on_own_head(stage, step) {
+        return;
+    }
     // One thing after the other.
     let others = || stage.looked.iter().filter(|l| l.character == who);
+    if others().any(|l| (l.times_s[1] - at_s).abs() < HELD_S) {
+        return;
+    }
     let from_s = others().map(|l| l.times_s[1] + HELD_S).filter(|t| *t < at_s + HELD_S).fold(from_s, f64::max);
     let to_s = others().map(|l| l.times_s[1] - HELD_S).filter(|t| *t > at_s - HELD_S).fold(to_s, f64::min);
     let rate_hz = stage.actors[who].clip.rate_hz;
@@ -108,6 +114,20 @@ pub(super) fn look(stage: &mut Stage<'_>, step: &Step) {
     stage.actors[who].change(clip);
     let at = target(stage, step, at_s).position;
     stage.looked.push(Looked { character: who, times_s: [time_of(*frames.start()), at_s, time_of(*frames.end())], at });
+}
+
+/// True for what is on the own head, or is brought there: it turns along, and nobody sees it.
+fn is_on_own_head(stage: &Stage<'_>, step: &Step) -> bool {
+    let is_own = |character: usize, joint: Joint| character == step.character && JOINTS.contains(&joint);
+    let carried = |thing: usize| match stage.stretch(thing, step.times_s[0]) {
+        Whereabouts::On { character, joint, .. } => is_own(*character, *joint),
+        _ => false,
+    };
+    match (step.to.map(|to| to.on), step.object) {
+        (Some(Anchor::Joint(character, joint)), _) => is_own(character, joint),
+        (Some(Anchor::Thing(thing)), _) | (None, Some(thing)) => carried(thing),
+        _ => false,
+    }
 }
 
 /// Turns that change by no more than a step from frame to frame, near those that are wanted; both ends are kept.

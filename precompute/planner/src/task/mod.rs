@@ -1,6 +1,7 @@
 //! Tasks as files: who and what is there, and what limbs have to do in it.
 
 mod ahead;
+mod both;
 mod check;
 mod deeds;
 mod entries;
@@ -22,9 +23,9 @@ mod walk;
 
 pub use ahead::{Ahead, MeshAhead};
 pub use entries::{PaceEntry, WalkEntry};
-pub use file::{Character, ClipEntry, Start, Task, Thing};
+pub use file::{Body, Character, ClipEntry, Start, Task, Thing};
 pub use obj::triangles as obj_triangles;
 pub use run::{Attachment, Done, Event, Left, NoClips, TaskOutcome, Watch};
 pub use scenery::{Handle, Scenery};
-pub use stage::ActorClip;
+pub use stage::{ActorClip, Looked};
 pub use walk::{NoWalk, Source, Walked};

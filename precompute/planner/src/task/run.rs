@@ -1,10 +1,11 @@
 //! Does what a task says, one thing after the other.
 
+use super::both;
 use super::deeds::{Problems, do_step};
 use super::entries::Deed;
 use super::file::Task;
 use super::scenery::Scenery;
-use super::stage::{ActorClip, Stage, Whereabouts};
+use super::stage::{ActorClip, Looked, Stage, Whereabouts, hand};
 use crate::correct::{CorrectConfig, Span};
 use crate::linkage::Limb;
 use crate::planner::{Outcome, Unsolved};
@@ -12,7 +13,6 @@ use crate::recheck::RecheckReport;
 use crate::search::{Grown, Trees};
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
-use throng_core::Joint;
 use throng_motion::Clip;
 
 /// What came of one thing to do.
@@ -100,6 +100,8 @@ pub struct Attachment {
     pub character: Option<String>,
     /// The joint that carries it.
     pub joint: Option<String>,
+    /// The other hand that holds it, too.
+    pub second: Option<String>,
     /// The thing that it is on.
     pub on: Option<String>,
     /// From then on (s).
@@ -136,6 +138,8 @@ pub struct TaskOutcome {
     pub attachments: Vec<Attachment>,
     /// What was touched and switched.
     pub events: Vec<Event>,
+    /// Who looked at what, where heads do.
+    pub looks: Vec<Looked>,
     /// What a check by other means found.
     pub recheck: RecheckReport,
     /// Where everything is, before and after: to be drawn.
@@ -259,7 +263,7 @@ impl Task {
         let events = events(self, &done);
         let scenery = [before, Scenery::of(&stage)];
         let clips = stage.actors.into_iter().map(|a| [a.before, a.clip]).collect();
-        Ok(TaskOutcome { clips, done, attachments, events, recheck, scenery })
+        Ok(TaskOutcome { clips, done, attachments, events, looks: stage.looked, recheck, scenery })
     }
 
     /// Where the limbs of a character collide with the scene: each limb, and stretches of its clip.
@@ -323,6 +327,7 @@ fn attempt(stage: &mut Stage<'_>, i: usize, config: &CorrectConfig<'_>, is_cance
         Err(Problems { why, nearest_m, plans, spans, left, keep, .. }) => {
             if !keep {
                 *stage = before;
+                both::stay(stage, step);
             }
             (done.why, done.nearest_m, done.plans) = (Some(why), nearest_m, plans);
             (done.spans, done.left) = (spans, left);
@@ -350,21 +355,23 @@ fn attachments(stage: &Stage<'_>) -> Vec<Attachment> {
         for (i, s) in life.iter().enumerate() {
             let to_s = life.get(i + 1).map_or(stage.end_s(), |next| next.from_s);
             let (on, place) = match &s.at {
-                Whereabouts::Path(path) => ([None, None, None], path.at(s.from_s.max(0.0))),
-                Whereabouts::On { character, joint, offset, .. } => {
+                Whereabouts::Path(path) => ([None, None, None, None], path.at(s.from_s.max(0.0))),
+                Whereabouts::On { character, joint, offset, second, .. } => {
                     let who = stage.task.characters[*character].name.clone();
-                    ([Some(who), Some(Joint::name(*joint).into()), None], *offset)
+                    let [joint, second] = [Some(*joint), second.map(|s| hand(s.limb))].map(|j| Some(j?.name().into()));
+                    ([Some(who), joint, second, None], *offset)
                 }
                 Whereabouts::OnThing { thing, offset } => {
-                    ([None, None, Some(stage.task.things[*thing].name.clone())], *offset)
+                    ([None, None, None, Some(stage.task.things[*thing].name.clone())], *offset)
                 }
             };
-            let [character, joint, on] = on;
+            let [character, joint, second, on] = on;
             let turn_deg = crate::rotation::log(place.rotation) * (180.0 / std::f64::consts::PI);
             out.push(Attachment {
                 object: thing.name.clone(),
                 character,
                 joint,
+                second,
                 on,
                 from_s: s.from_s.max(0.0),
                 to_s,

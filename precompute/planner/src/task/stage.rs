@@ -1,6 +1,6 @@
 //! Who and what is there while a task is worked on: clips as they are by now, and where every thing is at every time.
 
-use super::file::{Start, Task};
+use super::file::{Character, Start, Task};
 use super::held::capsules;
 use super::step::{Anchor, Place};
 use crate::body::BodyShape;
@@ -11,7 +11,9 @@ use crate::linkage::{Limb, LimbPose, Linkage};
 use crate::problem::{PRESENT_STEP_S, Problem, Solid, State};
 use crate::rotation::{Rigid, about};
 use crate::setup::{Allowed, Held, Other, ProblemSpec};
+use crate::shape::Shape;
 use crate::track::{Clock, Path as Motion, Track};
+use crate::worn::Worn;
 use glam::{DVec3, Quat};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -49,6 +51,8 @@ pub(super) struct Actor {
     pub limits: BodyLimits,
     pub shape: BodyShape,
     pub motion: Driven,
+    /// The mesh that it wears, which others meet in place of its capsules.
+    pub worn: Option<Worn>,
     /// What limbs are in by the clip itself, and stay in.
     pub pressed: Vec<(Limb, Allowed)>,
 }
@@ -64,17 +68,26 @@ pub(super) struct Stretch {
 #[derive(Clone, Debug)]
 pub(super) enum Whereabouts {
     Path(Motion),
-    /// With a joint; `holder` is the arm whose hand it is.
+    /// With a joint; `holder` is the arm whose hand it is, `second` the other one that holds it, too.
     On {
         character: usize,
         joint: Joint,
         offset: Rigid,
         holder: Option<Limb>,
+        second: Option<Follower>,
     },
     OnThing {
         thing: usize,
         offset: Rigid,
     },
+}
+
+/// The second hand at a thing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Follower {
+    pub limb: Limb,
+    /// Its hand as the first one sees it.
+    pub grip: Rigid,
 }
 
 /// A limb that was planned.
@@ -88,9 +101,11 @@ pub(super) struct Planned {
 }
 
 /// Somebody who looks at what a limb reaches for.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Looked {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Looked {
+    /// Who.
     pub character: usize,
+    /// When the head leaves the clip, the limb is there, and the head is back (s).
     pub times_s: [f64; 3],
     /// What it looks at when the limb is there (m).
     pub at: DVec3,
@@ -138,8 +153,8 @@ pub(super) struct Surroundings {
 }
 
 impl Actor {
-    /// - `placed`: by how much the clip is moved and turned.
-    fn new(actor: &ActorClip, placed: &Rigid) -> Self {
+    fn new(actor: &ActorClip, character: &Character) -> Self {
+        let placed = &character.placed;
         let (mut clip, skeleton) = (actor.clip.clone(), actor.skeleton.clone());
         if *placed != Rigid::IDENTITY {
             let turn: Quat = placed.rotation.as_quat();
@@ -147,8 +162,11 @@ impl Actor {
             clip.rotations.iter_mut().step_by(NUM_JOINTS).for_each(|q| *q = (turn * *q).normalize());
         }
         let motion = driven(&clip, &skeleton);
-        let (limits, shape) = (BodyLimits::built_in(&skeleton), BodyShape::fitted(&skeleton));
-        let mut actor = Self { before: clip.clone(), clip, skeleton, limits, shape, motion, pressed: Vec::new() };
+        let limits = BodyLimits::built_in(&skeleton);
+        // What was read fits one skeleton, and so all.
+        let worn = character.body.as_ref().and_then(|b| Worn::of(&b.figure, &skeleton).ok());
+        let shape = worn.as_ref().map_or_else(|| BodyShape::fitted(&skeleton), |w| w.capsules(&skeleton));
+        let mut actor = Self { before: clip.clone(), clip, skeleton, limits, shape, motion, worn, pressed: Vec::new() };
         actor.pressed = Limb::ALL.iter().flat_map(|l| actor.presses(*l)).collect();
         actor
     }
@@ -227,13 +245,13 @@ fn driven(clip: &Clip, skeleton: &Skeleton) -> Driven {
 impl<'a> Stage<'a> {
     /// Everything as it is before anything was planned.
     pub fn new(task: &'a Task, clips: &[ActorClip]) -> Self {
-        let actors = clips.iter().zip(&task.characters).map(|(c, who)| Actor::new(c, &who.placed)).collect();
+        let actors = clips.iter().zip(&task.characters).map(|(c, who)| Actor::new(c, who)).collect();
         let life = |start: &Start| {
             let at = match start {
                 Start::Path(path) => Whereabouts::Path(path.clone()),
                 Start::On { character, joint, offset } => {
                     let holder = [Limb::LeftArm, Limb::RightArm].into_iter().find(|l| hand(*l) == *joint);
-                    Whereabouts::On { character: *character, joint: *joint, offset: *offset, holder }
+                    Whereabouts::On { character: *character, joint: *joint, offset: *offset, holder, second: None }
                 }
             };
             vec![Stretch { from_s: f64::NEG_INFINITY, at }]
@@ -301,6 +319,21 @@ impl<'a> Stage<'a> {
         })
     }
 
+    /// The thing that two hands hold, one of which is a limb's, at some time of a stretch; who leads, and who follows.
+    pub fn held_by_both(&self, who: usize, limb: Limb, [from_s, to_s]: [f64; 2]) -> Option<(usize, Limb, Follower)> {
+        self.lives.iter().enumerate().find_map(|(thing, life)| {
+            life.iter().enumerate().find_map(|(i, s)| match &s.at {
+                Whereabouts::On { character, holder: Some(lead), second: Some(second), .. }
+                    if *character == who && [*lead, second.limb].contains(&limb) =>
+                {
+                    let end_s = life.get(i + 1).map_or(f64::INFINITY, |next| next.from_s);
+                    (s.from_s < to_s - 1e-6 && end_s > from_s + 1e-6).then_some((thing, *lead, *second))
+                }
+                _ => None,
+            })
+        })
+    }
+
     /// The path of a thing over all of the task.
     pub fn path(&self, thing: usize) -> Motion {
         if let [Stretch { at: Whereabouts::Path(path), .. }] = &self.lives[thing][..] {
@@ -347,6 +380,14 @@ impl<'a> Stage<'a> {
                 }
             }
         }
+        for (name, other) in self.others(who) {
+            let pieces = other.worn.iter().flat_map(|w| &w.pieces);
+            out.solids.extend(pieces.map(|(joint, mesh)| Solid {
+                name: name.clone(),
+                shape: Shape::Mesh(Arc::clone(mesh)),
+                path: Motion::Track(Arc::new(Track::rigid(other.motion.clock(), other.motion.of_joint(*joint)))),
+            }));
+        }
         out.allowed.extend(self.actors[who].pressed.iter().filter(|(l, _)| *l == limb).map(|(_, a)| a.clone()));
         self.leave_to_others(who, limb, &mut out);
         let known = |a: &Allowed| {
@@ -367,7 +408,8 @@ impl<'a> Stage<'a> {
     /// Limbs of the character that have tasks of their own are not this one's business.
     fn leave_to_others(&self, who: usize, limb: Limb, out: &mut Surroundings) {
         let receivers = self.task.steps.iter().filter_map(|s| s.receiver.as_ref()).map(|r| (r.character, r.limb));
-        let limbs = self.task.steps.iter().map(|s| (s.character, s.limb)).chain(receivers);
+        let seconds = self.task.steps.iter().filter_map(|s| Some((s.character, s.second.as_ref()?.limb)));
+        let limbs = self.task.steps.iter().map(|s| (s.character, s.limb)).chain(receivers).chain(seconds);
         let mut others: Vec<Limb> = limbs.filter(|(w, l)| *w == who && *l != limb).map(|(_, l)| l).collect();
         others.sort();
         others.dedup();
@@ -383,8 +425,14 @@ impl<'a> Stage<'a> {
         all.filter(move |(i, _)| *i != who).map(|(_, (c, actor))| (&c.name, actor))
     }
 
-    /// Everybody else.
+    /// Everybody else whose mesh is not among what is [around](Stage::around).
     pub fn other_bodies(&self, who: usize) -> Vec<Other<'_>> {
+        let all = self.others(who).filter(|(_, a)| a.worn.is_none());
+        all.map(|(name, a)| Other { name, motion: &a.motion, shape: &a.shape }).collect()
+    }
+
+    /// Everybody else, as capsules.
+    pub fn other_capsules(&self, who: usize) -> Vec<Other<'_>> {
         self.others(who).map(|(name, a)| Other { name, motion: &a.motion, shape: &a.shape }).collect()
     }
 

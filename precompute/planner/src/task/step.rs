@@ -1,6 +1,6 @@
 //! One thing to do, checked.
 
-use super::entries::{Deed, GripEntry, PlaceEntry, StyleEntry, TaskEntry};
+use super::entries::{Deed, GripEntry, PlaceEntry, SecondEntry, StyleEntry, TaskEntry};
 use super::file::{Character, Thing, joint_of, placed};
 use crate::limits::{Interval, Style};
 use crate::linkage::{Limb, Linkage};
@@ -23,6 +23,7 @@ pub(super) struct Step {
     pub times_s: [f64; 3],
     pub hold_s: f64,
     pub grips: Vec<Grip>,
+    pub second: Option<Second>,
     pub to: Option<Place>,
     pub receiver: Option<Receiver>,
     pub contacts: Vec<String>,
@@ -64,6 +65,13 @@ pub(super) enum Anchor {
     World,
     Thing(usize),
     Joint(usize, Joint),
+}
+
+/// The other hand that takes something, too.
+#[derive(Clone, Debug)]
+pub(super) struct Second {
+    pub limb: Limb,
+    pub grips: Vec<Grip>,
 }
 
 /// Who takes over.
@@ -120,6 +128,7 @@ impl Names<'_> {
         } else if t.grips.is_empty() {
             return Err("expected `grips`, where the hand is as seen from the object".into());
         }
+        let walks = self.walks_up(t.character.as_deref())?;
         let contacts = t.contacts.iter().map(|c| self.contact(c)).collect::<Result<_, _>>()?;
         let receiver = t.receiver.as_ref().map(|r| {
             let who = r.character.as_deref().or(t.character.as_deref());
@@ -135,9 +144,10 @@ impl Names<'_> {
             limb: t.limb,
             deed: t.deed,
             object,
-            times_s: times(t, self.walks_up(t.character.as_deref())?)?,
+            times_s: times(t, walks)?,
             hold_s: t.hold_s,
             grips: grips(&t.grips)?,
+            second: t.second.as_ref().map(|s| second(t, s, walks)).transpose()?,
             to: t.to.as_ref().map(|p| self.place(p)).transpose()?,
             receiver: receiver.transpose()?,
             contacts,
@@ -224,6 +234,22 @@ fn grips(entries: &[GripEntry]) -> Result<Vec<Grip>, String> {
         Grip::Any(at) => at.is_finite(),
     };
     if all.iter().all(is_valid) { Ok(all) } else { Err("grips: expected finite numbers".into()) }
+}
+
+fn second(t: &TaskEntry, second: &SecondEntry, walks: bool) -> Result<Second, String> {
+    if t.deed != Deed::Grab {
+        return Err(format!(
+            "`{}`: expected `second` in `grab` alone: it goes along with what it holds",
+            t.deed.name()
+        ));
+    }
+    if !second.limb.is_arm() || second.limb == t.limb || second.grips.is_empty() {
+        return Err("second: expected the other arm and `grips`".into());
+    }
+    if walks {
+        return Err("second: who walks up to something takes it with one hand; give it a clip".into());
+    }
+    Ok(Second { limb: second.limb, grips: grips(&second.grips)? })
 }
 
 fn style(entries: &BTreeMap<String, StyleEntry>, limb: Limb) -> Result<Style, String> {

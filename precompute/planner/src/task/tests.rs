@@ -1,3 +1,6 @@
+mod both;
+mod worn;
+
 use super::*;
 use crate::search::Grown;
 use crate::testing::Somebody;
@@ -517,7 +520,8 @@ fn heads_look_at_one_thing_after_the_other() {
             "[[scene.objects]]\nname = \"{name}\"\nshape = {{ ball = {{ radius = 0.04 }} }}\nat = [{x}, 1.3, 0.3]\n"
         )
     };
-    for apart_s in [2.0, 0.9, 0.6, 0.3] {
+    // At one moment only one of them is looked at.
+    for apart_s in [2.0, 0.9, 0.6, 0.3, 0.0] {
         let tasks = [grab("a", "left_arm", 1.4), grab("b", "right_arm", 1.4 + apart_s)].concat();
         let text =
             ["clip = \"stand.bvh\"\n", &cup("a", 0.4), &cup("b", -0.4), &tasks, "[planner]\ngaze = true\n"].concat();

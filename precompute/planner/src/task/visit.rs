@@ -19,7 +19,7 @@ use crate::setup::Allowed;
 /// What is so near to a thing carries it, or is beside it: they may touch when it is taken and laid down (m).
 const BESIDE_M: f64 = 0.02;
 /// Hands that are within reach and for which plans are tried, at most.
-const TRIES: usize = 6;
+pub(super) const TRIES: usize = 6;
 
 /// A thing that changes hands when the goal is reached.
 #[derive(Clone, Copy)]
@@ -75,7 +75,12 @@ pub(super) fn go(
 }
 
 /// Goals that inverse kinematics reaches, the best first.
-fn reachable(stage: &Stage<'_>, visit: Visit, hands: &[Goal], there: &Surroundings) -> Result<Vec<Goal>, Problems> {
+pub(super) fn reachable(
+    stage: &Stage<'_>,
+    visit: Visit,
+    hands: &[Goal],
+    there: &Surroundings,
+) -> Result<Vec<Goal>, Problems> {
     let Visit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
     let actor = &stage.actors[who];
     if !(from_s >= 0.0 && to_s <= actor.end_s() + 1e-6) {
@@ -125,7 +130,7 @@ fn plan(
     let Visit { who, limb, times_s, hold_s } = visit;
     let [from_s, at_s, to_s] = times_s;
     if let Some(change) = change {
-        beside(stage, (who, limb), change.thing, &goal.object, at_s);
+        beside(stage, (who, limb), change.thing, &goal.object, [at_s; 2]);
         stage.lives[change.thing].push(Stretch { from_s: at_s, at: (change.then)(goal) });
     }
     let back = stage.around(who, limb, [at_s, to_s]);
@@ -148,7 +153,15 @@ fn plan(
 }
 
 /// What is beside a thing, or carries it, may touch it while it is taken or laid down.
-pub(super) fn beside(stage: &mut Stage<'_>, (who, limb): (usize, Limb), thing: usize, place: &Rigid, at_s: f64) {
+///
+/// - `at_s`, `until_s`: when it is there, and from when on it may be moved away.
+pub(super) fn beside(
+    stage: &mut Stage<'_>,
+    (who, limb): (usize, Limb),
+    thing: usize,
+    place: &Rigid,
+    [at_s, until_s]: [f64; 2],
+) {
     let own: Vec<_> = stage.task.things[thing].shapes.iter().flat_map(capsules).collect();
     let mut names = Vec::new();
     for (i, other) in stage.task.things.iter().enumerate().filter(|(i, _)| *i != thing) {
@@ -163,7 +176,7 @@ pub(super) fn beside(stage: &mut Stage<'_>, (who, limb): (usize, Limb), thing: u
             names.push(other.name.clone());
         }
     }
-    let window_s = Some([at_s - CONTACT_S, at_s + CONTACT_S]);
+    let window_s = Some([at_s - CONTACT_S, until_s + CONTACT_S]);
     let part = stage.task.things[thing].name.clone();
     for with in names {
         let contact = (who, limb, Allowed { part: Some(part.clone()), with, window_s });

@@ -227,7 +227,7 @@ impl<'a> Wanted<'a> {
         let actor = &mut self.stage.actors[who];
         actor.motion = Driven::still(&actor.skeleton, root, turns);
         let around = around_target(&self.stage, self.step, at_s);
-        let others = self.stage.other_bodies(who);
+        let others = self.stage.other_capsules(who);
         let spec = self.stage.spec(who, self.step.limb, &around, &others);
         let Ok(problem) = Problem::prepare(&spec) else { return false };
         let (poses, nearest) = reached(&self.stage, self.step, &problem, at_s);
