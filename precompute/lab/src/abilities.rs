@@ -21,7 +21,7 @@ const STOP_S: f64 = 2.5;
 /// Turns below this are slow (deg/s).
 const SLOW_TURN: f64 = 45.0;
 /// Less walking than this is little (s).
-const LITTLE_WALKING_S: f64 = 30.0;
+pub(crate) const LITTLE_WALKING_S: f64 = 30.0;
 
 /// What some motion shows, mirrored copies not counted.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, schemars::JsonSchema)]

@@ -1,6 +1,6 @@
 //! What a bundle is worth, in words: how many targets characters reach, what keeps them from it, and what would mend it.
 
-use crate::abilities::{Abilities, unused_clips};
+use crate::abilities::{Abilities, LITTLE_WALKING_S, unused_clips};
 use crate::matching::runs;
 use crate::quality::clip_joints;
 use crate::slip::{Feet, SlipMeter};
@@ -77,18 +77,11 @@ impl Verdict {
     /// Judges a trial of a bundle.
     pub fn new(tables: &Bundle, trial: &TrialReport) -> Self {
         let mirrored = tables.clips().iter().any(|c| c.mirrored != 0);
-        let motion = Abilities::of_played(tables);
-        let unused_s = Abilities::of_bundle(tables).walking_s - motion.walking_s;
+        let (motion, all) = (Abilities::of_played(tables), Abilities::of_bundle(tables));
+        let unused_s = all.walking_s - motion.walking_s;
         let mut verdict = Self { walking_unused_s: unused_s, ..Self::of(trial, motion, mirrored, source_slip(tables)) };
         if trial.reached_fraction < GOOD && unused_s > verdict.motion.walking_s {
-            let unused = unused_clips(tables);
-            let more = if unused.len() > NAMED { ", ..." } else { "" };
-            let named = unused.iter().take(NAMED).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
-            // What the rest lacks is in what is not used.
-            verdict.advice = vec![format!(
-                "{unused_s:.0} s of walking lead to nothing else and are not used ({named}{more}): build them alone, or \
-                 add clips that go from them to the others and back"
-            )];
+            verdict.advice = of_unused(unused_s, &unused_clips(tables), &all, mirrored);
         }
         verdict
     }
@@ -149,6 +142,20 @@ impl Verdict {
     }
 }
 
+/// What would mend a set most of whose walking no action plays, for that leads to nothing else.
+///
+/// - `all`: what its clips show together: what they lack, the unused ones do not mend.
+fn of_unused(unused_s: f64, clips: &[&str], all: &Abilities, mirrored: bool) -> Vec<String> {
+    let more = if clips.len() > NAMED { ", ..." } else { "" };
+    let named = clips.iter().take(NAMED).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
+    let alone = if unused_s < LITTLE_WALKING_S { "" } else { "build them alone, or " };
+    let way = format!(
+        "{unused_s:.0} s of walking lead to nothing else and are not used ({named}{more}): {alone}add clips that go from \
+         them to the others and back"
+    );
+    std::iter::once(way).chain(all.missing(mirrored)).collect()
+}
+
 /// The group whose targets are reached least.
 fn worst(shares: &[Share]) -> Option<&Share> {
     let enough = shares.iter().filter(|s| s.characters >= FEW);
@@ -179,6 +186,21 @@ mod tests {
 
     fn share(targets: &str, reached_fraction: f64) -> Share {
         Share { targets: targets.into(), characters: 50, reached_fraction }
+    }
+
+    #[test]
+    fn walking_that_is_not_used_is_named_with_what_all_clips_lack() {
+        let all = Abilities { walking_s: 7.0, stops: 2, turn_left_deg_per_s: 12.0, ..Default::default() };
+        let advice = of_unused(7.0, &["a", "b", "c", "d", "e"], &all, false);
+        assert!(advice[0].starts_with("7 s of walking lead to nothing else") && advice[0].contains("`d`, ..."));
+        assert!(!advice[0].contains("alone"), "so little makes no set of its own: {}", advice[0]);
+        for (advice, what) in advice[1..].iter().zip(["only 7 s of walking", "no start", "turns left", "turns right"]) {
+            assert!(advice.starts_with(what), "{advice}");
+        }
+        let enough = Abilities { walking_s: 70.0, starts: 2, turn_left_deg_per_s: 90.0, ..all };
+        let advice = of_unused(65.0, &["a"], &enough, true);
+        assert!(advice[0].contains("build them alone") && advice[1].contains("make up for it"), "{advice:?}");
+        assert_eq!(advice.len(), 2);
     }
 
     #[test]

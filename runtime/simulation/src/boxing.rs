@@ -81,10 +81,14 @@ fn characters(compiled: &CompiledScene, group: usize) -> CharactersConfig {
     let choice = Choice::LookAhead { temperature: compiled.scene().groups[group].temperature as f32 };
     let (seed, first_number) = (compiled.scene().seed, compiled.first_number(group) as u64);
     // Opponents are meant to come near each other, until they touch.
-    let pairs_m = (compiled.scene().groups[group].motion == Motion::Sparring).then_some(0.0);
+    let pairs_m = (compiled.scene().groups[group].motion == Motion::Sparring).then_some(PAIR_DEPTH_M);
     let avoid = Some(AvoidConfig { pairs_m, ..AvoidConfig::default() });
     CharactersConfig { seed, first_number, choice, avoid, ..CharactersConfig::default() }
 }
+
+/// How far opponents may come into each other's discs: these hold the head on all sides of the root, and would keep heads
+/// farther apart than blows reach (m).
+const PAIR_DEPTH_M: f32 = 0.07;
 
 impl Bouts {
     /// Puts everybody in place.

@@ -92,11 +92,14 @@ impl Inhabited {
         let num: usize = groups.iter().map(|&g| scene.groups[g].count).sum();
         let starts = scatter(world.graph(), num, scene.seed);
         if starts.len() < num {
-            let why = format!(
-                "expected room for {num} characters, found room for {}: each needs units of its own to stand on; \
-                 ask for fewer characters, or enlarge the world",
-                starts.len()
-            );
+            let help = match starts.len() {
+                0 => {
+                    "nobody can stay anywhere in the world, as none of its motion rests in place; add clips that stand still \
+                      on it for a second and go on, and stitch it again"
+                }
+                _ => "each needs units of its own to stand on; ask for fewer characters, or enlarge the world",
+            };
+            let why = format!("expected room for {num} characters, found room for {}: {help}", starts.len());
             return Err(scene.fault(&format!("{key}.count"), why));
         }
         let (mut choices, mut rngs, mut counted) = (Vec::new(), Vec::with_capacity(num), 0);

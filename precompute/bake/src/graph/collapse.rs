@@ -1,7 +1,7 @@
 //! Collapses event frames with one way out into segments between states.
 
 use super::component::EventGraph;
-use super::events::{Event, EventKind};
+use super::events::Event;
 use super::matches::{Link, displacement};
 use super::{Action, MotionGraph, Segment, SegmentId, StateId};
 use throng_motion::clip::{ClipSet, FrameId};
@@ -62,6 +62,6 @@ pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[Event], cli
         action_offsets.push(actions.len() as u32);
     }
     let states: Vec<FrameId> = state_events.iter().map(|&i| events[i].frame).collect();
-    let standing = state_events.iter().map(|&i| events[i].kind == EventKind::Standing).collect();
+    let standing = state_events.iter().map(|&i| events[i].is_rest).collect();
     MotionGraph { states, standing, segments, action_offsets, actions }
 }

@@ -64,8 +64,7 @@ pub fn connect(
     let outcomes = matches::outcomes(&events, clips, config.outcome_horizon_s);
     let (graph, threshold) =
         Search::new(clips, &events, features, &outcomes, config, rate_hz, (progress, comm))?.run()?;
-    let standing = events::standing_frames(clips, config);
-    let report = report::report(&graph, clips, &standing, events.len(), threshold);
+    let report = report::report(&graph, clips, events.len(), threshold);
     if (report.frames_kept as f64) < config.min_component_s * rate_hz || graph.states.is_empty() {
         return Err(too_small(&report, config, rate_hz));
     }
@@ -80,7 +79,7 @@ pub fn none(clips: &ClipSet, config: &GraphConfig) -> Result<(MotionGraph, Graph
     config.check()?;
     check_clips(clips)?;
     let empty = MotionGraph { action_offsets: vec![0], ..MotionGraph::default() };
-    let report = report::report(&empty, clips, &vec![false; clips.num_frames()], 0, 0.0);
+    let report = report::report(&empty, clips, 0, 0.0);
     Ok((empty, GraphReport { unused_clips: Vec::new(), ..report }))
 }
 

@@ -2,9 +2,10 @@
 
 use super::config::GraphConfig;
 use crate::share::{by_owners, owners};
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
-use throng_core::{Contacts, Joint};
+use throng_core::{Contacts, Joint, NUM_JOINTS};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs};
 use throng_motion::error::BuildError;
 
@@ -51,33 +52,40 @@ pub struct Event {
     pub run: usize,
     /// Number of the standing run, counted over all clips.
     pub standing_run: Option<usize>,
+    /// True where a character may stand for good: it stands, and holds no arm out.
+    pub is_rest: bool,
     /// End of the run of usable frames, exclusive.
     pub run_end: FrameId,
 }
 
 /// The event frames of all clips, ascending.
 ///
-/// - `comm`: who else has poses; poses are looked at where somebody strikes.
+/// - `comm`: who else has poses; poses are looked at where somebody strikes or stands.
 ///
 /// # Errors
 /// As [`by_owners`].
 pub(super) fn find(clips: &ClipSet, config: &GraphConfig, comm: &dyn Comm) -> Result<Vec<Event>, BuildError> {
     let starts = clips.frame_starts();
-    let guards = by_owners(comm, &owners(clips, comm.num_ranks()), |index| {
-        let clip = &clips.clips[index];
-        clip.usable_ranges().iter().flat_map(|run| guards(clips, clip, run)).collect::<Vec<_>>()
+    let posed = by_owners(comm, &owners(clips, comm.num_ranks()), |index| {
+        let (clip, mut found) = (&clips.clips[index], Posed::default());
+        for run in clip.usable_ranges() {
+            found.guards.extend(guards(clips, clip, &run));
+            let standing = standing_runs_of(clip, &run, config).into_iter().flat_map(|r| places_in(clip, r, config));
+            found.rests.extend(standing.filter(|&f| !holds_arm_out(&clip.joint_positions(&clips.skeleton, f))));
+        }
+        found
     })?;
     let (mut events, mut runs, mut standing_runs) = (Vec::new(), 0, 0);
     for (index, clip) in clips.clips.iter().enumerate() {
         for run in clip.usable_ranges() {
             let mut found: Vec<(usize, EventKind, Option<usize>)> = departures(clip, &run, config)
                 .into_iter()
-                .chain(guards[index].iter().copied().filter(|(f, _)| run.contains(f)))
+                .chain(posed[index].guards.iter().copied().filter(|(f, _)| run.contains(f)))
                 .map(|(f, kind)| (f, kind, None))
                 .collect();
             for standing in standing_runs_of(clip, &run, config) {
-                let step = frames(clip, config.standing_interval_s).max(1);
-                found.extend(standing.step_by(step).map(|f| (f, EventKind::Standing, Some(standing_runs))));
+                let places = places_in(clip, standing, config);
+                found.extend(places.map(|f| (f, EventKind::Standing, Some(standing_runs))));
                 standing_runs += 1;
             }
             // A foot that leaves while standing is the stronger event: it sorts first and the other is dropped.
@@ -90,6 +98,7 @@ pub(super) fn find(clips: &ClipSet, config: &GraphConfig, comm: &dyn Comm) -> Re
                 kind,
                 run: runs,
                 standing_run,
+                is_rest: kind == EventKind::Standing && posed[index].rests.binary_search(&f).is_ok(),
                 run_end: frame(run.end),
             }));
             runs += 1;
@@ -98,23 +107,39 @@ pub(super) fn find(clips: &ClipSet, config: &GraphConfig, comm: &dyn Comm) -> Re
     Ok(events)
 }
 
-/// True for every frame on which a character stands (clips.num_frames()).
-///
-/// A state whose frame stands is where a character may wait, and where one may start.
-pub fn standing_frames(clips: &ClipSet, config: &GraphConfig) -> Vec<bool> {
-    let mut out = vec![false; clips.num_frames()];
-    for (clip, start) in clips.clips.iter().zip(clips.frame_starts()) {
-        for run in clip.usable_ranges() {
-            for standing in standing_runs_of(clip, &run, config) {
-                out[start as usize + standing.start..start as usize + standing.end].fill(true);
-            }
-        }
-    }
-    out
+/// What is found of a clip by its poses.
+#[derive(Default, Serialize, Deserialize)]
+struct Posed {
+    /// See [`guards`].
+    guards: Vec<(usize, EventKind)>,
+    /// Frames of events in standing runs at which no arm is held out, ascending.
+    rests: Vec<usize>,
 }
+
+/// True of a pose that is a gesture, such as an offered or a waving hand, however long it is held: an arm whose elbow is open
+/// wider than a right angle points more than [`HANGING`] off straight down. Hands on hips, crossed arms and guards are none.
+fn holds_arm_out(joints: &[Vec3; NUM_JOINTS]) -> bool {
+    const ARMS: [[Joint; 3]; 2] = [
+        [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand],
+        [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
+    ];
+    ARMS.iter().any(|arm| {
+        let [shoulder, elbow, wrist] = arm.map(|j| joints[j.index()]);
+        let reach = wrist - shoulder;
+        (shoulder - elbow).dot(wrist - elbow) < 0.0 && -reach.y < HANGING * reach.length()
+    })
+}
+
+/// An arm hangs whose way from shoulder to wrist is at most half a right angle off straight down: the cosine.
+const HANGING: f32 = std::f32::consts::FRAC_1_SQRT_2;
 
 fn frames(clip: &Clip, seconds: f64) -> usize {
     (seconds * clip.rate_hz).round() as usize
+}
+
+/// Frames of the events of a standing run.
+fn places_in(clip: &Clip, standing: FrameRange, config: &GraphConfig) -> impl Iterator<Item = usize> {
+    standing.step_by(frames(clip, config.standing_interval_s).max(1))
 }
 
 /// Last contact frames of each foot within a run of usable frames.
@@ -268,11 +293,31 @@ mod tests {
     }
 
     #[test]
-    fn standing_frames_are_those_of_the_standing_runs() {
-        let set =
-            ClipSet { skeleton: Skeleton::default(), clips: vec![clip("LLLLL", 0.0), clip("LLBBBBBBBBBBBB", 0.0)] };
-        let standing = standing_frames(&set, &GraphConfig::default());
-        assert_eq!(standing.iter().position(|&s| s), Some(7));
-        assert!(standing[7..].iter().all(|&s| s));
+    fn an_arm_held_out_is_a_gesture_and_no_place_to_rest() {
+        // Everybody stands; the right arm is lifted by an angle to the side, its elbow bent by another.
+        let rests = |lift: f32, bend: f32| {
+            let mut c = clip(&"B".repeat(20), 0.0);
+            for f in 0..20 {
+                let q = &mut c.rotations[f * NUM_JOINTS..][..NUM_JOINTS];
+                q[Joint::LeftUpperArm.index()] = Quat::from_rotation_z(-1.4);
+                q[Joint::RightUpperArm.index()] = Quat::from_rotation_z(1.5 - lift.to_radians());
+                q[Joint::RightForearm.index()] = Quat::from_rotation_z(-bend.to_radians());
+            }
+            let set = ClipSet { skeleton: Skeleton::default(), clips: vec![c] };
+            let events = find(&set, &GraphConfig::default(), &Alone).unwrap();
+            assert!(events.iter().all(|e| e.kind == EventKind::Standing));
+            events.iter().map(|e| e.is_rest).collect::<Vec<_>>()
+        };
+        for (lift, bend, rest) in [
+            (0.0, 0.0, true),
+            (30.0, 0.0, true),
+            (60.0, 0.0, false),
+            (90.0, 20.0, false),
+            (160.0, 60.0, false),
+            // A guard: the elbow is bent by more than a right angle.
+            (60.0, 130.0, true),
+        ] {
+            assert_eq!(rests(lift, bend), [rest; 3], "lifted by {lift}, bent by {bend} degrees");
+        }
     }
 }

@@ -14,7 +14,6 @@ mod tree;
 
 pub use config::GraphConfig;
 pub use connect::{connect, none};
-pub use events::standing_frames;
 pub use export::{ActionRow, DisplacementRow, GraphRows, StateRow, graph_rows, write_graph_json};
 pub use report::{GraphReport, Spread};
 

@@ -37,7 +37,7 @@ pub struct GraphReport {
     pub event_frames: usize,
     /// States.
     pub states: usize,
-    /// States in which the character stands.
+    /// States in which the character may stand for good.
     pub standing_states: usize,
     /// Actions of all states.
     pub actions: usize,
@@ -66,13 +66,7 @@ pub(super) fn played_frames(graph: &MotionGraph, clips: &ClipSet) -> Vec<bool> {
 }
 
 /// Measures a graph.
-pub(super) fn report(
-    graph: &MotionGraph,
-    clips: &ClipSet,
-    standing: &[bool],
-    event_frames: usize,
-    threshold: f32,
-) -> GraphReport {
+pub(super) fn report(graph: &MotionGraph, clips: &ClipSet, event_frames: usize, threshold: f32) -> GraphReport {
     let played = played_frames(graph, clips);
     let starts = clips.frame_starts();
     let clip_frames = |c: usize| &played[starts[c] as usize..starts[c + 1] as usize];
@@ -83,7 +77,7 @@ pub(super) fn report(
         frames_kept: played.iter().filter(|p| **p).count(),
         event_frames,
         states: graph.states.len(),
-        standing_states: graph.states.iter().filter(|s| standing[s.0 as usize]).count(),
+        standing_states: graph.standing.iter().filter(|s| **s).count(),
         actions: graph.actions.len(),
         segments: graph.segments.len(),
         threshold: f64::from(threshold),

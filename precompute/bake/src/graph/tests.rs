@@ -102,6 +102,7 @@ fn clip_and_events(n: usize) -> (ClipSet, Vec<Event>) {
         kind: EventKind::LeavesBoth,
         run: 0,
         standing_run: None,
+        is_rest: false,
         run_end: FrameId(num_frames as u32),
     };
     (ClipSet { skeleton: Skeleton::default(), clips: vec![clip] }, (0..n).map(event).collect())
@@ -139,7 +140,8 @@ fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<E
         let kind = if standing { EventKind::Standing } else { EventKind::LeavesLeft { other_planted: i % 2 == 0 } };
         let standing_run = standing.then_some(i / 20);
         let frame = FrameId(3 * i as u32);
-        Event { frame, clip: 0, kind, run: i / 50, standing_run, run_end: FrameId(3 * num_events as u32) }
+        let run_end = FrameId(3 * num_events as u32);
+        Event { frame, clip: 0, kind, run: i / 50, standing_run, is_rest: standing, run_end }
     });
     let outcomes = (0..num_events).map(|_| {
         let [x, z, turn] = vector(variety).to_array();

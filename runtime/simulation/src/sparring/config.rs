@@ -28,7 +28,7 @@ pub struct SeparationConfig {
 
 impl Default for SeparationConfig {
     fn default() -> Self {
-        Self { enabled: true, margin_m: 0.04, max_speed_mps: 0.6, deep_m: 0.05, heads_m: 0.55, lean_per_s: 3.0 }
+        Self { enabled: true, margin_m: 0.04, max_speed_mps: 0.6, deep_m: 0.05, heads_m: 0.6, lean_per_s: 3.0 }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::super::config::{BehaviourConfig, CentreConfig, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
+use super::throw_punches::SCALE;
 use super::{Behaviour, Spec};
 use glam::Vec2;
 use throng_core::Planar;
@@ -59,7 +60,7 @@ impl Approach {
         };
         Ok(Self {
             grid: c.grid.make_polar()?,
-            region: c.region.make(false, RegionRecord::EVERYWHERE)?,
+            region: region_of(c, centre)?,
             reward: c.make_reward(form, KernelConfig::Exponential, 1.5, 1.0)?,
             discount: c.discount_at(rate_hz),
             config: config.clone(),
@@ -92,6 +93,16 @@ impl Approach {
         }
         weights.map(|w| w as f32)
     }
+}
+
+/// Where the behaviour counts: where the config says, else for all targets, or for those beyond blows that land. Within their
+/// reach it is blows that count: who is paid for being there has no reason to leave a pose from which none comes soon.
+fn region_of(c: &BehaviourConfig, centre: Vec2) -> Result<RegionRecord, BuildError> {
+    let mut region = c.region.make(false, RegionRecord::EVERYWHERE)?;
+    if c.centre == CentreConfig::Hits && c.region.distance_m.is_none() {
+        region.distance[0] = centre.length() + SCALE as f32;
+    }
+    Ok(region)
 }
 
 impl Behaviour for Approach {
@@ -187,6 +198,8 @@ mod tests {
             let inner = Vec2::new(r.inner[2 * k], r.inner[2 * k + 1]);
             assert!((inner.distance(seen) - place.distance(target)).abs() < 1e-5, "moment {moment}");
         }
+        let counts = |z: f32| b.spec().region.contains(glam::Vec3::new(0.0, 1.5, z));
+        assert!(counts(1.1) && !counts(1.0) && !counts(0.1), "blows reach 0.71 m, and 0.3 m beyond");
         assert!(Approach::new(&config, 30.0, None).expect_err("no hits").to_string().contains("annotate.hits"));
     }
 

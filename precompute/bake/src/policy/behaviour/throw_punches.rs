@@ -122,7 +122,7 @@ impl ThrowPunches {
 }
 
 /// Distance from a target from which on a hit pays nothing, where the config has no `scale` (m).
-const SCALE: f64 = 0.3;
+pub(super) const SCALE: f64 = 0.3;
 
 /// How far beyond its grid the behaviour is active (m).
 const REACH_OUT: f32 = 1.0;

@@ -7,7 +7,8 @@ use throng_core::policy::RegionRecord;
 use throng_motion::error::BuildError;
 
 /// Targets for which a behaviour counts, in the character's frame; what is absent is that of the behaviour's kind:
-/// everywhere for `approach`, the grid itself for the others (Lee and Lee 2004, section 6).
+/// everywhere for `approach`, but out of the reach of blows where its centre is that of hits; the grid itself for the others
+/// (Lee and Lee 2004, section 6).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RegionConfig {

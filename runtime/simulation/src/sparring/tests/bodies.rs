@@ -164,6 +164,6 @@ fn heads_that_are_too_near_part_and_lean_away() {
         by.distance(Vec3::X * (nearer * config.lean_per_s * dt)) < 1e-6,
         "over the ground, away from the other: {by}"
     );
-    assert_eq!(config.lean(heads(0.6), dt), None);
+    assert_eq!(config.lean(heads(config.heads_m), dt), None);
     assert_eq!(config.lean(heads(0.4), 0.0), None);
 }
