@@ -11,13 +11,17 @@ pub(super) use patches::{patches, pose_groups};
 pub(super) use stops::stops;
 
 use super::{Bundle, tags};
-use crate::format::FormatError;
+use crate::format::{FormatError, FrameRow};
 use crate::policy::ActionTable;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
 /// Roots are nearer to the origin of their clip: so far apart that characters of damaged motion, too, take long to get where
 /// numbers are too coarse to be saved (m, rad).
 const FARTHEST: f32 = 1e4;
+
+/// A root leaps no farther from one frame to the next, nor from one node of a sweep to the next: ways that are farther apart
+/// than this are told from ways that meet too coarsely (m).
+const LEAP: f32 = 100.0;
 
 /// Offsets are finite and legs have a length.
 pub(super) fn skeleton(s: &Skeleton) -> Result<(), FormatError> {
@@ -63,6 +67,18 @@ pub(super) fn motion(t: &Bundle) -> Result<(), FormatError> {
         // Interpolation between neighbours must not meet a zero quaternion; half of unit length is far from that.
         if !moderate || !code.joints.iter().all(|c| (0.5..1.5).contains(&c.coded(row).length())) {
             return Err(FormatError::value(tags::FRAMES, i, "it holds a number that cannot be"));
+        }
+    }
+    for c in t.clips() {
+        let rows = &frames[c.first_frame as usize..][..c.num_frames as usize];
+        let leaps = |w: &[FrameRow]| [0, 1].iter().any(|&k| (w[0].planar[k] - w[1].planar[k]).abs() > LEAP);
+        if let Some(k) = rows.windows(2).position(leaps) {
+            let i = c.first_frame as usize + k;
+            return Err(FormatError::value(
+                tags::FRAMES,
+                i,
+                format!("its root leaps by more than {LEAP} m to the next one"),
+            ));
         }
     }
     rotations_continue(t)?;

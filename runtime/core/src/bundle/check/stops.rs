@@ -1,5 +1,6 @@
 //! Stop tables lead to a stand.
 
+use super::LEAP;
 use crate::bundle::{Bundle, tags};
 use crate::format::FormatError;
 use crate::stops::{REST, SLOW_DOWN, WALK_ON};
@@ -34,6 +35,9 @@ pub fn stops(t: &Bundle) -> Result<(), FormatError> {
         }
         if !nodes.is_sorted_by(|a, b| a.frame < b.frame) || nodes.len() as u64 > MOST_NODES {
             return wrong("its nodes do not ascend");
+        }
+        if nodes.windows(2).any(|w| !((w[0].x - w[1].x).abs() <= LEAP && (w[0].z - w[1].z).abs() <= LEAP)) {
+            return wrong("it leaps");
         }
         next = end;
     }

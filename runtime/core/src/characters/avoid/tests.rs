@@ -1,8 +1,11 @@
+use crate::Bundle;
 use crate::cast::Cast;
-use crate::characters::made_up::tables;
-use crate::characters::{AvoidConfig, CharactersConfig, Choice, Order, PolicyCharacters, Spawn};
+use crate::characters::made_up::{bytes, tables};
+use crate::characters::{AvoidConfig, CharactersConfig, Choice, Order, PolicyCharacters, Spawn, uniform};
+use crate::format::{AlignedBytes, FormatError};
 use crate::planar::Planar;
 use crate::reserve::Rod;
+use crate::stops::SweepNode;
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use throng_base::{Error, Id, Inline, Run};
@@ -183,4 +186,44 @@ fn two_who_meet_pass_each_other() {
     assert_eq!(cast.ids().len(), 2);
     (0..400).for_each(|_| cast.step(0.02, &Inline).unwrap());
     assert!(cast.ids().iter().enumerate().all(|(at, _)| cast.characters().num_choices(at) > 3));
+}
+
+/// The made-up bundle, where a node of the second segment's sweep lies elsewhere.
+fn with_node_at(x: f32) -> Result<Bundle, FormatError> {
+    let node = tables().stops().nodes[31];
+    let (from, to) = ([node], [SweepNode { x, ..node }]);
+    let mut bytes = bytes(&[], false);
+    let from: &[u8] = bytemuck::cast_slice(&from);
+    let at = bytes.windows(from.len()).position(|w| w == from).expect("its node");
+    bytes[at..at + from.len()].copy_from_slice(bytemuck::cast_slice(&to));
+    Bundle::from_bytes_unverified(AlignedBytes::from_slice(&bytes))
+}
+
+#[test]
+fn ways_that_leap_are_saved_and_read_back_and_refused_where_they_leap_too_far() {
+    let refused = with_node_at(150.0).unwrap_err().to_string();
+    assert!(refused.contains("leaps"), "{refused}");
+    for (k, x) in [3.0, 30.0, -70.0, 99.0].into_iter().enumerate() {
+        let bundle = with_node_at(x).unwrap();
+        for trial in 0..40 {
+            let draw = |n: u64| uniform(k as u64, trial, n);
+            let config = config(0.2, Choice::BestAction);
+            let mut cast = PolicyCharacters::with_capacity(&bundle, 6, config).unwrap();
+            for n in 0..6 {
+                let root = Planar::new((n % 3) as f32 * 4.0, (n / 3) as f32 * 4.0, 6.0 * draw(n));
+                let target = Vec3::new(8.0 * draw(n + 10), 0.0, 8.0 * draw(n + 20));
+                // Some find their place on another's long way.
+                if let Ok(id) = cast.spawn(Spawn { root, state: Some(n as u32 % 4) }) {
+                    cast.order(id, Order::aim(0, target)).unwrap();
+                }
+            }
+            assert!(cast.ids().len() >= 2);
+            for step in 0..20 {
+                cast.step(0.1, &Inline).unwrap();
+                let mut saved = Vec::new();
+                cast.save(&mut saved);
+                cast.clone().load(&saved).unwrap_or_else(|e| panic!("{x} m, trial {trial}, step {step}: {e}"));
+            }
+        }
+    }
 }
