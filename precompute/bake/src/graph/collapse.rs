@@ -1,7 +1,7 @@
 //! Collapses event frames with one way out into segments between states.
 
 use super::component::EventGraph;
-use super::events::Event;
+use super::events::{Event, EventKind};
 use super::matches::{Link, displacement};
 use super::{Action, MotionGraph, Segment, SegmentId, StateId};
 use throng_motion::clip::{ClipSet, FrameId};
@@ -62,6 +62,35 @@ pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[Event], cli
         action_offsets.push(actions.len() as u32);
     }
     let states: Vec<FrameId> = state_events.iter().map(|&i| events[i].frame).collect();
-    let standing = state_events.iter().map(|&i| events[i].is_rest).collect();
+    let standing = places_to_stand(&state_events.iter().map(|&i| &events[i]).collect::<Vec<_>>());
     MotionGraph { states, standing, segments, action_offsets, actions }
+}
+
+/// Of each state, whether one may stand there for good: those at rest, or all in which one stands where everybody always
+/// holds an arm out.
+fn places_to_stand(states: &[&Event]) -> Vec<bool> {
+    let any_rests = states.iter().any(|e| e.is_rest);
+    states.iter().map(|e| if any_rests { e.is_rest } else { e.kind == EventKind::Standing }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_always_holds_an_arm_out_may_stand_so() {
+        let event = |kind, is_rest| Event {
+            frame: FrameId(0),
+            clip: 0,
+            kind,
+            run: 0,
+            standing_run: None,
+            is_rest,
+            run_end: FrameId(1),
+        };
+        let (walks, gesture, rest) =
+            (event(EventKind::LeavesBoth, false), event(EventKind::Standing, false), event(EventKind::Standing, true));
+        assert_eq!(places_to_stand(&[&walks, &gesture, &rest]), [false, false, true]);
+        assert_eq!(places_to_stand(&[&walks, &gesture]), [false, true]);
+    }
 }
