@@ -88,7 +88,7 @@ fn values_as_large_as_the_checks_allow_stay_steppable() {
     let mut parts = Parts::of(bundle());
     parts.edit::<FrameRow>(tags::FRAMES, |rows| {
         for (i, row) in rows.iter_mut().enumerate() {
-            row.planar = if i % 2 == 0 { [9e3; 3] } else { [-9e3; 3] };
+            row.planar = if i % 2 == 0 { [9e3; 3] } else { [8.91e3, 8.91e3, -9e3] };
             row.height = 900.0;
         }
     });
