@@ -45,9 +45,6 @@ impl Slot {
 /// Paths that touched when they were taken may be found this deep in each other later (m).
 pub const ROUNDING_M: f32 = 0.002;
 
-/// The same for each metre from the origin, and each metre a second (m, s).
-const ROUNDING: [f32; 2] = [1e-6, 2e-6];
-
 /// A path that somebody might take.
 #[derive(Clone, Debug, Default)]
 pub struct Path {
@@ -55,19 +52,6 @@ pub struct Path {
     pub nodes: Vec<PathNode>,
     /// Where its motion goes on the whole, as others see it (m/s).
     pub velocity: Vec2,
-}
-
-impl Path {
-    /// How deep this path may be found in others later, with which it touched when it was taken (m): [`ROUNDING_M`], and more
-    /// where it leads farther or faster than people go.
-    pub fn rounding_m(&self) -> f32 {
-        let far = self.nodes.iter().fold(0.0f32, |far, n| far.max(n.place.abs().max_element()));
-        let fast = self
-            .nodes
-            .windows(2)
-            .fold(0.0f32, |fast, w| fast.max(w[0].place.distance(w[1].place) / (w[1].time_s - w[0].time_s).max(1e-3)));
-        ROUNDING_M.max(ROUNDING[0] * far + ROUNDING[1] * fast)
-    }
 }
 
 impl Reservations {

@@ -70,8 +70,6 @@ pub(crate) struct Avoiding {
     pairs: bool,
     /// Paths follow from the state no more, as somebody was moved.
     is_stale: bool,
-    /// How deep paths may be in each other where they were laid anew (m).
-    rounding_m: f32,
 }
 
 impl Avoiding {
@@ -89,7 +87,6 @@ impl Avoiding {
             turns: steer::turns(),
             pairs: config.pairs_m.is_some(),
             is_stale: true,
-            rounding_m: ROUNDING_M,
         }
     }
 
@@ -104,9 +101,7 @@ impl Avoiding {
         path::of_state(b, lane, motion_set, &mut self.path);
         let elapsed_s = elapsed_s(b, lane, motion_set);
         self.book.set_group(at, self.pairs.then_some(at as u32 / 2));
-        self.rounding_m = self.rounding_m.max(self.path.rounding_m());
-        let own = Moving { nodes: &self.path.nodes, elapsed_s };
-        let clear = self.book.meets_none(at, &own, 0.0, -self.rounding_m);
+        let clear = self.book.meets_none(at, &Moving { nodes: &self.path.nodes, elapsed_s }, 0.0, -ROUNDING_M);
         self.book.set(at, &self.path, elapsed_s);
         clear
     }
@@ -122,7 +117,7 @@ impl Avoiding {
     /// Lays all paths anew, from the state of characters; one whose path meets another's, if any does.
     pub fn rebuild(&mut self, blocks: &[Block], n: usize, motion_set: &MotionSet) -> Option<usize> {
         self.book.clear();
-        (self.is_stale, self.rounding_m) = (false, ROUNDING_M);
+        self.is_stale = false;
         (0..n).filter(|&at| !self.lay(blocks, motion_set, at)).last()
     }
 }

@@ -205,7 +205,7 @@ fn ways_that_leap_are_saved_and_read_back_and_refused_where_they_leap_too_far() 
     assert!(refused.contains("leaps"), "{refused}");
     for (k, x) in [3.0, 30.0, -70.0, 99.0].into_iter().enumerate() {
         let bundle = with_node_at(x).unwrap();
-        for trial in 0..40 {
+        for trial in 0..100 {
             let draw = |n: u64| uniform(k as u64, trial, n);
             let config = config(0.2, Choice::BestAction);
             let mut cast = PolicyCharacters::with_capacity(&bundle, 6, config).unwrap();
