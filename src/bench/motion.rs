@@ -59,16 +59,17 @@ pub fn run(args: &Args) -> Outcome {
         return output::json(&Results { results });
     }
     let mut text = String::from(
-        "low toes m/s (clips)  knee max  p99.9  at changes  between frames  hand > 6 Hz (clips)  slip m/s\n",
+        "low toes m/s (clips)  knee max  p99.9  at changes (clips)  between frames  hand > 6 Hz (clips)  slip m/s\n",
     );
     for Figures { name, quality: q, foot_slip_p95_mps, .. } in &results {
         text.push_str(&format!(
-            "{:11.2} ({:.2}) {:11.2} {:6.2} {:11.2} {:15.2} {:12.3} ({:.3}) {:9.3}  {name}\n",
+            "{:11.2} ({:.2}) {:11.2} {:6.2} {:11.2} ({:.2}) {:15.2} {:12.3} ({:.3}) {:9.3}  {name}\n",
             q.toe_speed_low_p95_mps,
             q.source_toe_speed_low_p95_mps,
             q.knee_rate_max_ratio,
             q.knee_rate_p999_ratio,
             q.change_acceleration_ratio.unwrap_or(0.0),
+            q.source_change_acceleration_ratio.unwrap_or(0.0),
             q.hips_acceleration_between_frames,
             q.hand_power_above_6hz,
             q.source_hand_power_above_6hz,

@@ -75,26 +75,8 @@ pub fn boxing_tables() -> Bundle {
     Bundle::from_bytes(AlignedBytes::from_slice(boxing_bytes())).expect("the bundle of boxing opens")
 }
 
-const BOXING: &str = r#"
-name = "boxing"
-inputs = ["clips"]
-[annotate.hits.punches]
-swing_speed = 4.0
-[[behaviours]]
-name = "approach"
-kind = "approach"
-centre = "hits"
-grid = { rings = 5, angles = 8, radius = 2.0, inner_spacing = 0.5 }
-[[behaviours]]
-name = "throw-punches"
-kind = "throw_punches"
-scale = 0.4
-grid = { rings = 6, angles = 8, heights = 4 }
-[[behaviours]]
-name = "evade"
-kind = "evade"
-grid = { rings = 4, angles = 8, times = 4 }
-"#;
+const BOXING: &str =
+    concat!("name = \"boxing\"\ninputs = [\"clips\"]\n", include_str!("../../precompute/lab/src/soak/boxing.toml"));
 
 /// Pairs of [`boxing_tables`], each boxer weighing all behaviours.
 pub fn sparring(tables: &Bundle, n: usize) -> Result<Sparring> {

@@ -43,24 +43,7 @@ fn alone(config: &BuildConfig, out: &Path) -> Vec<u8> {
     std::fs::read(out).expect("the bundle")
 }
 
-const BOXING: &str = r#"
-[annotate.hits.punches]
-swing_speed = 4.0
-[[behaviours]]
-name = "approach"
-kind = "approach"
-centre = "hits"
-grid = { rings = 5, angles = 8, radius = 2.0, inner_spacing = 0.5 }
-[[behaviours]]
-name = "throw-punches"
-kind = "throw_punches"
-scale = 0.4
-grid = { rings = 6, angles = 8, heights = 4 }
-[[behaviours]]
-name = "evade"
-kind = "evade"
-grid = { rings = 4, angles = 8, times = 4 }
-"#;
+const BOXING: &str = include_str!("../../lab/src/soak/boxing.toml");
 
 #[test]
 fn any_number_of_ranks_writes_the_bytes_of_one_process() {

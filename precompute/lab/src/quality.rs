@@ -29,8 +29,17 @@ const LEGS: [[Joint; 4]; 2] = [
 pub struct Track {
     /// (samples)
     pub positions: Vec<[Vec3; NUM_JOINTS]>,
-    /// Samples at which a segment began that does not go on where the last one ended, ascending.
-    pub changes: Vec<usize>,
+    /// Where segments began that do not go on where the last one ended, in the order of the samples.
+    pub changes: Vec<Change>,
+}
+
+/// A change of segment.
+#[derive(Clone, Copy, Debug)]
+pub struct Change {
+    /// The first sample of the new segment.
+    pub sample: usize,
+    /// Last frame of the old segment, and first frame of the new one.
+    pub frames: [u32; 2],
 }
 
 /// What tracks show together.
@@ -44,6 +53,8 @@ pub struct MotionFigures {
     pub knee_rate_p999_dps: f64,
     /// Mean acceleration of all joints within 5 frames of a change of segment, over that elsewhere; none without changes.
     pub change_acceleration_ratio: Option<f64>,
+    /// Mean acceleration elsewhere, summed over joints (m/frame^2).
+    pub acceleration_elsewhere: f64,
     /// Root mean square of the hips' acceleration as seen at the rate of the samples, over that at the rate of the frames:
     /// about 1 where motion is smooth between frames, 1.4 where it goes straight at 60 Hz between frames at 30 Hz.
     pub hips_acceleration_between_frames: f64,
@@ -64,6 +75,9 @@ pub struct MotionQuality {
     pub knee_rate_p999_ratio: f64,
     /// Mean acceleration of all joints within 5 frames of a change of segment, over that elsewhere; none without changes.
     pub change_acceleration_ratio: Option<f64>,
+    /// The same of the clips: their mean acceleration within 5 frames before and after the same changes, over that of
+    /// characters elsewhere. Legs change direction where segments end, so it need not be 1.
+    pub source_change_acceleration_ratio: Option<f64>,
     /// Root mean square of the hips' acceleration as seen at the rate of the steps, over that at the rate of the clips:
     /// about 1 where motion is smooth between frames, 1.4 where it goes straight between them at two steps a frame.
     pub hips_acceleration_between_frames: f64,
@@ -74,15 +88,24 @@ pub struct MotionQuality {
 }
 
 impl MotionQuality {
-    /// - `here`: what characters show.
-    /// - `source`: what their clips show.
-    pub fn new(here: &MotionFigures, source: &MotionFigures) -> Self {
+    /// - `tables`: the bundle that characters move by.
+    /// - `tracks`: what they show, with `sample_hz` samples a second.
+    pub fn new(tables: &Bundle, tracks: &[Track], sample_hz: f32) -> Self {
+        let frame_hz = tables.meta().rate_hz as f32;
+        let mut meter = QualityMeter::new(sample_hz.max(frame_hz), frame_hz);
+        tracks.iter().for_each(|t| meter.add(t));
+        let (here, source) = (meter.figures(), of_clips(tables));
+        let at_changes = acceleration_at(tables, tracks.iter().flat_map(|t| &t.changes));
         Self {
             toe_speed_low_p95_mps: here.toe_speed_low_p95_mps,
             source_toe_speed_low_p95_mps: source.toe_speed_low_p95_mps,
             knee_rate_max_ratio: here.knee_rate_max_dps / source.knee_rate_max_dps.max(1e-6),
             knee_rate_p999_ratio: here.knee_rate_p999_dps / source.knee_rate_p999_dps.max(1e-6),
             change_acceleration_ratio: here.change_acceleration_ratio,
+            source_change_acceleration_ratio: here
+                .change_acceleration_ratio
+                .and(at_changes)
+                .map(|a| a / here.acceleration_elsewhere),
             hips_acceleration_between_frames: here.hips_acceleration_between_frames,
             hand_power_above_6hz: here.hand_power_above_6hz,
             source_hand_power_above_6hz: source.hand_power_above_6hz,
@@ -157,17 +180,15 @@ impl QualityMeter {
     /// Accelerations near changes of segment, and elsewhere.
     fn add_changes(&mut self, track: &Track) {
         let (s, n) = (self.stride, track.positions.len());
-        let mut changes = track.changes.iter().copied().peekable();
+        let mut changes = track.changes.iter().map(|c| c.sample).peekable();
         let mut last = None;
         for i in s..n.saturating_sub(s) {
             while let Some(change) = changes.next_if(|c| *c <= i) {
                 last = Some(change);
             }
             let is_near = last.is_some_and(|l| i - l <= NEAR * s) || changes.peek().is_some_and(|c| c - i <= NEAR * s);
-            let [a, b, c] = [i - s, i, i + s].map(|k| &track.positions[k]);
-            let sum: f32 = (0..NUM_JOINTS).map(|j| (a[j] - 2.0 * b[j] + c[j]).length()).sum();
             let sums = if is_near { &mut self.near } else { &mut self.elsewhere };
-            *sums = (sums.0 + f64::from(sum), sums.1 + 1);
+            *sums = (sums.0 + acceleration([i - s, i, i + s].map(|k| &track.positions[k])), sums.1 + 1);
         }
     }
 
@@ -206,14 +227,38 @@ impl QualityMeter {
             knee_rate_p999_dps: quantile(&mut self.knee_rates, 0.999).to_degrees(),
             change_acceleration_ratio: (self.near.1 > 0 && self.elsewhere.0 > 0.0)
                 .then(|| mean(self.near) / mean(self.elsewhere)),
+            acceleration_elsewhere: mean(self.elsewhere),
             hips_acceleration_between_frames: (samples / frames.max(1e-12)).sqrt(),
             hand_power_above_6hz: self.power[0] / self.power[1].max(1e-12),
         }
     }
 }
 
+/// Acceleration of all joints, a frame apart (m/frame^2).
+fn acceleration([a, b, c]: [&[Vec3; NUM_JOINTS]; 3]) -> f64 {
+    f64::from((0..NUM_JOINTS).map(|j| (a[j] - 2.0 * b[j] + c[j]).length()).sum::<f32>())
+}
+
+/// Mean acceleration of the clips within [`NEAR`] frames before the end of old segments and after the begin of new ones;
+/// none where no clip goes on so far (m/frame^2).
+fn acceleration_at<'a>(tables: &Bundle, changes: impl Iterator<Item = &'a Change>) -> Option<f64> {
+    let (mut runs, near) = (runs(tables), NEAR as u32);
+    runs.sort_by_key(|r| r.start);
+    let (mut sum, mut count) = (0.0, 0u64);
+    for [from, to] in changes.map(|c| c.frames) {
+        for frame in (from.saturating_sub(near)..=from).chain(to..=to + near) {
+            let run = &runs[runs.partition_point(|r| r.start <= frame).saturating_sub(1)];
+            if (run.start + 1..run.end.saturating_sub(1)).contains(&frame) {
+                let at = [frame - 1, frame, frame + 1].map(|f| clip_joints(tables, f).map(|joint| joint.0));
+                (sum, count) = (sum + acceleration(at.each_ref()), count + 1);
+            }
+        }
+    }
+    (count > 0).then(|| sum / count as f64)
+}
+
 /// What the clips of a bundle show themselves.
-pub fn of_clips(tables: &Bundle) -> MotionFigures {
+fn of_clips(tables: &Bundle) -> MotionFigures {
     let rate = tables.meta().rate_hz as f32;
     let mut meter = QualityMeter::new(rate, rate);
     for run in runs(tables) {
@@ -290,7 +335,8 @@ mod tests {
             place.0 += place.1;
         }
         // The acceleration at a sample is that between it and its neighbours.
-        let ratio = figures(30.0, &Track { positions, changes: vec![50] }).change_acceleration_ratio;
+        let ratio = figures(30.0, &Track { positions, changes: vec![Change { sample: 50, frames: [0, 0] }] })
+            .change_acceleration_ratio;
         assert!((ratio.unwrap_or_default() - 2.0).abs() < 0.05, "{ratio:?}");
     }
 

@@ -5,7 +5,7 @@ use crate::planar::Planar;
 use crate::pose::Mat3x4;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Mat4, Vec3};
-use throng_base::{Error, Id, Result, Run};
+use throng_base::{Error, Id, Result, Run, maths};
 
 /// Characters of one kind of motion: characters, walkers, agents, inhabitants, sparring pairs.
 ///
@@ -173,6 +173,6 @@ impl Body<'_> {
 
     /// Where a joint is in the world (m).
     pub fn position(&self, joint: Joint) -> Vec3 {
-        self.root.rotation() * self.model[joint.index()].translation() + self.root.translation()
+        maths::rotate(self.root.rotation(), self.model[joint.index()].translation()) + self.root.translation()
     }
 }

@@ -3,6 +3,7 @@
 use crate::skeleton::{Joint, Skeleton};
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
+use throng_base::maths;
 
 /// [`HitRecord::kind`] of a blow with a fist.
 pub const KIND_PUNCH: u32 = 0;
@@ -63,7 +64,7 @@ pub fn striking_offset(skeleton: &Skeleton, joint: Joint) -> Vec3 {
 
 /// World position of the striking point of a joint (m).
 pub fn striking_point(skeleton: &Skeleton, joint: Joint, position: Vec3, rotation: Quat) -> Vec3 {
-    position + rotation * striking_offset(skeleton, joint)
+    position + maths::rotate(rotation, striking_offset(skeleton, joint))
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ use std::ops::Range;
 use std::time::Instant;
 use throng_base::ground::{Held, Outsiders};
 use throng_base::limits::STEP_S;
+use throng_base::maths;
 use throng_base::{Bytes, Inline, Result, Run, SnapshotKind, StateHash};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
@@ -386,7 +387,7 @@ impl Simulation {
     pub fn joint_positions(&self, who: usize) -> Option<[Vec3; NUM_JOINTS]> {
         let (root, pose) = (self.root(who)?, self.pose(who)?);
         let (turn, by) = (root.rotation(), root.translation());
-        Some(std::array::from_fn(|j| turn * pose[j].translation() + by))
+        Some(std::array::from_fn(|j| maths::rotate(turn, pose[j].translation()) + by))
     }
 
     /// Planted parts of a character's feet (who < num_characters).

@@ -149,6 +149,11 @@ impl Area {
     pub fn max(self) -> Vec2 {
         self.min + self.size
     }
+
+    /// True where two share more than an edge.
+    pub fn overlaps(self, other: Self) -> bool {
+        self.min.cmplt(other.max()).all() && other.min.cmplt(self.max()).all()
+    }
 }
 
 /// Premultiplied `top` over `bottom`.

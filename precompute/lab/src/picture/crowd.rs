@@ -226,7 +226,7 @@ fn draw_mark(panel: &mut Picture, camera: &Camera, unit: f32, character: &CrowdC
     let radii = camera.ground_disc(0.7).max(Vec2::splat(7.0 * unit));
     panel.stroke_oval(camera.project(foot), radii, 2.4 * unit, colour::MARK);
     let head = camera.project(foot + Vec3::Y * 2.0) - Vec2::new(0.0, 4.0 * unit);
-    super::furniture::tag(panel, head, unit, name, colour::MARK);
+    super::furniture::Tags::default().put(panel, head, unit, name, colour::MARK);
 }
 
 fn draw_legend(page: &mut Picture, unit: f32, view: &CrowdView<'_>) {

@@ -3,7 +3,7 @@
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
-use super::furniture::{grid, header, legend, nice_step, scale_bar, tag};
+use super::furniture::{Tags, grid, header, legend, nice_step, scale_bar};
 use crate::run::{AgentFigures, AgentsRecord, CrowdMoment, Figures, SeenAgent, SeenObstacle, SeenPlace, TRAIL_S};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -134,7 +134,8 @@ fn draw(panel: &mut Picture, camera: &Camera, record: &AgentsRecord, moment: &Cr
     for (door, is_open) in record.doors.iter().zip(&moment.is_open) {
         draw_door(panel, camera, door, *is_open);
     }
-    record.places.iter().for_each(|p| draw_place(panel, camera, p));
+    let mut tags = Tags::default();
+    record.places.iter().for_each(|p| draw_place(panel, camera, p, &mut tags));
     draw_trails(panel, camera, record, moment);
     let mut order: Vec<(usize, &SeenAgent)> =
         moment.agents.iter().enumerate().filter_map(|(m, s)| Some((m, s.as_ref()?))).collect();
@@ -142,7 +143,7 @@ fn draw(panel: &mut Picture, camera: &Camera, record: &AgentsRecord, moment: &Cr
     order.iter().for_each(|(m, s)| draw_agent(panel, camera, s, record.radii[*m], record.groups[*m]));
     scale_bar(panel, camera, 1.0);
     let what = if record.in_the_air { [" from above", " from the side"][view as usize] } else { "" };
-    tag(panel, Vec2::new(0.5 * width, 26.0), 1.0, &format!("{:.1} s{what}", moment.time_s), colour::INK);
+    tags.put(panel, Vec2::new(0.5 * width, 26.0), 1.0, &format!("{:.1} s{what}", moment.time_s), colour::INK);
 }
 
 fn draw_agent(panel: &mut Picture, camera: &Camera, s: &SeenAgent, radius: f32, group: usize) {
@@ -192,7 +193,7 @@ fn draw_door(panel: &mut Picture, camera: &Camera, door: &SeenObstacle, is_open:
 }
 
 /// A place: its edge, its name, and where people stand there.
-fn draw_place(panel: &mut Picture, camera: &Camera, place: &SeenPlace) {
+fn draw_place(panel: &mut Picture, camera: &Camera, place: &SeenPlace, tags: &mut Tags) {
     let at = camera.project(place.at);
     panel.stroke_oval(at, Vec2::splat(place.radius * camera.px_per_m), 1.2, colour::REACHED.alpha(0.5));
     let radius = (0.3 * camera.px_per_m).clamp(1.5, 9.0);
@@ -200,7 +201,7 @@ fn draw_place(panel: &mut Picture, camera: &Camera, place: &SeenPlace) {
         .slots
         .iter()
         .for_each(|s| panel.stroke_oval(camera.project(*s), Vec2::splat(radius), 1.0, colour::REACHED.alpha(0.6)));
-    tag(panel, at, 0.8, &place.name, colour::REACHED);
+    tags.put(panel, at, 0.8, &place.name, colour::REACHED);
 }
 
 fn draw_obstacle(panel: &mut Picture, camera: &Camera, obstacle: &SeenObstacle, (time_s, in_the_air): (f64, bool)) {

@@ -103,20 +103,44 @@ pub(super) fn scale_bar(panel: &mut Picture, camera: &Camera, unit: f32) {
     draw_text(panel, Vec2::new(left + bar + 10.0 * unit, mid + 6.0 * unit), &text, style);
 }
 
-/// A name on a coloured plate whose lower middle is at `at`.
-pub(super) fn tag(panel: &mut Picture, at: Vec2, unit: f32, name: &str, tint: Colour) {
-    let size = 19.0 * unit;
-    let width = text_width(name, size) + 14.0 * unit;
-    let x = (at.x - 0.5 * width).clamp(2.0, (panel.width() as f32 - width - 2.0).max(2.0));
-    let y = (at.y - 24.0 * unit).max(2.0);
-    panel.fill_rect(Area::new(x, y, width, 24.0 * unit), 5.0 * unit, tint);
-    let style = TextStyle { size, colour: colour::GROUND, align: Align::Left, bold: true };
-    draw_text(panel, Vec2::new(x + 7.0 * unit, y + 18.0 * unit), name, style);
+/// Names on coloured plates. Where two would lie on each other, the later one is moved up.
+#[derive(Default)]
+pub(super) struct Tags(Vec<Area>);
+
+impl Tags {
+    /// Draws a name on a plate whose lower middle is at `at`.
+    pub fn put(&mut self, panel: &mut Picture, at: Vec2, unit: f32, name: &str, tint: Colour) {
+        let size = 19.0 * unit;
+        let width = text_width(name, size) + 14.0 * unit;
+        let x = (at.x - 0.5 * width).clamp(2.0, (panel.width() as f32 - width - 2.0).max(2.0));
+        let mut plate = Area::new(x, (at.y - 24.0 * unit).max(2.0), width, 24.0 * unit);
+        while let Some(under) = self.0.iter().find(|other| other.overlaps(plate)).filter(|_| plate.min.y > 2.0) {
+            plate.min.y = (under.min.y - plate.size.y - 2.0 * unit).max(2.0);
+        }
+        panel.fill_rect(plate, 5.0 * unit, tint);
+        let style = TextStyle { size, colour: colour::GROUND, align: Align::Left, bold: true };
+        draw_text(panel, plate.min + Vec2::new(7.0, 18.0) * unit, name, style);
+        self.0.push(plate);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_do_not_lie_on_each_other() {
+        let mut tags = Tags::default();
+        let mut page = Picture::new(400, 300, colour::PAPER);
+        for at in [Vec2::new(200.0, 250.0), Vec2::new(210.0, 245.0), Vec2::new(190.0, 255.0), Vec2::new(40.0, 250.0)] {
+            tags.put(&mut page, at, 1.0, "ticket", colour::INK);
+        }
+        let plates = &tags.0;
+        for (k, plate) in plates.iter().enumerate() {
+            assert!(plates[..k].iter().all(|other| !other.overlaps(*plate)), "{plates:?}");
+        }
+        assert_eq!(plates[3].min.y, plates[0].min.y, "it has room where it is");
+    }
 
     #[test]
     fn steps_are_one_two_or_five_times_a_power_of_ten() {

@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
 use super::figure::{BodyColours, Figure, body};
-use super::furniture::{grid, header, nice_step, page_with_panel, scale_bar, tag};
+use super::furniture::{Tags, grid, header, nice_step, page_with_panel, scale_bar};
 use super::paint::draw_pieces;
 use super::piece::{Piece, add_solid, add_unit};
 use super::text::{Align, TextStyle, draw_text};
@@ -96,8 +96,9 @@ pub fn world_sheet(view: &WorldView<'_>) -> Picture {
         let points: Vec<Vec2> = points.iter().map(|p| camera.project(*p)).collect();
         panel.stroke_line(&points, 2.0 * unit, tint.alpha(0.7));
     }
+    let mut tags = Tags::default();
     for (at, name, tint) in view.names {
-        tag(&mut panel, camera.project(*at), unit, name, *tint);
+        tags.put(&mut panel, camera.project(*at), unit, name, *tint);
     }
     scale_bar(&mut panel, &camera, unit);
     page.draw_picture(&panel, at);

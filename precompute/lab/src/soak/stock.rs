@@ -10,28 +10,10 @@ use throng_runtime::simulation::Scene;
 const FILES: [(&str, &str); 7] = [
     (
         "boxing.toml",
-        r#"
-name = "boxing"
-synth = { set = "boxing", minutes = 0.6 }
-[policy]
-compare_samples = 100
-[annotate.hits.punches]
-swing_speed = 4.0
-[[behaviours]]
-name = "approach"
-kind = "approach"
-centre = "hits"
-grid = { rings = 5, angles = 8, radius = 2.0, inner_spacing = 0.5 }
-[[behaviours]]
-name = "throw-punches"
-kind = "throw_punches"
-scale = 0.4
-grid = { rings = 6, angles = 8, heights = 4 }
-[[behaviours]]
-name = "evade"
-kind = "evade"
-grid = { rings = 4, angles = 8, times = 4 }
-"#,
+        concat!(
+            "name = \"boxing\"\nsynth = { set = \"boxing\", minutes = 0.6 }\n[policy]\ncompare_samples = 100\n",
+            include_str!("boxing.toml")
+        ),
     ),
     ("units.toml", include_str!("../../../../data/units/playground.toml")),
     (

@@ -9,7 +9,7 @@ use crate::cast::Adopted;
 use crate::pose::{Mat3x4, PARENTS, set};
 use crate::skeleton::NUM_JOINTS;
 use glam::{Quat, Vec3};
-use throng_base::Result;
+use throng_base::{Result, maths};
 
 /// Gives every character the state of the new bundle with the nearest pose; the difference of the poses decays as after
 /// a transition. Nothing has changed where it fails.
@@ -72,10 +72,10 @@ fn ease(characters: &mut Characters, at: usize, shown: &[Mat3x4; NUM_JOINTS], po
     body.awake = 1;
     let local = |pose: &[Mat3x4; NUM_JOINTS], j: usize| match j {
         0 => pose[0].rotation(),
-        _ => pose[PARENTS[j]].rotation().inverse() * pose[j].rotation(),
+        _ => maths::compose(pose[PARENTS[j]].rotation().conjugate(), pose[j].rotation()),
     };
     for j in 0..NUM_JOINTS {
-        let offset = (local(shown, j) * local(pose, j).inverse()).normalize();
+        let offset = maths::unit(maths::compose(local(shown, j), local(pose, j).conjugate()));
         encode(&mut body.offsets.rotation[j], lane, ROTATION_CODES, parameters(offset));
         encode(&mut body.offsets.rotation_velocity[j], lane, 1.0, Vec3::ZERO);
     }

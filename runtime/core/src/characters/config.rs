@@ -53,7 +53,7 @@ impl Default for CharactersConfig {
             seed: 1,
             first_number: 0,
             choice: Choice::LookAhead { temperature: 0.0 },
-            half_life_s: 0.1,
+            half_life_s: 0.15,
             foot_lock: FootLockConfig::default(),
             reaction: ReactionConfig::default(),
             bend_rad_per_m: 0.0,

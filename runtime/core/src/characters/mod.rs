@@ -473,7 +473,7 @@ impl Characters {
         let root = self.root(character);
         let (turn, move_by) = (root.rotation(), root.translation());
         let pose = self.pose(character);
-        std::array::from_fn(|j| turn * pose[j].translation() + move_by)
+        std::array::from_fn(|j| maths::rotate(turn, pose[j].translation()) + move_by)
     }
 
     fn validate(&self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<()> {

@@ -32,6 +32,7 @@ pub use perform::{Part, Performance, Performing};
 use serde::{Deserialize, Serialize};
 use step::{RANGE_BLOCKS, Range, Tick};
 use throng_base::limits::CAPACITY;
+use throng_base::maths;
 use throng_base::simd::LANES;
 use throng_base::{Hash128, Id, Result, Run, run_each};
 
@@ -242,7 +243,7 @@ impl Walkers {
     pub fn joint_positions(&self, row: usize) -> [Vec3; NUM_JOINTS] {
         let root = self.root(row);
         let (turn, move_by) = (root.rotation(), root.translation());
-        self.model[row].map(|joint| turn * joint.translation() + move_by)
+        self.model[row].map(|joint| maths::rotate(turn, joint.translation()) + move_by)
     }
 
     /// World positions of the bottom of the heel and of the ball (the toe's joint), left foot first (m, row < len).
@@ -253,8 +254,8 @@ impl Walkers {
         std::array::from_fn(|side| {
             let [_, _, foot, toe] = body::LEGS[side].map(Joint::index);
             let heel = Vec3::from_array(body.legs[side].heel.map(|axis| axis[row % LANES]));
-            let heel = pose[foot].translation() + pose[foot].rotation() * heel;
-            [heel, pose[toe].translation()].map(|p| turn * p + move_by)
+            let heel = pose[foot].translation() + maths::rotate(pose[foot].rotation(), heel);
+            [heel, pose[toe].translation()].map(|p| maths::rotate(turn, p) + move_by)
         })
     }
 

@@ -294,7 +294,7 @@ impl Touch {
             }
             if !locals.is_empty() {
                 for (parent, j) in [(CLAVICLES[a].index(), joints[0]), (joints[0], joints[1])] {
-                    let local = model[parent].rotation().inverse() * model[j].rotation();
+                    let local = maths::compose(model[parent].rotation().conjugate(), model[j].rotation());
                     locals[j].rotation = local.to_array();
                 }
             }
@@ -313,8 +313,10 @@ fn elbow_angle([shoulder, elbow, wrist]: [Vec3; 3]) -> f32 {
 fn arc(from: Vec3, to: Vec3) -> Quat {
     let (Some(from), Some(to)) = (from.try_normalize(), to.try_normalize()) else { return Quat::IDENTITY };
     let w = 1.0 + from.dot(to);
-    if w < 1e-3 {
-        return Quat::from_rotation_arc(from, to);
+    if w < 1e-6 {
+        // Any axis does.
+        let axis = from.any_orthonormal_vector();
+        return Quat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
     }
     let axis = from.cross(to);
     maths::unit(Quat::from_xyzw(axis.x, axis.y, axis.z, w))
