@@ -9,6 +9,7 @@ pub(crate) mod parallel;
 pub(crate) mod prefetch;
 mod query;
 pub(crate) mod queue;
+mod safety;
 pub(crate) mod schemes;
 mod sensing;
 pub(crate) mod shared;

@@ -1,11 +1,13 @@
 //! What people of a scene live by: places, values, relations, events, rules and state graphs (Kim, Kim and Shin 2003a,
 //! section 3, and 2003b, section 3).
 
+mod check;
+
 use super::PlaceConfig;
-use super::check::{Fault, check_numbers, check_point, check_ranges, fault};
-use super::goal::scale;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+pub(super) use check::stretch_actions;
 
 /// A store, a picture, a guidepost, a region of interest, a queue: somewhere that people come to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -106,30 +108,6 @@ pub enum Carried {
 
 fn thing_size() -> [f32; 3] {
     [0.08, 0.1, 0.08]
-}
-
-impl ThingConfig {
-    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
-        if dimensions != 2 {
-            return fault(key, "expected none in the air: hands take things on the ground");
-        }
-        check_point(&format!("{key}.at"), &self.at, 3)?;
-        check_numbers(&[(&format!("{key}.at[1]"), self.at[1], 0.0, 10.0)])?;
-        let sizes: Vec<_> = (0..3).map(|k| (format!("{key}.size_m[{k}]"), self.size_m[k])).collect();
-        sizes.iter().try_for_each(|(key, size)| check_numbers(&[(key, *size, 0.01, 2.0)]))
-    }
-
-    /// Heights and the thing itself stay, but where units are converted.
-    pub(super) fn stretch(&mut self, by: f32, also_size: bool) {
-        self.at[0] *= by;
-        self.at[2] *= by;
-        if also_size {
-            self.at[1] *= by;
-            if self.size_m != thing_size() {
-                self.size_m = self.size_m.map(|length| length * by);
-            }
-        }
-    }
 }
 
 /// A door: a wall that opens and closes.
@@ -398,158 +376,4 @@ pub enum UnitsConfig {
     M,
     /// Inches (0.0254 m).
     In,
-}
-
-/// Words of actions that are lengths, or lengths over time.
-const LENGTHS: [&str; 4] = ["speed", "within_m", "distance_m", "spacing_m"];
-
-/// Multiplies all lengths of actions that are given as numbers and points.
-pub(super) fn stretch_actions(actions: &mut [ActionConfig], by: f32, also_words: bool) {
-    for (word, said) in actions.iter_mut().flatten() {
-        match said {
-            WordConfig::Number(number) if also_words && LENGTHS.contains(&word.as_str()) => *number *= f64::from(by),
-            WordConfig::Point(at) => {
-                let height = at.get(1).copied().filter(|_| word == "on" && !also_words);
-                scale(&mut [at], by);
-                // Tables do not grow with the layout.
-                at.iter_mut().skip(1).zip(height).for_each(|(y, height)| *y = height);
-            }
-            WordConfig::Points(all) => all.iter_mut().for_each(|p| scale(&mut [p], by)),
-            _ => {}
-        }
-    }
-}
-
-impl DoConfig {
-    pub(super) fn stretch(&mut self, by: f32, also_words: bool) {
-        if let Self::Actions(actions) = self {
-            stretch_actions(actions, by, also_words);
-        }
-    }
-}
-
-impl SiteConfig {
-    /// Multiplies its lengths; those of slots and queues among each other stay where only the layout grows.
-    pub(super) fn stretch(&mut self, by: f32, also_sizes: bool) {
-        let before = self.at.clone();
-        scale(&mut [&mut self.at], by);
-        if also_sizes && self.radius_m != site_radius() {
-            self.radius_m *= by;
-        }
-        let moved: Vec<f32> = self.at.iter().zip(&before).map(|(a, b)| a - b).collect();
-        let points = self.slots.iter_mut().flat_map(|s| std::iter::once(&mut s.at).chain(&mut s.facing));
-        for point in points.chain(self.queue.iter_mut().flat_map(|q| &mut q.points)) {
-            match also_sizes {
-                true => scale(&mut [point], by),
-                false => point.iter_mut().zip(&moved).for_each(|(p, m)| *p += m),
-            }
-        }
-        if let Some(queue) = self.queue.as_mut().filter(|q| also_sizes && q.spacing_m != queue_spacing()) {
-            queue.spacing_m *= by;
-        }
-    }
-
-    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
-        check_point(&format!("{key}.at"), &self.at, dimensions)?;
-        check_numbers(&[(&format!("{key}.radius_m"), self.radius_m, 0.05, 1000.0)])?;
-        for (i, slot) in self.slots.iter().enumerate() {
-            check_point(&format!("{key}.slots[{i}].at"), &slot.at, dimensions)?;
-            if let Some(facing) = &slot.facing {
-                check_point(&format!("{key}.slots[{i}].facing"), facing, dimensions)?;
-            }
-        }
-        if let Some(queue) = &self.queue {
-            check_numbers(&[(&format!("{key}.queue.spacing_m"), queue.spacing_m, 0.3, 10.0)])?;
-            if queue.points.len() < 2 {
-                let found = queue.points.len();
-                return fault(&format!("{key}.queue.points"), format!("expected at least 2 points, found {found}"));
-            }
-            for (i, point) in queue.points.iter().enumerate() {
-                check_point(&format!("{key}.queue.points[{i}]"), point, dimensions)?;
-            }
-        }
-        Ok(())
-    }
-}
-
-impl DoorConfig {
-    pub(super) fn stretch(&mut self, by: f32) {
-        scale(&mut [&mut self.from, &mut self.to], by);
-    }
-
-    pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), Fault> {
-        check_point(&format!("{key}.from"), &self.from, dimensions)?;
-        check_point(&format!("{key}.to"), &self.to, dimensions)?;
-        check_numbers(&[(&format!("{key}.radius_m"), self.radius_m, 0.0, 10.0)])
-    }
-}
-
-impl ValueConfig {
-    pub(super) fn find_fault(&self, key: &str) -> Result<(), Fault> {
-        let [low, high] = self.limits;
-        if !(low < high && low.abs() < 1e6 && high.abs() < 1e6) {
-            return fault(
-                &format!("{key}.limits"),
-                format!("expected two numbers that ascend, found {low} and {high}"),
-            );
-        }
-        check_ranges(&[(&format!("{key}.start"), self.start, low, high)])?;
-        check_numbers(&[
-            (&format!("{key}.rate_per_s"), self.rate_per_s, -1e6, 1e6),
-            (&format!("{key}.rest"), self.rest.unwrap_or(low), low, high),
-            (&format!("{key}.half_life_s"), self.half_life_s, 0.01, 1e6),
-        ])
-    }
-}
-
-impl EventConfig {
-    pub(super) fn find_fault(&self, key: &str) -> Result<(), Fault> {
-        let times = [("at_s", self.at_s, 0.0), ("every_s", self.every_s, 0.01), ("period_s", self.period_s, 0.01)];
-        for (name, time, least) in times {
-            check_numbers(&[(&format!("{key}.{name}"), time.unwrap_or(least), least, 1e6)])?;
-        }
-        if let Some([from, to]) = self.between_s
-            && !(0.0 <= from && from <= to && to <= 1e6)
-        {
-            let why = format!("expected two times that ascend from 0, found {from} and {to}");
-            return fault(&format!("{key}.between_s"), why);
-        }
-        check_numbers(&[(&format!("{key}.fresh_s"), self.fresh_s.unwrap_or(0.0), 0.0, 1e9)])
-    }
-}
-
-impl RelationConfig {
-    pub(super) fn find_fault(&self, key: &str) -> Result<(), Fault> {
-        if self.friendship.is_none() && self.curiosity.is_none() {
-            return fault(key, "expected `friendship` or `curiosity`, found neither");
-        }
-        check_numbers(&[
-            (&format!("{key}.share"), self.share, 0.0, 1.0),
-            (&format!("{key}.friendship"), self.friendship.unwrap_or(0.0), -1.0, 1.0),
-            (&format!("{key}.curiosity"), self.curiosity.unwrap_or(0.0), -1.0, 1.0),
-        ])
-    }
-}
-
-impl SourceConfig {
-    pub(super) fn find_fault(&self, key: &str, count: usize, dimensions: usize) -> Result<(), Fault> {
-        if self.start > count {
-            let why = format!("expected at most the `count` of the group, {count}, found {}", self.start);
-            return fault(&format!("{key}.start"), why);
-        }
-        if self.rates.is_empty() || !self.rates.windows(2).all(|w| w[0][0] < w[1][0]) {
-            return fault(&format!("{key}.rates"), "expected [from time, per second], in the order of time");
-        }
-        for (i, [from, rate]) in self.rates.iter().enumerate() {
-            check_numbers(&[
-                (&format!("{key}.rates[{i}][0]"), *from, 0.0, 1e6),
-                (&format!("{key}.rates[{i}][1]"), *rate, 0.0, 1e4),
-            ])?;
-        }
-        match &self.place {
-            Some(place @ PlaceConfig::Block { .. }) => place.find_fault(&format!("{key}.place"), dimensions),
-            Some(_) => fault(&format!("{key}.place"), "expected a `block`"),
-            None => Ok(()),
-        }
-    }
 }

@@ -1,0 +1,110 @@
+//! A plan that the safety rule allows, near to the desired one.
+
+use super::decide::{AgentState, Decider, Scratch};
+use crate::Space;
+use crate::safety::reach::Reach;
+use crate::safety::rule::{Candidate, Violation, lever, violation_of_held, violation_of_solid};
+use crate::space::plan::Plan;
+
+/// Speed with which everybody may give way, whatever they want (m/s).
+const SLOWEST_MPS: f32 = 0.5;
+
+impl<V: Space> Decider<'_, V> {
+    /// Finds the plans that a plan of a length has to be compared with.
+    pub(super) fn look_at_plans(&self, fresh: &Plan<V>, length: f32, scratch: &mut Scratch<V>) {
+        scratch.others.clear();
+        let reach = Reach::new(self.cells, self.scenery.fastest, fresh, length);
+        reach.find(scratch.rows.all(), &mut scratch.others);
+        for mover in &self.scenery.movers {
+            let plan = mover.plan(self.time, length + 2.0 * self.scenery.speed / fresh.limit);
+            let way = plan.velocity.length() * (plan.end - plan.start) as f32;
+            let free = (plan.position - fresh.position).length() - plan.radius - way;
+            if free < reach.mine {
+                scratch.others.push(&plan);
+            }
+        }
+        scratch.others.prepare(fresh.position, self.time);
+    }
+
+    /// A plan near the desired one for which the safety rule holds.
+    pub(super) fn safe(
+        &self,
+        fresh: &Plan<V>,
+        (desired, fastest): (V, f32),
+        length: f32,
+        region: (V, V),
+        near: &[u32],
+        scratch: &Scratch<V>,
+    ) -> Option<Plan<V>> {
+        let (shortest, steering) = (self.scenery.interval, &self.scenery.steering);
+        let (mut a, mut length) = (desired, length);
+        for attempt in 0..steering.plan_tries {
+            let candidate = self.candidate(fresh, (a, fastest), length);
+            if !candidate.stays_within(region.0, region.1) {
+                if length <= shortest {
+                    break;
+                }
+                length = (0.5 * length).max(shortest);
+                continue;
+            }
+            match self.worst(&candidate, near, scratch) {
+                None => return Some(candidate.plan),
+                Some(worst) => {
+                    // Slides along what is in the way.
+                    a = candidate.plan.acceleration
+                        + worst.away * (worst.depth * steering.push_factor / lever(&candidate));
+                    if attempt > 0 {
+                        length = (steering.retry_length * length).max(shortest);
+                    }
+                }
+            }
+        }
+        let stop = fresh.velocity * -shortest.recip();
+        for share in [0.5, 1.0] {
+            let candidate = self.candidate(fresh, (stop * share, fastest), shortest);
+            let is_safe = candidate.stays_within(region.0, region.1) && self.worst(&candidate, near, scratch).is_none();
+            if is_safe {
+                return Some(candidate.plan);
+            }
+        }
+        None
+    }
+
+    /// Fastest that an agent goes: no agent is above the largest speed, on which the safety rule counts.
+    pub(super) fn fastest(&self, state: &AgentState<V>) -> f32 {
+        let own = state.speed.max(SLOWEST_MPS) * self.scenery.steering.largest_speed_ratio;
+        own.min(self.scenery.fastest)
+    }
+
+    /// A plan within the limits of acceleration and speed.
+    #[inline]
+    fn candidate(&self, fresh: &Plan<V>, (a, fastest): (V, f32), length: f32) -> Candidate<V> {
+        let a = a.at_most(fresh.limit);
+        let a = ((fresh.velocity + a * length).at_most(fastest) - fresh.velocity) * length.recip();
+        Candidate::new(Plan { end: self.time + f64::from(length), acceleration: a.at_most(fresh.limit), ..*fresh })
+    }
+
+    /// The largest violation of a plan.
+    fn worst(&self, candidate: &Candidate<V>, near: &[u32], scratch: &Scratch<V>) -> Option<Violation<V>> {
+        let solids = near.iter().filter_map(|&s| violation_of_solid(candidate, &self.scenery.solids[s as usize]));
+        let held = self.worst_held(candidate);
+        let all = scratch.others.worst(candidate).into_iter().chain(solids).chain(held);
+        all.reduce(|a, b| if b.depth > a.depth { b } else { a })
+    }
+
+    /// The largest violation of a plan by ground that others hold.
+    fn worst_held(&self, candidate: &Candidate<V>) -> Option<Violation<V>> {
+        if self.outsiders.is_empty() {
+            return None;
+        }
+        let mut worst: Option<Violation<V>> = None;
+        self.outsiders.held_near(&candidate.bounds(), |ground| {
+            let found = violation_of_held(candidate, ground);
+            if let Some(v) = found.filter(|v| worst.is_none_or(|w| v.depth > w.depth)) {
+                worst = Some(v);
+            }
+            true
+        });
+        worst
+    }
+}

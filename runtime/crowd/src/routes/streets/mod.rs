@@ -1,0 +1,390 @@
+//! Ways on the ground round what stands: the shortest ones that keep a clearance.
+//!
+//! A visibility graph: around every corner stand points at a little more than the clearance; points that see each other
+//! are joined, and A* (Hart, Nilsson and Raphael 1968) finds the shortest way. Scenes have tens of corners: for these the
+//! graph is small and, unlike a mesh of triangles, gives the shortest ways themselves.
+//!
+//! Doors are what was opened once. The graph leads through them too, and knows of each line between two points which doors it
+//! goes through: a door that closes makes no new graph. A closed one is as good as a very long way: none leads there where
+//! there is another.
+
+mod search;
+#[cfg(test)]
+mod tests;
+
+use crate::routes::outline::Outline;
+use crate::{AtEnd, NONE, Obstacle, Route};
+use glam::{Vec2, Vec3, Vec3Swizzles};
+pub(crate) use search::Open;
+use search::length;
+use throng_base::error::check;
+use throng_base::{Error, Result};
+
+/// Ways round obstacles that keep a clearance.
+#[derive(Clone, Debug)]
+pub struct Streets {
+    obstacles: Vec<Obstacle>,
+    outlines: Vec<Outline>,
+    /// Obstacle that each outline is of.
+    owners: Vec<usize>,
+    bounds: Vec<(Vec2, Vec2)>,
+    clearance: f32,
+    /// How near to an obstacle a goal may be (m).
+    nearest: f32,
+    /// Which of the doors each outline is; 0 where it is none.
+    doors: Vec<Doors>,
+    /// Those that are closed.
+    closed: Doors,
+    /// Points to go round corners by.
+    points: Vec<Vec2>,
+    /// Of each point: where it lies from its corner (unit vector), how far it is free that way (m), and the number of its
+    /// corner.
+    around: Vec<(Vec2, f32, u32)>,
+    /// Of each point: the doors that it is in, and the one whose corner it is at.
+    at_doors: Vec<[Doors; 2]>,
+    /// Of each point: those that it sees and ways may lead to, how far they are (m), and the doors in between.
+    seen: Vec<Vec<(u32, f32, Doors)>>,
+}
+
+/// A set of doors.
+type Doors = u64;
+
+/// How far a goal is from all points of some streets: where it is seen from, or by which point to go on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Costs {
+    goal: Vec2,
+    /// Points that see the goal, how far they are (m), and the doors in between.
+    seen: Vec<(u32, f32, Doors)>,
+    /// (points)
+    of: Vec<Cost>,
+    /// How far the goal is from what stands, if that is less than the clearance (m).
+    pub near: f32,
+}
+
+impl Costs {
+    /// Memory for so many points.
+    pub(crate) fn with_capacity(num_points: usize) -> Self {
+        Self { seen: Vec::with_capacity(num_points), of: Vec::with_capacity(num_points), ..Self::default() }
+    }
+}
+
+/// How far a goal is from a point.
+#[derive(Clone, Copy, Debug)]
+struct Cost {
+    /// (m)
+    way: f32,
+    /// Point to go on by; [`NONE`] where the goal is seen.
+    next: u32,
+    /// Closed doors on the way.
+    closed: u32,
+}
+
+impl Cost {
+    const NO_WAY: Self = Self { way: f32::INFINITY, next: NONE, closed: 0 };
+
+    /// Way that is as bad as this one (m).
+    fn key(&self) -> f32 {
+        self.way + CLOSED_M * self.closed as f32
+    }
+}
+
+/// A corner on the way to a goal, as seen from somewhere.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Corner {
+    /// A point beside the corner (m).
+    pub at: Vec2,
+    /// Unit vector away from the corner, across the way.
+    pub out: Vec2,
+    /// How far it is free that way (m).
+    pub free: f32,
+    /// Number of the corner.
+    pub number: u32,
+    /// Where the way leads after this corner, and how far it is from there on (m).
+    pub next: Vec2,
+    pub rest: f32,
+    /// Way to the goal by this corner (m).
+    pub way: f32,
+}
+
+/// Farthest that a corner is taken to be free across the way (m).
+const WIDEST_M: f32 = 12.0;
+/// Largest part of a straight way at a corner that may lead away from the corner or to it: others are no shortest ways.
+const TAUT: f32 = 0.5;
+/// Way that is as bad as a closed door (m).
+const CLOSED_M: f32 = 1e4;
+/// Most corners between which an agent chooses.
+pub(crate) const MOST_CORNERS: usize = 6;
+
+/// Why there is no way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoWay {
+    /// The start is in that obstacle.
+    Start(usize),
+    /// The goal is in that obstacle, or too near to it.
+    Goal(usize),
+    /// What stands separates the two, or leaves no gap that is wide enough.
+    Separated,
+}
+
+impl Streets {
+    /// For agents on the ground: x and z of the world.
+    ///
+    /// - `clearance_m`: that centres keep from everything that stands: the largest radius and some room (m, > 0). Goals may
+    ///   be as near as half of it.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a clearance out of range, or an obstacle that is not finite.
+    pub fn new(obstacles: &[Obstacle], clearance_m: f32) -> Result<Self> {
+        Self::with(obstacles, None, clearance_m, 0.5 * clearance_m)
+    }
+
+    /// As [`Streets::new`], with all that there is to choose.
+    ///
+    /// - `heights`: lowest and highest that agents in the air are: what they pass above or below is not gone round (m);
+    ///   `None` on the ground.
+    /// - `nearest_m`: how near to an obstacle a goal may be (m, 0 to `clearance_m`).
+    ///
+    /// # Errors
+    /// As [`Streets::new`].
+    pub fn with(obstacles: &[Obstacle], heights: Option<[f32; 2]>, clearance_m: f32, nearest_m: f32) -> Result<Self> {
+        let good = clearance_m > 0.0 && clearance_m < 1e6;
+        check("clearance_m", None, clearance_m, good, "above 0 and below 1e6")?;
+        let good = (0.0..=clearance_m).contains(&nearest_m);
+        check("nearest_m", None, nearest_m, good, "between 0 and the clearance")?;
+        let all = obstacles.iter().enumerate().filter_map(|(n, o)| Some((n, Outline::of(o, heights)?)));
+        let (owners, outlines): (Vec<_>, Vec<_>) = all.unzip();
+        let bounds: Vec<_> = outlines.iter().map(Outline::bounds).collect();
+        let odd = bounds.iter().position(|(low, high)| !low.is_finite() || !high.is_finite());
+        let expected = "one with coordinates that are finite";
+        check("number of an obstacle", None, odd.unwrap_or(0) as f64, odd.is_none(), expected)?;
+        let mut streets = Self {
+            obstacles: obstacles.to_vec(),
+            doors: vec![0; outlines.len()],
+            outlines,
+            owners,
+            bounds,
+            clearance: clearance_m,
+            nearest: nearest_m,
+            closed: 0,
+            points: Vec::new(),
+            around: Vec::new(),
+            at_doors: Vec::new(),
+            seen: Vec::new(),
+        };
+        streets.make_graph();
+        Ok(streets)
+    }
+
+    /// Joins all points that see each other, through doors too.
+    fn make_graph(&mut self) {
+        self.points.clear();
+        self.around.clear();
+        self.at_doors.clear();
+        self.seen.clear();
+        let outlines = self.outlines.iter().zip(&self.doors);
+        let of = |(s, &own): (&Outline, &Doors)| s.points_around(self.clearance).into_iter().map(move |p| (p, own));
+        let around: Vec<_> = outlines.flat_map(of).collect();
+        let mut number = 0;
+        for (i, &((p, corner), own)) in around.iter().enumerate() {
+            number += u32::from(i > 0 && around[i - 1].0.1 != corner);
+            if let Some(doors) = self.doors_between(p, p, self.clearance) {
+                self.join(p, (p - corner).normalize_or_zero(), number, [doors, own]);
+            }
+        }
+    }
+
+    /// Opens an obstacle, or closes it: ways lead through open ones, and round closed ones where there is a way round. The
+    /// first time that one is opened or closed costs as much as [`Streets::new`].
+    ///
+    /// - `obstacle`: number in [`Streets::obstacles`].
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a number out of range, and more than 64 obstacles that were ever opened or closed.
+    pub fn set_open(&mut self, obstacle: usize, open: bool) -> Result<()> {
+        throng_base::error::check_index("obstacle", None, obstacle, self.obstacles.len())?;
+        let mut open_of = vec![None; self.obstacles.len()];
+        for (&owner, door) in self.owners.iter().zip(&self.doors).filter(|(_, door)| **door != 0) {
+            open_of[owner] = Some(door & self.closed == 0);
+        }
+        open_of[obstacle] = Some(open);
+        self.set_doors(&open_of).map(|_| ())
+    }
+
+    /// Makes some obstacles doors that are open or not, and all others none; true where there are other doors than before.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for more than 64 doors; nothing has changed then.
+    pub(crate) fn set_doors(&mut self, open_of: &[Option<bool>]) -> Result<bool> {
+        let num = self.owners.iter().filter(|&&o| open_of[o].is_some()).count();
+        check("number of doors", None, num as f64, num <= Doors::BITS as usize, "at most 64")?;
+        let mut is_new = false;
+        let mut next: Doors = 1;
+        self.closed = 0;
+        for (&owner, door) in self.owners.iter().zip(&mut self.doors) {
+            let open = open_of[owner];
+            is_new |= open.is_some() != (*door != 0);
+            *door = if open.is_some() { next } else { 0 };
+            self.closed |= if open == Some(false) { next } else { 0 };
+            next = if open.is_some() { next.wrapping_shl(1) } else { next };
+        }
+        if is_new {
+            self.make_graph();
+        } else {
+            for n in 0..self.points.len() {
+                self.around[n].1 = self.free_way(self.points[n], self.around[n].0);
+            }
+        }
+        Ok(is_new)
+    }
+
+    /// Clearance that ways keep (m).
+    pub fn clearance(&self) -> f32 {
+        self.clearance
+    }
+
+    /// True if nothing stands in any way.
+    pub fn is_open(&self) -> bool {
+        self.outlines.is_empty()
+    }
+
+    /// True if a place keeps the clearance from everything.
+    pub fn is_free(&self, at: Vec3) -> bool {
+        self.is_clear(at.xz(), at.xz(), self.clearance)
+    }
+
+    /// What ways lead round.
+    pub fn obstacles(&self) -> &[Obstacle] {
+        &self.obstacles
+    }
+
+    /// A route from one place to another, through the corners of the shortest way: for crowds without streets of their own.
+    ///
+    /// # Errors
+    /// [`Error::NoWay`] where an obstacle holds one of the places, or nothing leads from one to the other.
+    pub fn route(&self, from: Vec3, to: Vec3) -> Result<Route> {
+        let corners = self.corners(from, to).map_err(|_| Error::NoWay { who: None, from, to })?;
+        Ok(Route { subgoals: corners[1..].to_vec(), arrival_radius: 0.5, at_end: AtEnd::Stay })
+    }
+
+    /// Corners of the shortest way, with both its ends; heights go evenly from one to the other. The way keeps the
+    /// clearance; the legs of an end that is nearer to an obstacle keep as much as that end has.
+    ///
+    /// # Errors
+    /// [`NoWay`].
+    pub fn corners(&self, from: Vec3, to: Vec3) -> std::result::Result<Vec<Vec3>, NoWay> {
+        let flat = self.flat_corners(from.xz(), to.xz())?;
+        let all = length(&flat).max(1e-6);
+        let mut gone = 0.0;
+        let legs = std::iter::once(0.0).chain(flat.windows(2).map(|w| w[0].distance(w[1])));
+        let raise = |(p, leg): (&Vec2, f32)| {
+            gone += leg;
+            Vec3::new(p.x, from.y + (to.y - from.y) * (gone / all), p.y)
+        };
+        Ok(flat.iter().zip(legs).map(raise).collect())
+    }
+
+    /// How near the ends of a way are to what stands, and a hair less, so that rounding does not close the way out (m).
+    fn check_ends(&self, from: Vec2, to: Vec2) -> std::result::Result<[f32; 2], NoWay> {
+        let stands = |i: &usize| self.doors[*i] == 0 || self.doors[*i] & self.closed != 0;
+        let all = 0..self.outlines.len();
+        if let Some(i) = all.clone().filter(stands).find(|&i| self.outlines[i].distance(from) <= 0.0) {
+            return Err(NoWay::Start(self.owners[i]));
+        }
+        if let Some(i) = all.clone().find(|&i| self.outlines[i].distance(to) < self.nearest) {
+            return Err(NoWay::Goal(self.owners[i]));
+        }
+        let at_start = all.filter(stands).map(|i| self.outlines[i].distance(from)).fold(self.clearance, f32::min);
+        Ok([at_start * 0.999, self.near(to)])
+    }
+
+    /// How far a goal is from all outlines, if that is less than the clearance, and a hair less (m).
+    fn near(&self, goal: Vec2) -> f32 {
+        self.outlines.iter().map(|s| s.distance(goal)).fold(self.clearance, f32::min) * 0.999
+    }
+
+    /// Checks that a way leads from a place to a goal, be it through closed doors. Allocates nothing.
+    pub(crate) fn check_way(&self, from: Vec2, goal: &Costs) -> std::result::Result<(), NoWay> {
+        let [at_start, at_goal] = self.check_ends(from, goal.goal)?;
+        let leads = |n: usize| goal.of[n].way.is_finite() && self.sees(from, n, at_start).is_some();
+        let straight = self.doors_between(from, goal.goal, at_start.min(at_goal)).is_some();
+        if straight || (0..self.points.len()).any(leads) { Ok(()) } else { Err(NoWay::Separated) }
+    }
+
+    /// Adds a point, joined with all that it sees.
+    fn join(&mut self, p: Vec2, out: Vec2, corner: u32, at_doors: [Doors; 2]) {
+        let new = self.points.len();
+        let is_taut = |n: usize, d: f32| corner == self.around[n].2 || (self.points[n] - p).dot(out).abs() <= TAUT * d;
+        let sees = (0..new).filter_map(|n| self.sees(p, n, self.clearance).map(|(d, doors)| (n as u32, d, doors)));
+        let sees: Vec<_> = sees.filter(|&(n, d, _)| is_taut(n as usize, d)).collect();
+        for &(n, distance, doors) in &sees {
+            self.seen[n as usize].push((new as u32, distance, doors));
+        }
+        self.seen.push(sees.into_iter().rev().collect());
+        let free = self.free_way(p, out);
+        self.points.push(p);
+        self.around.push((out, free, corner));
+        self.at_doors.push(at_doors);
+    }
+
+    /// How far a point is that can be seen with a clearance, and that ways may lead to, and the doors in between.
+    fn sees(&self, p: Vec2, n: usize, clearance: f32) -> Option<(f32, Doors)> {
+        let (q, (out, ..)) = (self.points[n], self.around[n]);
+        let distance = p.distance(q);
+        let is_taut = (p - q).dot(out).abs() <= TAUT * distance || distance < 2.0 * self.clearance;
+        let doors = is_taut.then(|| self.doors_between(p, q, clearance)).flatten()?;
+        Some((distance, doors))
+    }
+
+    /// True for a point round a door that is open: nothing is there to go round.
+    fn is_idle(&self, n: usize) -> bool {
+        self.at_doors[n][1] & !self.closed != 0
+    }
+
+    /// Number of closed doors of a line, but for those at one of its ends.
+    fn num_closed(&self, doors: Doors, but: Doors) -> u32 {
+        (doors & self.closed & !but).count_ones()
+    }
+
+    /// How far it is free from a point along a unit vector, less the clearance (m).
+    fn free_way(&self, from: Vec2, along: Vec2) -> f32 {
+        let mut way = 0.0;
+        while way < WIDEST_M {
+            let x = from + along * way;
+            let stands = self.outlines.iter().zip(&self.doors).filter(|(_, d)| **d == 0 || **d & self.closed != 0);
+            let nearest = stands.map(|(s, _)| s.distance(x)).fold(WIDEST_M, f32::min) - self.clearance;
+            if way > 0.0 && nearest < 0.02 {
+                break;
+            }
+            // Where it begins, its own corner is just as near as may be.
+            way += nearest.max(0.05);
+        }
+        way.min(WIDEST_M)
+    }
+
+    /// Memory that [`Streets::find_costs`] takes at most: points, and points that wait to be looked at.
+    pub(crate) fn sizes(&self) -> [usize; 2] {
+        [self.points.len(), self.points.len() + self.seen.iter().map(Vec::len).sum::<usize>()]
+    }
+
+    /// True if an agent sees a place: nothing is nearer to the straight line than its radius.
+    ///
+    /// - `through`: closed doors do not count.
+    pub(crate) fn sees_place(&self, from: Vec2, to: Vec2, radius: f32, through: bool) -> bool {
+        let doors = self.doors_between(from, to, 0.98 * radius);
+        doors.is_some_and(|d| through || d & self.closed == 0)
+    }
+
+    /// True if a straight line keeps a clearance from everything that stands.
+    fn is_clear(&self, a: Vec2, b: Vec2, clearance: f32) -> bool {
+        self.doors_between(a, b, clearance).is_some_and(|doors| doors & self.closed == 0)
+    }
+
+    /// Doors that are nearer to a straight line than a clearance; `None` if anything else is.
+    fn doors_between(&self, a: Vec2, b: Vec2, clearance: f32) -> Option<Doors> {
+        let (low, high) = (a.min(b) - clearance, a.max(b) + clearance);
+        let is_near = |(l, h): &(Vec2, Vec2)| l.cmple(high).all() && h.cmpge(low).all();
+        let near = self.outlines.iter().zip(&self.doors).zip(&self.bounds).filter(|(_, b)| is_near(b));
+        let mut in_the_way = near.map(|(o, _)| o).filter(|(s, _)| s.distance_of_line(a, b) < clearance);
+        in_the_way.try_fold(0, |all, (_, &door)| (door != 0).then_some(all | door))
+    }
+}

@@ -1,0 +1,228 @@
+//! The shortest ways over the graph.
+
+use super::{CLOSED_M, Corner, Cost, Costs, Doors, MOST_CORNERS, NoWay, Streets, TAUT};
+use crate::NONE;
+use glam::Vec2;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Both ends of a way, how far the points are that they see, and the doors in between.
+struct Ends {
+    from: Vec2,
+    to: Vec2,
+    start: Vec<Option<(f32, Doors)>>,
+    goal: Vec<Option<(f32, Doors)>>,
+    /// Doors on the straight line, if nothing else is.
+    straight: Option<Doors>,
+}
+
+/// A point whose neighbours are to be looked at; the one with the smallest estimate comes first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Open {
+    /// Of the whole way (m).
+    estimate: f32,
+    /// In a straight line to the goal (m).
+    left: f32,
+    /// From the start (m).
+    length: f32,
+    n: usize,
+}
+
+impl Ord for Open {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let order = other.estimate.total_cmp(&self.estimate).then(other.left.total_cmp(&self.left));
+        order.then(other.length.total_cmp(&self.length))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Open {}
+
+impl Streets {
+    pub(super) fn flat_corners(&self, from: Vec2, to: Vec2) -> std::result::Result<Vec<Vec2>, NoWay> {
+        let [at_start, at_goal] = self.check_ends(from, to)?;
+        if self.is_clear(from, to, at_start.min(at_goal)) {
+            return Ok(vec![from, to]);
+        }
+        let straight = self.doors_between(from, to, at_start.min(at_goal));
+        let sees = |p, clearance| (0..self.points.len()).map(|n| self.sees(p, n, clearance)).collect();
+        let ends = Ends { from, to, start: sees(from, at_start), goal: sees(to, at_goal), straight };
+        self.search(&ends).ok_or(NoWay::Separated)
+    }
+
+    /// Finds out from where a goal is seen, and how far it is from all points.
+    ///
+    /// - `open`: memory for [`Streets::find_ways`].
+    pub(crate) fn find_costs(&self, goal: Vec2, costs: &mut Costs, open: &mut BinaryHeap<Open>) {
+        (costs.goal, costs.near) = (goal, self.near(goal));
+        costs.seen.clear();
+        let seen = |n: usize| self.sees(goal, n, costs.near).map(|(far, doors)| (n as u32, far, doors));
+        costs.seen.extend((0..self.points.len()).filter_map(seen));
+        self.find_ways(costs, open);
+    }
+
+    /// How far a goal is from all points, as doors are now: Dijkstra (1959), from the goal on. Equal ways are resolved by the
+    /// numbers of points.
+    pub(crate) fn find_ways(&self, costs: &mut Costs, open: &mut BinaryHeap<Open>) {
+        open.clear();
+        let Costs { of, seen, .. } = costs;
+        of.clear();
+        of.resize(self.points.len(), Cost::NO_WAY);
+        for &(n, way, doors) in &*seen {
+            self.reach(n, Cost { way, next: NONE, closed: self.num_closed(doors, 0) }, of, open);
+        }
+        while let Some(Open { length, n, .. }) = open.pop() {
+            let at = of[n];
+            if at.key() < length {
+                continue;
+            }
+            for &(next, far, doors) in &self.seen[n] {
+                let closed = at.closed + self.num_closed(doors, self.at_doors[n][0]);
+                self.reach(next, Cost { way: at.way + far, next: n as u32, closed }, of, open);
+            }
+        }
+    }
+
+    /// Notes a way to a point if it is the best one so far.
+    fn reach(&self, n: u32, then: Cost, of: &mut [Cost], open: &mut BinaryHeap<Open>) {
+        let (key, at) = (then.key(), n as usize);
+        if key < of[at].key() && !self.is_idle(at) {
+            of[at] = then;
+            open.push(Open { estimate: key, left: n as f32, length: key, n: at });
+        }
+    }
+
+    /// The corners by which shortest ways lead from a place to a goal, the best first, one point of each corner; those that
+    /// are more than `longer` longer than the best are left out. Returns their number; none where nothing leads there.
+    ///
+    /// - `through`: closed doors are passed, as none leads round them; otherwise they are walls.
+    pub(crate) fn corners_ahead(
+        &self,
+        (from, radius, longer): (Vec2, f32, f32),
+        (goal, costs, through): (Vec2, &Costs, bool),
+        out: &mut [Option<Corner>; MOST_CORNERS],
+    ) -> usize {
+        let mut num = 0;
+        let mut most = f32::INFINITY;
+        // Points in the order of their ways, equal ones in that of their numbers.
+        let mut last = (f32::NEG_INFINITY, 0);
+        while num < MOST_CORNERS {
+            let mut best = (most, NONE);
+            for (n, ((p, cost), (away, ..))) in (0u32..).zip(self.points.iter().zip(&costs.of).zip(&self.around)) {
+                // The straight line is no longer than any way.
+                let is_closed = cost.closed > 0 && !through;
+                let cost = cost.key();
+                if cost >= best.0 || is_closed {
+                    continue;
+                }
+                let off = *p - from;
+                let far = off.length();
+                let way = cost + far;
+                let is_taut = off.dot(*away).abs() <= TAUT * far || far < 2.0 * self.clearance;
+                if way < best.0 && is_taut && (way, n) > last {
+                    best = (way, n);
+                }
+            }
+            let (way, n) = best;
+            if n == NONE {
+                break;
+            }
+            last = best;
+            if out[..num].iter().flatten().any(|c| c.number == self.around[n as usize].2) {
+                continue;
+            }
+            let n = n as usize;
+            if !self.sees_place(from, self.points[n], radius, through) {
+                continue;
+            }
+            let (away, free, number) = self.around[n];
+            // On to where the way leaves this corner.
+            let mut on = n;
+            while costs.of[on].next != NONE && self.around[on].2 == number {
+                on = costs.of[on].next as usize;
+            }
+            let (next, rest) =
+                if self.around[on].2 == number { (goal, 0.0) } else { (self.points[on], costs.of[on].way) };
+            out[num] = Some(Corner { at: self.points[n], out: away, free, number, next, rest, way });
+            num += 1;
+            most = most.min(way + longer);
+        }
+        num
+    }
+
+    /// A* from the start to the goal, which do not see each other. Equal lengths are resolved by the order in which points
+    /// were joined.
+    fn search(&self, ends: &Ends) -> Option<Vec<Vec2>> {
+        let (goal, start) = (self.points.len(), self.points.len() + 1);
+        let place = |n: usize| match n {
+            _ if n == goal => ends.to,
+            _ if n == start => ends.from,
+            _ => self.points[n],
+        };
+        let mut best = vec![f32::INFINITY; start + 1];
+        let mut previous = vec![usize::MAX; start + 1];
+        let mut open = BinaryHeap::new();
+        best[start] = 0.0;
+        open.push(Open {
+            estimate: ends.from.distance(ends.to),
+            left: ends.from.distance(ends.to),
+            length: 0.0,
+            n: start,
+        });
+        while let Some(Open { length, n, .. }) = open.pop() {
+            if n == goal {
+                let mut way = vec![ends.to];
+                let mut at = previous[goal];
+                while at != usize::MAX {
+                    way.push(place(at));
+                    at = previous[at];
+                }
+                way.reverse();
+                return Some(way);
+            }
+            if best[n] < length {
+                continue;
+            }
+            let here = self.at_doors.get(n).map_or(0, |d| d[0]);
+            let mut reach = |next: usize, far: f32, doors: Doors| {
+                let then = length + far + CLOSED_M * self.num_closed(doors, here) as f32;
+                if then < best[next] && (next >= goal || !self.is_idle(next)) {
+                    (best[next], previous[next]) = (then, n);
+                    let left = place(next).distance(ends.to);
+                    open.push(Open { estimate: then + left, left, length: then, n: next });
+                }
+            };
+            if n == start {
+                let seen = ends.start.iter().enumerate().rev();
+                seen.filter_map(|(next, s)| Some((next, (*s)?))).for_each(|(next, (far, d))| reach(next, far, d));
+                if let Some(doors) = ends.straight {
+                    reach(goal, ends.from.distance(ends.to), doors);
+                }
+                continue;
+            }
+            let (smaller, larger): (Vec<_>, Vec<_>) = self.seen[n].iter().partition(|s| (s.0 as usize) < n);
+            smaller.into_iter().for_each(|(next, far, doors)| reach(next as usize, far, doors));
+            if let Some((far, doors)) = ends.goal[n] {
+                reach(goal, far, doors);
+            }
+            larger.into_iter().rev().for_each(|(next, far, doors)| reach(next as usize, far, doors));
+        }
+        None
+    }
+}
+
+/// Length of a way (m).
+pub(super) fn length(way: &[Vec2]) -> f32 {
+    way.windows(2).map(|w| w[0].distance(w[1])).sum()
+}

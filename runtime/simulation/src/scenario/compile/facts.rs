@@ -1,0 +1,266 @@
+//! What there is: values, places, thresholds, events, relations.
+
+use super::{Compiled, Compiler, MOST_THRESHOLDS, MOST_TOLD, point, wrong};
+use crate::scenario::language::Sort;
+use crate::scenario::tables::{
+    EventTable, Party, PlaceTable, Relation, Schedule, Slot, Threshold, ValueTable, trigger,
+};
+use crate::scene::{EventConfig, SiteConfig};
+use glam::Vec3;
+use throng_base::text::did_you_mean;
+
+impl Compiler<'_> {
+    pub(super) fn values(&mut self) {
+        for value in self.scene.values.values() {
+            let pull = value.rest.map_or(0.0, |_| std::f32::consts::LN_2 / value.half_life_s);
+            let rest = value.rest.unwrap_or(0.0);
+            let (start, rate, limits) = (value.start, value.rate_per_s, value.limits);
+            self.out.values.push(ValueTable { start, rate, rest, pull, limits, thresholds: [0; 2] });
+        }
+    }
+
+    pub(super) fn places(&mut self) -> Compiled<()> {
+        let mut once = 0;
+        for (i, site) in self.scene.places.iter().enumerate() {
+            let kind = self.out.names.kinds.find(&site.kind).unwrap_or(0) as u16;
+            let arrow = match &site.arrow {
+                None => None,
+                Some(to) => Some(self.name(Sort::Place, to, &format!("places[{i}].arrow"))?),
+            };
+            let first = self.out.slots.len() as u32;
+            self.slots(i, site)?;
+            let bit = site.once.then_some(once);
+            once += u8::from(site.once);
+            self.out.places.push(PlaceTable {
+                at: point(&site.at),
+                radius_m: site.radius_m,
+                kind,
+                guidepost: site.guidepost || arrow.is_some(),
+                once: bit,
+                arrow,
+                slots: [first, self.out.slots.len() as u32],
+                is_queue: site.queue.is_some(),
+            });
+        }
+        Ok(())
+    }
+
+    pub(super) fn slots(&mut self, place: usize, site: &SiteConfig) -> Compiled<()> {
+        let (middle, number) = (point(&site.at), place as u16);
+        for slot in &site.slots {
+            let facing = slot.facing.as_ref().map_or(middle, |f| point(f));
+            self.out.slots.push(Slot { at: point(&slot.at), facing, place: number });
+        }
+        let Some(queue) = &site.queue else { return Ok(()) };
+        if !site.slots.is_empty() {
+            return wrong(format!("places[{place}].queue"), "expected either `slots` or `queue`, found both");
+        }
+        let corners: Vec<Vec3> = queue.points.iter().map(|p| point(p)).collect();
+        let mut facing = middle;
+        let mut left = 0.0;
+        for leg in corners.windows(2) {
+            let length = leg[0].distance(leg[1]);
+            while left <= length {
+                let at = leg[0] + (leg[1] - leg[0]) * (left / length.max(1e-6));
+                self.out.slots.push(Slot { at, facing, place: number });
+                facing = at;
+                left += queue.spacing_m;
+            }
+            left -= length;
+        }
+        Ok(())
+    }
+
+    /// Finds all thresholds that rules and edges name, by value.
+    pub(super) fn thresholds(&mut self) -> Compiled<()> {
+        let scene = self.scene;
+        let of_rules = scene.rules.iter().enumerate().map(|(i, r)| (format!("rules[{i}].on"), &r.on));
+        let of_graphs = scene.graphs.iter().flat_map(|(name, graph)| {
+            graph.edges.iter().enumerate().map(move |(i, e)| (format!("graphs.{name}.edges[{i}].on"), &e.on))
+        });
+        let mut all: Vec<Threshold> = Vec::new();
+        for (key, on) in of_rules.chain(of_graphs) {
+            if let Some(threshold) = self.threshold(on, &key)?
+                && !all.iter().any(|t| same(t, &threshold))
+            {
+                all.push(threshold);
+            }
+        }
+        if all.len() > MOST_THRESHOLDS {
+            return wrong("rules", format!("expected at most {MOST_THRESHOLDS} thresholds, found {}", all.len()));
+        }
+        all.sort_by(|a, b| (a.value, a.at).partial_cmp(&(b.value, b.at)).unwrap_or(std::cmp::Ordering::Equal));
+        for (v, value) in self.out.values.iter_mut().enumerate() {
+            let first = all.partition_point(|t| usize::from(t.value) < v);
+            let last = all.partition_point(|t| usize::from(t.value) <= v);
+            value.thresholds = [first as u16, last as u16];
+        }
+        self.out.thresholds = all;
+        Ok(())
+    }
+
+    /// `fatigue > 0.7`, if it is one.
+    pub(super) fn threshold(&self, on: &str, key: &str) -> Compiled<Option<Threshold>> {
+        let Some((name, rises, at)) =
+            on.split_once('>').map(|(n, a)| (n, true, a)).or_else(|| on.split_once('<').map(|(n, a)| (n, false, a)))
+        else {
+            return Ok(None);
+        };
+        let (name, number) = (name.trim(), at.trim().parse::<f32>());
+        let Some(value) = self.out.names.values.find(name) else {
+            let help = did_you_mean(name, self.out.names.values.0.iter().map(String::as_str));
+            return wrong(key, format!("there is no value `{name}`: values are declared in `[values]`.{help}"));
+        };
+        let limits = self.out.values[value].limits;
+        match number {
+            Ok(at) if limits[0] <= at && at <= limits[1] => Ok(Some(Threshold { value: value as u16, at, rises })),
+            _ => {
+                let [low, high] = limits;
+                wrong(key, format!("expected a number within the limits of `{name}`, {low} to {high}, found `{at}`"))
+            }
+        }
+    }
+
+    pub(super) fn trigger(&self, on: &str, key: &str) -> Compiled<u16> {
+        if let Some(built_in) = trigger::NAMES.iter().position(|n| *n == on) {
+            return Ok(built_in as u16);
+        }
+        if let Some(threshold) = self.threshold(on, key)? {
+            let number = self.out.thresholds.iter().position(|t| same(t, &threshold)).unwrap_or(0);
+            return Ok(trigger::EVENTS + (self.out.names.events.0.len() + number) as u16);
+        }
+        if let Some(event) = self.out.names.events.find(on) {
+            return Ok(trigger::EVENTS + event as u16);
+        }
+        let events = self.out.names.events.0.iter().map(String::as_str);
+        let help = did_you_mean(on, trigger::NAMES.into_iter().chain(events));
+        let all = trigger::NAMES.join(", ");
+        wrong(key, format!("there is no event `{on}`: expected one of `[[events]]`, {all}, or `VALUE > NUMBER`.{help}"))
+    }
+
+    pub(super) fn events(&mut self) -> Compiled<()> {
+        let mut channel = 0;
+        for (i, event) in self.scene.events.iter().enumerate() {
+            if trigger::NAMES.contains(&event.name.as_str()) || event.name.contains(['<', '>']) {
+                let why = format!("\"{}\" means something else: give the event another name", event.name);
+                return wrong(format!("events[{i}].name"), why);
+            }
+            let table = self.event(event, &format!("events[{i}]"))?;
+            self.out.events.push(table);
+        }
+        for (i, happening) in self.scene.happenings.iter().enumerate() {
+            let who = match &happening.near {
+                None => None,
+                Some(near) => {
+                    let at = &near.at;
+                    let by = |name: &str, v: f32| format!("({name} - {v}) * ({name} - {v})");
+                    let far = near.radius_m * near.radius_m;
+                    let z = at.get(if at.len() == 3 { 2 } else { 1 }).copied().unwrap_or(0.0);
+                    let text = format!("{} + {} <= {far}", by("x", at[0]), by("z", z)).replace("- -", "+ ");
+                    Some(self.predicate(&text, &format!("happenings[{i}].near"), trigger::EVENTS)?)
+                }
+            };
+            self.out.events.push(EventTable {
+                schedule: Schedule::At(happening.time_s),
+                who,
+                nobody: false,
+                channel: happening.told_on.then_some(0),
+                posted: false,
+                fresh_s: f64::INFINITY,
+                doors: Vec::new(),
+                condition: None,
+            });
+        }
+        for event in &mut self.out.events {
+            if event.channel.is_some() {
+                event.channel = Some(channel);
+                channel += 1;
+            }
+        }
+        match usize::from(channel) > MOST_TOLD {
+            true => wrong("events", format!("expected at most {MOST_TOLD} events that are told on, found {channel}")),
+            false => Ok(()),
+        }
+    }
+
+    pub(super) fn event(&mut self, event: &EventConfig, key: &str) -> Compiled<EventTable> {
+        let ways = [
+            event.at_s.is_some(),
+            event.between_s.is_some(),
+            event.every_s.is_some(),
+            event.period_s.is_some(),
+            event.when.is_some(),
+        ];
+        if ways.iter().filter(|w| **w).count() > 1 {
+            return wrong(key, "expected one of `at_s`, `between_s`, `every_s`, `period_s` and `when`, found several");
+        }
+        let schedule = match event {
+            EventConfig { at_s: Some(at), .. } => Schedule::At(*at),
+            EventConfig { between_s: Some([from, to]), .. } => Schedule::Between(*from, *to),
+            EventConfig { every_s: Some(mean), .. } => Schedule::Poisson(*mean),
+            EventConfig { period_s: Some(period), .. } => Schedule::Period(*period),
+            _ => Schedule::Never,
+        };
+        let who = match &event.who {
+            Some(who) => Some(self.predicate(who, &format!("{key}.who"), trigger::EVENTS)?),
+            None => None,
+        };
+        let condition = match &event.when {
+            Some(when) => Some(self.predicate(when, &format!("{key}.when"), trigger::STARTS)?),
+            None => None,
+        };
+        let mut doors = Vec::new();
+        for (names, open, word) in [(&event.opens, true, "opens"), (&event.closes, false, "closes")] {
+            for (d, name) in names.iter().enumerate() {
+                doors.push((self.name(Sort::Door, name, &format!("{key}.{word}[{d}]"))?, open));
+            }
+        }
+        Ok(EventTable {
+            doors,
+            schedule,
+            who,
+            nobody: event.nobody,
+            channel: event.told_on.then_some(0),
+            posted: event.posted,
+            fresh_s: event.fresh_s.unwrap_or(f64::INFINITY),
+            condition,
+        })
+    }
+
+    pub(super) fn relations(&mut self) -> Compiled<()> {
+        for (i, r) in self.scene.relations.iter().enumerate() {
+            let key = format!("relations[{i}]");
+            let (of, to) = (self.party(&r.of, &format!("{key}.of"))?, self.party(&r.to, &format!("{key}.to"))?);
+            if matches!(of, Party::Place(_)) {
+                return wrong(format!("{key}.of"), "expected a group, or an agent such as \"group:3\", found a place");
+            }
+            if matches!(to, Party::Place(_)) && r.friendship.is_some() {
+                return wrong(format!("{key}.friendship"), "nobody is friends with a place: expected `curiosity`");
+            }
+            let (friendship, curiosity) = (r.friendship.unwrap_or(f32::NAN), r.curiosity.unwrap_or(f32::NAN));
+            self.out.relations.push(Relation { of, to, share: r.share, friendship, curiosity });
+        }
+        Ok(())
+    }
+
+    pub(super) fn party(&self, text: &str, key: &str) -> Compiled<Party> {
+        if let Some(place) = self.out.names.places.find(text) {
+            return Ok(Party::Place(place as u16));
+        }
+        let (name, number) = match text.rsplit_once(':') {
+            Some((name, number)) => (name, Some(number.parse::<u32>())),
+            None => (text, None),
+        };
+        let group = self.name(Sort::Group, name, key)?;
+        let [first, last] = self.out.groups[usize::from(group)].agents;
+        match number {
+            None => Ok(Party::Group(group)),
+            Some(Ok(n)) if first + n < last => Ok(Party::Agent(first + n)),
+            Some(_) => wrong(key, format!("expected an agent from 0 to {}, found \"{text}\"", last - first - 1)),
+        }
+    }
+}
+
+fn same(a: &Threshold, b: &Threshold) -> bool {
+    (a.value, a.at.to_bits(), a.rises) == (b.value, b.at.to_bits(), b.rises)
+}

@@ -1,0 +1,193 @@
+//! What agents go through: states, what leads from one to another, and rules.
+
+use super::{Compiled, Compiler, wrong};
+use crate::scenario::language::Sort;
+use crate::scenario::tables::{Action, Edge, NONE, Rule, State, trigger};
+use crate::scene::{GraphConfig, LevelConfig};
+use throng_base::text::did_you_mean;
+
+impl Compiler<'_> {
+    pub(super) fn states(&mut self) -> Compiled<()> {
+        let scene = self.scene;
+        // Numbers first: graphs name each other.
+        let mut number = 0;
+        for (name, graph) in &scene.graphs {
+            for state in graph.states.keys() {
+                self.state_numbers.insert((name.clone(), state.clone()), number);
+                number += 1;
+            }
+        }
+        for (name, graph) in &scene.graphs {
+            let key = format!("graphs.{name}.start");
+            let start = self.state_number(name, graph, &graph.start, &key)?;
+            self.graph_starts.insert(name.clone(), start);
+        }
+        for (of, (name, graph)) in (0..).zip(&scene.graphs) {
+            for (state, config) in &graph.states {
+                let key = format!("graphs.{name}.states.{state}");
+                let below = match &config.graph {
+                    None => NONE,
+                    Some(below) => self.below(below, graph.level, &format!("{key}.graph"))?,
+                };
+                let actions = match &config.does {
+                    None if below == NONE => return wrong(key, "expected `do` or `graph`, found neither"),
+                    None => NONE,
+                    Some(does) => {
+                        let (first, is_instant) = self.behaviour(does, &format!("{key}.do"), trigger::DONE)?;
+                        if below != NONE && !is_instant {
+                            return wrong(format!("{key}.do"), "before a graph, expected actions that take no time");
+                        }
+                        first
+                    }
+                };
+                let (name, word) = (state.clone(), self.out.names.states.find(state).unwrap_or(0) as u16);
+                let level = graph.level as u8;
+                self.out.states.push(State { name, word, level, of, actions, graph: below, edges: [0; 2] });
+            }
+        }
+        let mut at = 0;
+        for (name, graph) in &scene.graphs {
+            self.check_reached(name, graph)?;
+            for state in graph.states.keys() {
+                let first = self.out.edges.len() as u32;
+                for (i, edge) in graph.edges.iter().enumerate() {
+                    let key = format!("graphs.{name}.edges[{i}]");
+                    if let Some(from) = &edge.from {
+                        self.state_number(name, graph, from, &format!("{key}.from"))?;
+                        if from != state {
+                            continue;
+                        }
+                    }
+                    let to = self.state_number(name, graph, &edge.to, &format!("{key}.to"))? as u16;
+                    let trigger = self.trigger(&edge.on, &format!("{key}.on"))?;
+                    let when = self.when(edge.when.as_deref(), &format!("{key}.when"), trigger)?;
+                    let probability = edge.probability.unwrap_or(-1.0);
+                    if edge.probability.is_some() && !(0.0..=1.0).contains(&probability) {
+                        return wrong(format!("{key}.probability"), format!("expected 0 to 1, found {probability}"));
+                    }
+                    self.out.edges.push(Edge { trigger, to, when, probability, number: i as u16 });
+                }
+                let edges = &self.out.edges[first as usize..];
+                for e in edges {
+                    let same = edges.iter().filter(|o| o.trigger == e.trigger && o.when.is_none());
+                    let sum: f32 = same.map(|o| o.probability.max(0.0)).sum();
+                    if sum > 1.0 + 1e-5 {
+                        let event = self.out.trigger_name(e.trigger);
+                        let why =
+                            format!("from `{state}`, probabilities at `{event}` add up to {sum}, expected at most 1");
+                        return wrong(format!("graphs.{name}.edges"), why);
+                    }
+                }
+                self.out.states[at].edges = [first, self.out.edges.len() as u32];
+                at += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Every state of a graph can be reached from its start.
+    pub(super) fn check_reached(&self, name: &str, graph: &GraphConfig) -> Compiled<()> {
+        let mut reached = vec![graph.start.as_str()];
+        let mut at = 0;
+        while at < reached.len() {
+            let from = reached[at];
+            for edge in &graph.edges {
+                if edge.from.as_deref().is_none_or(|f| f == from) && !reached.contains(&edge.to.as_str()) {
+                    reached.push(&edge.to);
+                }
+            }
+            at += 1;
+        }
+        match graph.states.keys().find(|s| !reached.contains(&s.as_str())) {
+            None => Ok(()),
+            Some(state) => {
+                let key = format!("graphs.{name}.states.{state}");
+                wrong(
+                    key,
+                    format!("no edge leads to `{state}` from the start, `{}`: add one, or remove it", graph.start),
+                )
+            }
+        }
+    }
+
+    pub(super) fn state_number(&self, name: &str, graph: &GraphConfig, state: &str, key: &str) -> Compiled<u32> {
+        if let Some(&number) = self.state_numbers.get(&(name.to_string(), state.to_string())) {
+            return Ok(number);
+        }
+        let known: Vec<&str> = graph.states.keys().map(String::as_str).collect();
+        let help = did_you_mean(state, known.iter().copied());
+        wrong(key, format!("the graph has no state `{state}`: it has {}.{help}", known.join(", ")))
+    }
+
+    /// The start of a graph of a lower level.
+    pub(super) fn below(&self, name: &str, level: LevelConfig, key: &str) -> Compiled<u32> {
+        let Some(graph) = self.scene.graphs.get(name) else {
+            let help = did_you_mean(name, self.scene.graphs.keys().map(String::as_str));
+            return wrong(key, format!("there is no graph `{name}`.{help}"));
+        };
+        if graph.level <= level {
+            return wrong(
+                key,
+                format!("expected a graph of a lower level: `{name}` is {:?}", graph.level).to_lowercase(),
+            );
+        }
+        Ok(self.graph_starts[name])
+    }
+
+    pub(super) fn rules(&mut self) -> Compiled<()> {
+        let mut triggers = Vec::new();
+        for (i, rule) in self.scene.rules.iter().enumerate() {
+            let key = format!("rules[{i}]");
+            let trigger = self.trigger(&rule.on, &format!("{key}.on"))?;
+            let when = self.when(rule.when.as_deref(), &format!("{key}.when"), trigger)?;
+            if !(0.0..=1.0).contains(&rule.probability) {
+                let found = rule.probability;
+                return wrong(format!("{key}.probability"), format!("expected 0 to 1, found {found}"));
+            }
+            let mut who = if rule.who.is_empty() { u64::MAX } else { 0 };
+            for (g, name) in rule.who.iter().enumerate() {
+                who |= 1 << self.name(Sort::Group, name, &format!("{key}.who[{g}]"))?;
+            }
+            let (actions, is_instant) = self.behaviour(&rule.does, &format!("{key}.do"), trigger)?;
+            let pause = self.out.num_pauses as u32;
+            self.out.num_pauses += usize::from(rule.pause_s > 0.0);
+            let name = if rule.name.is_empty() { format!("rule {i}") } else { rule.name.clone() };
+            let (probability, priority, pause_s) = (rule.probability, rule.priority, rule.pause_s);
+            self.out.rules.push(Rule { name, who, when, probability, actions, is_instant, priority, pause_s, pause });
+            triggers.push(trigger);
+        }
+        self.happenings(&mut triggers);
+        self.index_rules(&triggers);
+        Ok(())
+    }
+
+    pub(super) fn index_rules(&mut self, triggers: &[u16]) {
+        let num = trigger::NAMES.len() + self.out.names.events.0.len() + self.out.thresholds.len();
+        for t in 0..num {
+            let first = self.out.rule_order.len() as u32;
+            let of = triggers.iter().enumerate().filter(|(_, other)| usize::from(**other) == t);
+            self.out.rule_order.extend(of.map(|(r, _)| r as u32));
+            self.out.rules_of.push([first, self.out.rule_order.len() as u32]);
+        }
+    }
+
+    /// Happenings are events with one rule: who learns of it takes the way to its goal.
+    pub(super) fn happenings(&mut self, triggers: &mut Vec<u16>) {
+        for i in 0..self.scene.happenings.len() {
+            let actions = self.out.actions.len() as u32;
+            self.out.actions.extend([Action::Happening(i as u16), Action::End]);
+            self.out.rules.push(Rule {
+                name: format!("happenings[{i}]"),
+                who: u64::MAX,
+                when: None,
+                probability: 1.0,
+                actions,
+                is_instant: true,
+                priority: 0,
+                pause_s: 0.0,
+                pause: 0,
+            });
+            triggers.push(trigger::EVENTS + (self.scene.events.len() + i) as u16);
+        }
+    }
+}

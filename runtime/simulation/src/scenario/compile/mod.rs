@@ -1,0 +1,229 @@
+//! From what a scene file says to flat tables.
+
+mod deeds;
+mod facts;
+mod graphs;
+
+use crate::scenario::language::{Names, Sort, Vocabulary};
+use crate::scenario::tables::{Action, BoardTable, EndTable, GroupTable, How, NONE, Scenario, trigger};
+use crate::scenario::verbs::{Effect, Operand, Primitives};
+use crate::scene::Scene;
+use glam::Vec3;
+use std::collections::BTreeMap;
+use throng_base::Result;
+use throng_base::text::did_you_mean;
+
+/// Most events, groups and places that are entered once: each is a bit.
+const MOST_BITS: usize = 64;
+/// Most events that are told on: bits of what agents sense of each other, less the one for meetings.
+const MOST_TOLD: usize = 31;
+/// Most thresholds: bits of 32.
+const MOST_THRESHOLDS: usize = 32;
+
+/// What is wrong with a key, and at which byte of its text.
+struct Wrong {
+    key: String,
+    at: Option<usize>,
+    why: String,
+}
+
+type Compiled<T> = std::result::Result<T, Wrong>;
+
+fn wrong<T>(key: impl Into<String>, why: impl Into<String>) -> Compiled<T> {
+    Err(Wrong { key: key.into(), at: None, why: why.into() })
+}
+
+impl Scenario {
+    /// Compiles all that people of a scene live by; `None` where the scene says nothing of it.
+    ///
+    /// - `num`: of each group of the scene, its agents.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Text`] with file, line, column, and the nearest name that is known.
+    pub fn new(scene: &Scene, primitives: &Primitives) -> Result<Option<Self>> {
+        if !scene.has_story() {
+            return Ok(None);
+        }
+        let compiler = Compiler::new(scene, primitives.clone());
+        let compiled = compiler.and_then(Compiler::compile);
+        compiled.map(Some).map_err(|w| scene.fault_within(&w.key, w.at, w.why))
+    }
+}
+
+struct Compiler<'a> {
+    scene: &'a Scene,
+    out: Scenario,
+    /// Of each named behaviour that is compiled: first of its actions, and whether they take no time, by the event's kind.
+    done: BTreeMap<(String, bool, bool), (u32, bool)>,
+    graph_starts: BTreeMap<String, u32>,
+    /// Names of states by graph.
+    state_numbers: BTreeMap<(String, String), u32>,
+}
+
+impl<'a> Compiler<'a> {
+    fn new(scene: &'a Scene, primitives: Primitives) -> Compiled<Self> {
+        let names = |key: &str, all: Vec<&String>| -> Compiled<Names> {
+            for (i, name) in all.iter().enumerate() {
+                if name.is_empty() || all[..i].contains(name) {
+                    return wrong(format!("{key}[{i}]"), format!("expected a `name` of its own, found \"{name}\""));
+                }
+            }
+            Ok(Names(all.into_iter().cloned().collect()))
+        };
+        let of_agents: Vec<_> = scene.groups.iter().enumerate().filter(|(_, g)| g.is_of_agents()).collect();
+        let mut kinds: Vec<String> = scene.places.iter().map(|p| p.kind.clone()).collect();
+        kinds.sort();
+        kinds.dedup();
+        let mut states: Vec<String> = scene.graphs.values().flat_map(|g| g.states.keys().cloned()).collect();
+        states.sort();
+        states.dedup();
+        let mut events: Vec<&String> = scene.events.iter().map(|e| &e.name).collect();
+        let happenings: Vec<String> = (0..scene.happenings.len()).map(|i| format!("happening {i}")).collect();
+        events.extend(&happenings);
+        let words = Vocabulary {
+            groups: Names(of_agents.iter().map(|(g, group)| group.title(*g)).collect()),
+            states: Names(states),
+            places: names("places", scene.places.iter().map(|p| &p.name).collect())?,
+            kinds: Names(kinds),
+            events: names("events", events)?,
+            values: Names(scene.values.keys().cloned().collect()),
+            doors: names("environment.doors", scene.environment.doors.iter().map(|d| &d.name).collect())?,
+            things: names("things", scene.things.iter().map(|t| &t.name).collect())?,
+            how: Names(How::NAMES.iter().map(|h| (*h).to_string()).collect()),
+            has_other: false,
+            has_place: false,
+        };
+        for (count, what, key) in [
+            (words.events.0.len(), "events", "events"),
+            (words.groups.0.len(), "groups of agents", "groups"),
+            (scene.places.iter().filter(|p| p.once).count(), "places with `once`", "places"),
+            (words.values.0.len(), "values", "values"),
+        ] {
+            if count > MOST_BITS {
+                return wrong(key, format!("expected at most {MOST_BITS} {what}, found {count}"));
+            }
+        }
+        let mut first = 0;
+        let groups = of_agents.iter().map(|(g, group)| {
+            let agents = [first, first + group.count as u32];
+            first = agents[1];
+            let there = group.source.as_ref().map_or(group.count, |s| s.start.min(group.count)) as u32;
+            let rates = group.source.as_ref().map_or_else(Vec::new, |s| s.rates.clone());
+            GroupTable { number: *g, start: NONE, agents, there, rates }
+        });
+        let out = Scenario {
+            code: Vec::new(),
+            groups: groups.collect(),
+            names: words,
+            primitives,
+            values: Vec::new(),
+            thresholds: Vec::new(),
+            events: Vec::new(),
+            places: Vec::new(),
+            slots: Vec::new(),
+            things: scene.things.iter().map(|t| Vec3::from_array(t.at)).collect(),
+            rules: Vec::new(),
+            rules_of: Vec::new(),
+            rule_order: Vec::new(),
+            num_pauses: 0,
+            source: scene.source.clone(),
+            graphs: scene.graphs.keys().cloned().collect(),
+            states: Vec::new(),
+            edges: Vec::new(),
+            actions: Vec::new(),
+            ways: Vec::new(),
+            relations: Vec::new(),
+            motions: Vec::new(),
+            boards: BoardTable::default(),
+            end: EndTable::default(),
+            senses_zones: false,
+            meets: false,
+            senses_cells: false,
+        };
+        Ok(Self { scene, out, done: BTreeMap::new(), graph_starts: BTreeMap::new(), state_numbers: BTreeMap::new() })
+    }
+
+    fn compile(mut self) -> Compiled<Scenario> {
+        self.values();
+        self.places()?;
+        self.thresholds()?;
+        self.events()?;
+        self.relations()?;
+        self.states()?;
+        self.rules()?;
+        self.group_starts()?;
+        self.end()?;
+        self.out.boards = BoardTable { cell_m: self.scene.agents.cell_m, levels: 4 };
+        let needs_cells = self
+            .out
+            .actions
+            .iter()
+            .any(|a| matches!(a, Action::Effect(Effect::Post, words) if words[1] != Operand::Nothing));
+        if needs_cells && self.out.boards.cell_m == 0.0 {
+            return wrong("agents.cell_m", "boards of cells need cells: set `agents.cell_m`, such as 5.0");
+        }
+        let has = |t: u16, out: &Scenario| {
+            out.rules_of[usize::from(t)][0] < out.rules_of[usize::from(t)][1]
+                || out.edges.iter().any(|e| e.trigger == t)
+        };
+        let out = &mut self.out;
+        out.meets = has(trigger::MEETS, out);
+        out.senses_zones =
+            has(trigger::ENTERS, out) || has(trigger::LEAVES, out) || out.places.iter().any(|p| p.guidepost);
+        out.senses_cells = has(trigger::CROSSES, out) || needs_cells;
+        Ok(self.out)
+    }
+
+    fn group_starts(&mut self) -> Compiled<()> {
+        for g in 0..self.out.groups.len() {
+            let number = self.out.groups[g].number;
+            let Some(graph) = &self.scene.groups[number].graph else { continue };
+            let key = format!("groups[{number}].graph");
+            let Some(&start) = self.graph_starts.get(graph) else {
+                let help = did_you_mean(graph, self.scene.graphs.keys().map(String::as_str));
+                return wrong(key, format!("there is no graph `{graph}`.{help}"));
+            };
+            self.out.groups[g].start = start;
+        }
+        Ok(())
+    }
+
+    fn end(&mut self) -> Compiled<()> {
+        let end = &self.scene.end;
+        let mut left = 0;
+        for (i, name) in end.left.iter().enumerate() {
+            left |= 1u64 << self.name(Sort::Group, name, &format!("end.left[{i}]"))?;
+        }
+        let event = |name: &Option<String>, key: &str| match name {
+            Some(name) => self.name(Sort::Event, name, key).map(Some),
+            None => Ok(None),
+        };
+        let (known, event) = (event(&end.known, "end.known")?, event(&end.event, "end.event")?);
+        self.out.end = EndTable { left, known, event };
+        Ok(())
+    }
+
+    fn name(&self, sort: Sort, name: &str, key: &str) -> Compiled<u16> {
+        let found = self.out.names.number(sort, name);
+        found.map(|n| n as u16).map_err(|why| Wrong { key: key.into(), at: None, why })
+    }
+
+    /// Names that an expression may use where it is about an event of a kind.
+    fn scope(&mut self, trigger: u16) {
+        let is_event = (trigger::EVENTS..trigger::EVENTS + self.out.names.events.0.len() as u16).contains(&trigger);
+        // A behaviour of a state goes on through several events: it may name all of them.
+        let any = trigger == trigger::DONE;
+        self.out.names.has_other = any || is_event || trigger == trigger::MEETS;
+        self.out.names.has_place =
+            any || [trigger::ENTERS, trigger::LEAVES, trigger::ARRIVES, trigger::FULL].contains(&trigger);
+    }
+}
+
+/// A point of the file in the world.
+pub(super) fn point(of: &[f32]) -> Vec3 {
+    match of {
+        [x, y, z] => Vec3::new(*x, *y, *z),
+        [x, z] => Vec3::new(*x, 0.0, *z),
+        _ => Vec3::ZERO,
+    }
+}

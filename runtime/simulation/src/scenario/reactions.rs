@@ -1,0 +1,286 @@
+//! What an agent does about what happens to it: rules, states, values that cross a threshold.
+
+use super::happenings::RETRY_S;
+use super::mind::{Context, Feeling, NO, Reason};
+use super::minds::{Minds, Stimulus};
+use super::stage::Stage;
+use super::tables::{Edge, NONE, trigger};
+use super::turns::TurnKind;
+use throng_base::{Error, Result};
+
+/// Stimuli of one agent at one time, from which on it is taken to run in a circle.
+const MOST_AT_ONCE: u32 = 100;
+
+impl Minds {
+    /// Raises the events whose conditions have become true; true where one has.
+    pub(super) fn check_conditions(&mut self, stage: &mut impl Stage) -> Result<bool> {
+        let mut any = false;
+        for e in 0..self.was_true.len() {
+            let Some(condition) = self.scenario.events[e].condition else { continue };
+            let is_true = !self.minds.is_empty() && self.is_true(stage, 0, Context::default(), condition);
+            if is_true && !std::mem::replace(&mut self.was_true[e], is_true) {
+                self.occur(stage, e)?;
+                any = true;
+            }
+            self.was_true[e] = is_true;
+        }
+        Ok(any)
+    }
+
+    /// Something happens to an agent: a rule is followed, or a graph goes on.
+    pub(super) fn handle(&mut self, stage: &mut impl Stage, agent: u32, stimulus: Stimulus) -> Result<()> {
+        let m = agent as usize;
+        let mind = &mut self.minds[m];
+        let is_of_behaviour = [trigger::DONE, trigger::FULL, trigger::STUCK].contains(&stimulus.trigger);
+        if is_of_behaviour && stimulus.begun != mind.begun {
+            // That behaviour has given way to another one.
+            return Ok(());
+        }
+        if mind.handled_at != self.now {
+            (mind.handled_at, mind.handled) = (self.now, 0);
+        }
+        mind.handled += 1;
+        if mind.handled > MOST_AT_ONCE {
+            return Err(self.circle(agent, stimulus.trigger));
+        }
+        self.note_sensed(agent, stimulus);
+        if self.follow_rule(stage, agent, stimulus)? {
+            return Ok(());
+        }
+        let upwards = stimulus.trigger == trigger::DONE;
+        for i in 0..3 {
+            let level = if upwards { 2 - i } else { i };
+            let state = self.minds[m].states[level];
+            if state == NO {
+                continue;
+            }
+            let [first, last] = self.scenario.states[usize::from(state)].edges;
+            if let Some(edge) = self.choose_edge(stage, agent, stimulus, first..last) {
+                let Edge { to, number, .. } = self.scenario.edges[edge as usize];
+                let graph = usize::from(self.scenario.states[usize::from(state)].of);
+                let kind = TurnKind::Takes { level, graph, edge: usize::from(number), changes: to != state };
+                self.note(agent, stimulus, kind);
+                self.minds[m].reason = Reason { edge, ..self.reason(stimulus) };
+                if to != state {
+                    self.enter_state(stage, agent, u32::from(to), stimulus.context)?;
+                }
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// Follows the first rule that fits; true where its behaviour lasts.
+    pub(super) fn follow_rule(&mut self, stage: &mut impl Stage, agent: u32, stimulus: Stimulus) -> Result<bool> {
+        let m = agent as usize;
+        let scenario = self.scenario.clone();
+        let [first, last] = scenario.rules_of[usize::from(stimulus.trigger)];
+        for &number in &scenario.rule_order[first as usize..last as usize] {
+            let rule = &scenario.rules[number as usize];
+            if rule.who >> self.minds[m].group & 1 == 0 {
+                continue;
+            }
+            let pause = m * scenario.num_pauses + rule.pause as usize;
+            let mind = &self.minds[m];
+            let is_held = !rule.is_instant && mind.is_busy && mind.priority > rule.priority;
+            if is_held || rule.pause_s > 0.0 && self.now - self.followed[pause] < f64::from(rule.pause_s) {
+                continue;
+            }
+            let context = stimulus.context;
+            if !rule.when.is_none_or(|when| self.is_true(stage, agent, context, when)) {
+                continue;
+            }
+            if rule.probability < 1.0 && self.chance(agent) >= f64::from(rule.probability) {
+                continue;
+            }
+            if rule.pause_s > 0.0 {
+                self.followed[pause] = self.now;
+            }
+            self.minds[m].reason = Reason { rule: number, ..self.reason(stimulus) };
+            self.note(agent, stimulus, TurnKind::Follows(number as usize));
+            if rule.is_instant {
+                self.do_at_once(stage, agent, rule.actions, context)?;
+                return Ok(false);
+            }
+            let mind = &mut self.minds[m];
+            if !mind.is_busy {
+                (mind.resumed, mind.resumed_context) = (mind.action, mind.context);
+            }
+            (mind.is_busy, mind.priority) = (true, rule.priority);
+            self.start(stage, agent, rule.actions, context)?;
+            return Ok(true);
+        }
+        Ok(false)
+    }
+
+    /// Chooses among the edges that an event opens, by their probabilities.
+    pub(super) fn choose_edge(
+        &mut self,
+        stage: &impl Stage,
+        agent: u32,
+        stimulus: Stimulus,
+        all: std::ops::Range<u32>,
+    ) -> Option<u32> {
+        let scenario = self.scenario.clone();
+        let (mut open, mut shared, mut sum) = (0u64, 0, 0.0_f32);
+        let edges: &[Edge] = &scenario.edges[all.start as usize..all.end as usize];
+        for (i, edge) in edges.iter().enumerate().take(64) {
+            if edge.trigger == stimulus.trigger
+                && edge.when.is_none_or(|when| self.is_true(stage, agent, stimulus.context, when))
+            {
+                open |= 1 << i;
+                if edge.probability < 0.0 { shared += 1 } else { sum += edge.probability }
+            }
+        }
+        if open == 0 {
+            return None;
+        }
+        let share = if shared > 0 { (1.0 - sum).max(0.0) / shared as f32 } else { 0.0 };
+        let scale = sum.max(1.0).recip();
+        let is_single = open.count_ones() == 1 && (shared == 1 || sum >= 1.0);
+        let mut left = if is_single { 0.0 } else { self.chance(agent) as f32 };
+        for (i, edge) in edges.iter().enumerate().take(64).filter(|(i, _)| open >> i & 1 == 1) {
+            left -= if edge.probability < 0.0 { share } else { edge.probability * scale };
+            if left < 0.0 || is_single {
+                return Some(all.start + i as u32);
+            }
+        }
+        None
+    }
+
+    /// A state begins, and all below it anew.
+    pub(super) fn enter_state(
+        &mut self,
+        stage: &mut impl Stage,
+        agent: u32,
+        state: u32,
+        context: Context,
+    ) -> Result<()> {
+        let m = agent as usize;
+        let scenario = self.scenario.clone();
+        let mut next = state;
+        self.minds[m].resumed = NONE;
+        (self.minds[m].is_busy, self.minds[m].priority) = (false, i8::MIN);
+        loop {
+            let table = &scenario.states[next as usize];
+            let level = usize::from(table.level);
+            let mind = &mut self.minds[m];
+            if mind.states[..level].iter().all(|s| *s == NO) {
+                mind.state_since = self.now;
+            }
+            mind.states[level] = next as u16;
+            mind.states[level + 1..].fill(NO);
+            if table.graph == NONE {
+                return self.start(stage, agent, table.actions, context);
+            }
+            if table.actions != NONE {
+                self.do_at_once(stage, agent, table.actions, context)?;
+            }
+            next = table.graph;
+        }
+    }
+
+    /// All that an agent does by itself by now.
+    pub(super) fn act_in_time(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
+        let m = agent as usize;
+        while self.minds[m].crossing_at <= self.now {
+            let t = self.minds[m].crossing;
+            let threshold = self.scenario.thresholds[usize::from(t)];
+            let v = m * self.scenario.values.len() + usize::from(threshold.value);
+            // Exactly the threshold: rounding would put it on either side.
+            self.feelings[v] = Feeling { value: threshold.at, since: self.now, ..self.feelings[v] };
+            self.minds[m].passed |= 1 << t;
+            self.push(agent, trigger::EVENTS + self.scenario.events.len() as u16 + t, Context::default());
+            self.find_crossing(agent);
+        }
+        if self.minds[m].timer <= self.now {
+            self.minds[m].timer = f64::INFINITY;
+            self.push(agent, trigger::TIMER, Context::default());
+        }
+        if self.minds[m].until <= self.now || self.minds[m].most <= self.now {
+            self.next_action(stage, agent)
+        } else if self.minds[m].again <= self.now {
+            self.perform(stage, agent, true)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// A value becomes another one now, or changes at another rate.
+    pub(super) fn change_value(&mut self, agent: u32, value: u16, change: impl FnOnce(&mut Feeling)) {
+        let (m, scenario) = (agent as usize, self.scenario.clone());
+        let table = &scenario.values[usize::from(value)];
+        let feeling = &mut self.feelings[m * scenario.values.len() + usize::from(value)];
+        *feeling = Feeling { value: feeling.at(table, self.now), since: self.now, ..*feeling };
+        change(feeling);
+        feeling.value = feeling.value.clamp(table.limits[0], table.limits[1]);
+        let now = feeling.value;
+        for t in table.thresholds[0]..table.thresholds[1] {
+            let bit = 1u32 << t;
+            let (was, is) = (self.minds[m].passed & bit != 0, scenario.thresholds[usize::from(t)].is_passed(now));
+            if is {
+                self.minds[m].passed |= bit;
+            } else {
+                self.minds[m].passed &= !bit;
+            }
+            if is && !was {
+                self.push(agent, trigger::EVENTS + scenario.events.len() as u16 + t, Context::default());
+            }
+        }
+        self.find_crossing(agent);
+        self.touch(agent);
+    }
+
+    /// Finds the next threshold that an agent's values pass by themselves.
+    pub(super) fn find_crossing(&mut self, agent: u32) {
+        let m = agent as usize;
+        let scenario = &self.scenario;
+        let (mut next, mut when) = (NO, f64::INFINITY);
+        for (t, threshold) in scenario.thresholds.iter().enumerate() {
+            let v = usize::from(threshold.value);
+            let (feeling, table) = (&self.feelings[m * scenario.values.len() + v], &scenario.values[v]);
+            if self.minds[m].passed >> t & 1 == 1 {
+                // On its way back it is armed again, though it cannot pass before the value is changed.
+                continue;
+            }
+            if let Some(at) = feeling.reaches(table, threshold).filter(|at| *at < when) {
+                (next, when) = (t as u16, at.max(self.now));
+            }
+        }
+        (self.minds[m].crossing, self.minds[m].crossing_at) = (next, when);
+    }
+
+    pub(super) fn set_open(&mut self, stage: &mut impl Stage, door: usize, open: bool) -> Result<()> {
+        if stage.set_open(door as u16, open)? {
+            (self.is_open[door], self.closing[door]) = (open, f64::INFINITY);
+        } else {
+            self.closing[door] = self.now + RETRY_S;
+        }
+        Ok(())
+    }
+
+    /// A reason that names neither rule nor edge yet.
+    pub(super) fn reason(&self, Stimulus { trigger, context, .. }: Stimulus) -> Reason {
+        let Context { other, place, .. } = context;
+        Reason { time_s: self.now, trigger, rule: NONE, edge: NONE, other, place }
+    }
+
+    pub(super) fn circle(&self, agent: u32, trigger: u16) -> Error {
+        let mind = &self.minds[agent as usize];
+        let rule = match mind.reason {
+            Reason { rule, .. } if rule != NONE => format!("rule \"{}\"", self.scenario.rules[rule as usize].name),
+            Reason { edge, .. } if edge != NONE => {
+                let to = self.scenario.edges[edge as usize].to;
+                format!("an edge to `{}`", self.scenario.states[usize::from(to)].name)
+            }
+            _ => "no rule".into(),
+        };
+        let event = self.scenario.trigger_name(trigger);
+        let why = format!(
+            "agent {agent} handles more than {MOST_AT_ONCE} events at {:.3} s, the last one `{event}`, before that {rule}: \
+             rules or states follow each other in a circle; let one of them take time, such as `stay`",
+            self.now
+        );
+        self.scenario.source.at(if mind.reason.rule == NONE { "graphs" } else { "rules" }, why)
+    }
+}
