@@ -38,7 +38,7 @@ impl Inhabitants {
     pub(super) fn control(&mut self, world: &World, dt_s: f32) -> Result<()> {
         let (motion_set, graph) = (world.motion_set(), world.graph());
         self.plan_paths(graph);
-        self.begin_meetings(graph, f64::from(dt_s));
+        self.begin_meetings(graph);
         let frames = dt_s * self.rate_hz;
         for c in 0..self.states.len() {
             while self.characters.frames_left(c) <= frames {

@@ -20,8 +20,6 @@ use throng_core::{Contacts, Planar};
 const ENTRY: u16 = 15;
 /// Two who have not begun so long after they were told to give it up (s).
 const GIVE_UP_S: f64 = 60.0;
-/// As long as they have not, the place that both are soonest at now is looked for each time that so long has gone by (s).
-const ELSEWHERE_S: f64 = 15.0;
 /// Who rests this near to its place need not walk there (m, rad).
 const NEAR_START: (f32, f32) = (0.06, 0.1);
 /// Who breaks off stands this near to where it may rest (m, rad).
@@ -171,33 +169,24 @@ impl Inhabitants {
             });
         };
         self.num_orders = self.num_orders.wrapping_add(1);
-        rows.into_iter().for_each(|c| self.part(c));
-        self.send(rows, (offer, flipped), Wish::Meet { tag, seconds }, self.time_s);
-        Ok(())
-    }
-
-    /// Tells two to go to a place for two.
-    ///
-    /// - `flipped`: the first one takes the second part.
-    fn send(&mut self, rows: [usize; 2], (offer, flipped): (u32, bool), wish: Wish, told_s: f64) {
         for (k, c) in rows.into_iter().enumerate() {
+            self.part(c);
             let side = k ^ usize::from(flipped);
             let target = Target::Node(self.pair_offers[offer as usize].starts[side]);
             self.paths.forget(c, Some(target));
-            self.states[c] = self.states[c].wishing(wish);
-            let (with, side, stage) = (self.roster.ids()[rows[1 - k]], side as u8, Stage::Coming);
-            self.states[c].meeting = Some(Meeting { with, offer, side, stage, told_s, ready_s: 0.0, rounds: 0 });
+            self.states[c] = self.states[c].wishing(Wish::Meet { tag, seconds });
+            self.states[c].meeting = Some(Meeting {
+                with: two[1 - k],
+                offer,
+                side: side as u8,
+                stage: Stage::Coming,
+                told_s: self.time_s,
+                ready_s: 0.0,
+                rounds: 0,
+            });
             self.paths.ask(c);
         }
-    }
-
-    /// Sends two who have not come together to another place, where there is one that both are sooner at by now.
-    fn send_elsewhere(&mut self, rows: [usize; 2]) {
-        let [Some(m), Some(_)] = rows.map(|c| self.states[c].meeting) else { return };
-        let tag = self.pair_offers[m.offer as usize].tag;
-        if let Some((offer, flipped)) = self.nearest_pair_offer(rows, tag).filter(|(offer, _)| *offer != m.offer) {
-            self.send(rows, (offer, flipped), self.states[rows[0]].wish, m.told_s);
-        }
+        Ok(())
     }
 
     /// What a character does with another one, if anything.
@@ -279,9 +268,7 @@ impl Inhabitants {
     }
 
     /// Lets two begin who both are at their places, and gives up what takes too long.
-    ///
-    /// - `dt_s`: the step that begins (s).
-    pub(super) fn begin_meetings(&mut self, graph: &WorldGraph, dt_s: f64) {
+    pub(super) fn begin_meetings(&mut self, graph: &WorldGraph) {
         for c in 0..self.states.len() {
             let Some(m) = self.states[c].meeting.filter(|m| m.stage <= Stage::Ready) else { continue };
             let partner = self.partner(c);
@@ -292,12 +279,7 @@ impl Inhabitants {
                 self.leave_wish(c);
                 continue;
             }
-            let rounds = [0.0, dt_s].map(|more| ((self.time_s - m.told_s + more) / ELSEWHERE_S).floor());
             let is_ready = |c: usize| self.states[c].meeting.is_some_and(|m| m.stage == Stage::Ready);
-            if m.side == 0 && rounds[0] < rounds[1] && !(is_ready(c) && is_ready(other)) {
-                self.send_elsewhere([c, other]);
-                continue;
-            }
             if m.side == 0 && is_ready(c) && is_ready(other) {
                 let left = self.characters.frames_left(c).fract().clamp(0.0, 1.0);
                 for (c, with) in [(c, m.with), (other, self.roster.ids()[c])] {
