@@ -155,19 +155,19 @@ impl<'a> Watch<'a> {
     fn track(&mut self, characters: &Characters) {
         let segments = &self.tables.graph().segments;
         for (c, (track, last)) in self.tracks.iter_mut().zip(&mut self.segments).enumerate() {
+            if self.record.arrivals_s[c].is_finite() {
+                continue;
+            }
             let now = characters.segment(c).0;
             let of = |s: u32| segments.get(s as usize);
             if let Some((a, b)) = of(*last).zip(of(now)).filter(|_| now != *last)
                 && a.start + a.num_frames != b.start
             {
-                track
-                    .changes
-                    .push(Change { sample: track.positions.len(), frames: [a.start + a.num_frames - 1, b.start] });
+                let frames = [a.start + a.num_frames - 1, b.start];
+                track.changes.push(Change { sample: track.positions.len(), frames });
             }
             *last = now;
-            if self.record.arrivals_s[c].is_infinite() {
-                track.positions.push(characters.joint_positions(c));
-            }
+            track.positions.push(characters.joint_positions(c));
         }
     }
 
