@@ -85,12 +85,16 @@ impl Checker {
     }
 
     /// True where the surfaces of a pair are nearer than `limit`; after [`Checker::look`] (m).
-    pub(super) fn is_nearer(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64) -> bool {
+    ///
+    /// - `whole`: false asks of a mesh that triangle alone that was near last; `false` then says nothing.
+    pub(super) fn is_nearer(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64, whole: bool) -> bool {
         let Target::Solid(s) = pair.target else { return self.gap(problem, pair, time_s, limit) < limit };
         let radius = problem.parts[pair.part].radius;
         let Some(local) = self.in_reach(problem, s, pair.part, time_s, limit) else { return false };
         match &problem.solids[s].solid.shape {
-            Shape::Mesh(mesh) => self.kept.is_nearer(problem, (s, pair.part), time_s, mesh, &local, limit + radius),
+            Shape::Mesh(mesh) => {
+                self.kept.is_nearer(problem, (s, pair.part), time_s, mesh, &local, limit + radius, whole)
+            }
             shape => shape.is_nearer(&local, limit + radius),
         }
     }
@@ -131,7 +135,7 @@ impl Checker {
         self.look(problem, &state.pose, state.time_s);
         (0..problem.pairs.len()).find(|&p| {
             let pair = &problem.pairs[p];
-            !pair.may_touch_at(state.time_s) && self.is_nearer(problem, pair, state.time_s, pair.gap)
+            !pair.may_touch_at(state.time_s) && self.is_nearer(problem, pair, state.time_s, pair.gap, true)
         })
     }
 

@@ -23,6 +23,8 @@ const ON_LIMIT: f64 = 1e-7;
 
 /// What is farther outside of limits by a quick look needs no exact one (rad).
 const WELL_OUTSIDE: f64 = 0.05;
+/// What is farther outside has no swivel within limits beside it (rad).
+const FAR_OUTSIDE: f64 = 0.3;
 
 /// Solves for the seven degrees of freedom of a limb: three of shoulder or hip, flexion and twist of elbow or knee, swing of
 /// wrist or ankle.
@@ -138,8 +140,9 @@ impl LimbIk {
             (tried.excess, (tried.excess <= ON_LIMIT).then_some(tried.pose))
         };
         let swivels = Swivels::new(self, &reach);
-        for [cos, sin] in HALVES.iter() {
-            let half = [c * cos - s * sin, s * cos + c * sin];
+        let from_present = |[cos, sin]: [f64; 2]| [c * cos - s * sin, s * cos + c * sin];
+        for offset in HALVES.iter() {
+            let half = from_present(*offset);
             let turns = match swivels.look(half) {
                 (Fit::Outside, _) => None,
                 (Fit::Inside, turns) => Some(turns),
@@ -149,12 +152,12 @@ impl LimbIk {
                 return Ok(pose);
             }
         }
-        let found = refined(2.0 * maths::atan2(s, c), |swivel| {
-            let (sin, cos) = maths::sin_cos(0.5 * swivel);
-            let about = swivels.excess([cos, sin]);
-            let (excess, turns) = if about > WELL_OUTSIDE { (about, None) } else { exactly([cos, sin]) };
+        let found = refined(|offset| {
+            let half = from_present(offset);
+            let about = swivels.excess(half, f64::max(best.0, FAR_OUTSIDE));
+            let (excess, turns) = if about > WELL_OUTSIDE { (about, None) } else { exactly(half) };
             if excess < best.0 {
-                best = (excess, [cos, sin]);
+                best = (excess, half);
             }
             (excess, turns.and_then(|t| free(&t)))
         });
