@@ -115,7 +115,7 @@ impl Plain {
         let pair = |p: &crate::problem::Pair| match p.target {
             Target::Solid(s) => Some((p.part, s, p.gap)),
             Target::Body(b) => Some((p.part, problem.solids.len() + b, p.gap)),
-            Target::Tether => None,
+            Target::Tether | Target::Level => None,
         };
         let sampler = Sampler::new(chain.linkage, *limits, &problem.init.pose, Style::default(), 1);
         let (mut rng, mut checker) = (seeded(1), Checker::default());

@@ -6,6 +6,7 @@ use crate::problem::{Hit, Pair, Problem, State, Target};
 use crate::rotation::Rigid;
 use crate::shape::{Segment, Shape};
 use glam::DVec3;
+use throng_base::maths;
 
 /// How far outside limits a pose may be on the way between two that are within (rad).
 pub(super) const LIMIT_TOLERANCE: f64 = 1e-3;
@@ -73,6 +74,11 @@ impl Checker {
                 let [nearest, farthest] = tether.distances_m;
                 let apart = middle.distance(tether.from.at(time_s).position);
                 let gap = (farthest - apart).min(apart - nearest);
+                if gap < limit { gap } else { f64::INFINITY }
+            }),
+            Target::Level => problem.level.map_or(f64::INFINITY, |level| {
+                let up = core.b - core.a;
+                let gap = level.within_rad - maths::atan2(maths::hypot(up.x, up.z), up.y);
                 if gap < limit { gap } else { f64::INFINITY }
             }),
             Target::Solid(s) => {
@@ -159,7 +165,7 @@ impl Checker {
         self.look(problem, &state.pose, state.time_s);
         let own = |target| match target {
             Target::Body(b) => problem.bodies[b].of.is_none(),
-            Target::Tether => true,
+            Target::Tether | Target::Level => true,
             Target::Solid(_) => false,
         };
         let open = problem.pairs.iter().filter(|p| !own(p.target) && !p.may_touch_at(state.time_s));

@@ -161,6 +161,7 @@ impl Checker {
                 let speed = match pair.target {
                     Target::Body(b) => problem.bodies[b].track.speed(from_s, to_s),
                     Target::Tether => problem.tether.as_ref().map_or(0.0, |t| t.from.speed(from_s, to_s, 0.0)),
+                    Target::Level => 0.0,
                     Target::Solid(s) => {
                         let solid = &problem.solids[s];
                         solid.solid.path.speed(from_s, to_s, solid.reach)

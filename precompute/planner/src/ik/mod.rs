@@ -69,6 +69,18 @@ struct Reach {
     hand: DQuat,
 }
 
+/// Where the search over swivels begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Swivel {
+    /// Where the present pose has the elbow.
+    Present,
+    /// Half way from there down, as arms hang.
+    Low {
+        /// In the frame of the joint that carries the upper arm (unit).
+        down: DVec3,
+    },
+}
+
 /// A pose, and which joint is farthest outside its limits.
 #[derive(Clone, Copy)]
 struct Tried {
@@ -98,7 +110,7 @@ impl LimbIk {
     ///
     /// - `base`: world transform of the joint that carries the chain.
     /// - `goal`: world transform wanted for the last joint.
-    /// - `present`: where the swivel begins; a clavicle keeps its rotation.
+    /// - `present`, `from`: where the swivel begins; a clavicle keeps its rotation.
     /// - `blocked`: what a pose collides with, if it does.
     ///
     /// # Errors
@@ -109,6 +121,7 @@ impl LimbIk {
         base: &Rigid,
         goal: &Rigid,
         present: &LimbPose,
+        from: Swivel,
         mut blocked: impl FnMut(&LimbPose) -> Option<B>,
     ) -> Result<LimbPose, Unreached<B>> {
         let first = self.chain.len() - 3;
@@ -119,7 +132,7 @@ impl LimbIk {
         };
         let local = base.local(*goal);
         let reach = self.reach(&local, first).map_err(|by_m| Unreached::OutOfReach { by_m })?;
-        let [c, s] = self.present_swivel(&reach, present.0[first]);
+        let [c, s] = self.first_swivel(&reach, present.0[first], from);
         // The swivel that is least outside limits.
         let mut best = (f64::INFINITY, [c, s]);
         let mut in_the_way = None;
@@ -178,7 +191,7 @@ impl LimbIk {
     /// # Errors
     /// [`Unreached::OutOfReach`] and [`Unreached::OutOfLimits`].
     pub fn solve_free(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<LimbPose, Unreached<String>> {
-        self.solve(base, goal, present, |_| None)
+        self.solve(base, goal, present, Swivel::Present, |_| None)
     }
 
     /// Nearest and farthest distances from shoulder to wrist that the elbow allows (m).
@@ -196,11 +209,21 @@ impl LimbIk {
         Ok(Reach { line, onto: between(folded, line), flexion, bent, hand: local.rotation })
     }
 
-    /// The swivel that leaves the elbow's axis as nearly as it can where the present pose has it: cosine and sine of half of it.
-    fn present_swivel(&self, reach: &Reach, shoulder: DQuat) -> [f64; 2] {
+    /// The swivel that leaves the elbow's axis as nearly as it can where the present pose has it, or turned down from there: cosine and
+    /// sine of half of it.
+    fn first_swivel(&self, reach: &Reach, shoulder: DQuat, first: Swivel) -> [f64; 2] {
         let across = |v: DVec3| v - reach.line * v.dot(reach.line);
         let from = across(reach.onto * self.elbow.axis);
         let to = across(shoulder * self.elbow.axis);
+        let to = match first {
+            Swivel::Present => to,
+            // The axis is at right angles to where the elbow points.
+            Swivel::Low { down } => {
+                let [folded, bent] = [reach.onto * self.elbow.upper, reach.onto * self.elbow.axis].map(across);
+                let side = if folded.cross(bent).dot(reach.line) < 0.0 { -1.0 } else { 1.0 };
+                to.normalize_or_zero() + reach.line.cross(across(down)) * side
+            }
+        };
         // Where the arm would have to point along that axis, any swivel is as good.
         let to = if to.length_squared() > 1e-6 { to } else { across(shoulder * self.elbow.upper) };
         let (sin, cos) = (from.cross(to).dot(reach.line), from.dot(to));

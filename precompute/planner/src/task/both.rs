@@ -6,11 +6,11 @@ use super::grips::Goal;
 use super::run::nearest_of;
 use super::stage::{Follower, Pin, Stage, Stretch, Surroundings, Whereabouts, hand};
 use super::step::Step;
-use super::visit::{Change, TRIES, Visit, beside, reachable};
+use super::visit::{Change, TRIES, Visit, beside, first_done, reachable};
 use crate::clips::with_motion;
 use crate::collide::{Checker, EdgeCheck};
 use crate::correct::CorrectConfig;
-use crate::ik::LimbIk;
+use crate::ik::{LimbIk, Swivel};
 use crate::linkage::{Limb, LimbPose, Linkage};
 use crate::manipulate::{NotReached, between, misfit, planned};
 use crate::planner::{Budget, LimbMotion, Outcome, Planner};
@@ -68,20 +68,11 @@ pub(super) fn grab(
     let mut pairs: Vec<[usize; 2]> =
         (0..firsts.len().min(TRIES)).flat_map(|i| (0..others.len().min(TRIES)).map(move |k| [i, k])).collect();
     pairs.sort_by_key(|[i, k]| (firsts[*i].rank + others[*k].rank, i + k));
-    let mut wrong = None;
-    for [i, k] in pairs.into_iter().take(2 * TRIES) {
+    first_done(stage, pairs.into_iter().take(2 * TRIES), None, |stage, [i, k]| {
         let (first, other) = (firsts[i], others[k]);
         let pair = Pair { who, lead, second: Follower { limb: follow, grip: first.hand.local(other.hand) } };
-        let mut tried = stage.clone();
-        match take(&mut tried, step, pair, object, [&first, &other], config) {
-            Ok(plans) => {
-                *stage = tried;
-                return Ok(plans);
-            }
-            Err(e) => _ = wrong.get_or_insert(e),
-        }
-    }
-    Err(wrong.unwrap_or_else(|| Problems::new("there is no grip")))
+        take(stage, step, pair, object, [&first, &other], config)
+    })
 }
 
 fn take(
@@ -132,8 +123,10 @@ pub(super) fn bring(
         return Err(Problems::new(format!("{limb} does not hold `{name}` any more at {from_s:.2} s")));
     }
     touch(stage, &Step { limb: second.limb, ..step.clone() }, &name, false);
+    let visit = Visit::with(step, hands);
     let there = without(stage.around(who, lead, [from_s, at_s]), second.limb);
-    let within = reachable(stage, Visit::of(step), hands, &there)?;
+    let there = Surroundings { level: visit.level, ..there };
+    let within = reachable(stage, visit, hands, &there)?;
     // The second hand, too.
     let there = without(stage.around(who, second.limb, [from_s, at_s]), lead);
     let there = without_thing(there, &name);
@@ -147,21 +140,12 @@ pub(super) fn bring(
             Err(e) => _ = wrong.get_or_insert(of_limb(e, second.limb)),
         }
     }
-    for (goal, seed) in goals.iter().take(TRIES).flat_map(|g| (0..SEEDS).map(move |s| (g, s))) {
-        let mut tried = stage.clone();
-        let config = CorrectConfig {
-            budget: Budget { seed: config.budget.seed.wrapping_add(seed << 32), ..config.budget },
-            ..*config
-        };
-        match brought(&mut tried, step, pair, object, goal, change, &config) {
-            Ok(plans) => {
-                *stage = tried;
-                return Ok((plans, *goal));
-            }
-            Err(e) => _ = wrong.get_or_insert(e),
-        }
-    }
-    Err(wrong.unwrap_or_else(|| Problems::new("there is no grip")))
+    let tries = goals.iter().take(TRIES).flat_map(|g| (0..SEEDS).map(move |s| (g, s)));
+    first_done(stage, tries, wrong, |stage, (goal, seed)| {
+        let budget = Budget { seed: config.budget.seed.wrapping_add(seed << 32), ..config.budget };
+        let plans = brought(stage, step, pair, object, goal, change, &CorrectConfig { budget, ..*config })?;
+        Ok((plans, *goal))
+    })
 }
 
 fn brought(
@@ -176,6 +160,7 @@ fn brought(
     let Pair { who, lead, second } = pair;
     let [from_s, at_s, to_s] = step.times_s;
     let there = without(stage.around(who, lead, [from_s, at_s]), second.limb);
+    let there = Surroundings { level: Visit::with(step, &[*goal]).level, ..there };
     let tether = tether(stage, pair);
     let mut plans = vec![way(stage, (who, lead), [from_s, at_s], End::Hand(goal.hand), &there, Some(tether), config)?];
     follow(stage, pair, [from_s, at_s])?;
@@ -303,8 +288,8 @@ fn follow(stage: &mut Stage<'_>, pair: Pair, window_s: [f64; 2]) -> Result<(), P
     for k in 1..=((window_s[1] - window_s[0]) * rate_hz).round() as usize {
         let t = window_s[0] + k as f64 / rate_hz;
         let target = stage.actors[who].joint(hand(lead), t).then(grip);
-        let pose = problem.reach(&mut checker, &target, t, &poses[k - 1]).map_err(|why| cannot(t, why.to_string()))?;
-        poses.push(pose);
+        let pose = problem.reach_from(&mut checker, &target, t, &poses[k - 1], Swivel::Present);
+        poses.push(pose.map_err(|why| cannot(t, why.to_string()))?);
     }
     is_free_all_along(&problem, &mut checker, &poses, window_s[0], rate_hz)
         .map_err(|(t, with)| cannot(t, format!("{with} is in the way")))?;

@@ -20,6 +20,7 @@ mod step;
 mod tests;
 mod visit;
 mod walk;
+mod written;
 
 pub use ahead::{Ahead, MeshAhead};
 pub use entries::{PaceEntry, WalkEntry};
