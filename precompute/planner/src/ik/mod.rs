@@ -12,7 +12,7 @@ use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
 use crate::rotation::{Rigid, between, twist_about};
 use elbow::Elbow;
 use glam::{DQuat, DVec3};
-use swivel::refined;
+use swivel::{half, refined};
 use throng_base::maths;
 use throng_core::Joint;
 pub use unreached::Unreached;
@@ -125,13 +125,7 @@ impl LimbIk {
         mut blocked: impl FnMut(&LimbPose) -> Option<B>,
     ) -> Result<LimbPose, Unreached<B>> {
         let first = self.chain.len() - 3;
-        let base = if first > 0 {
-            base.then(Rigid { position: self.chain.offsets[0], rotation: present.0[0] })
-        } else {
-            *base
-        };
-        let local = base.local(*goal);
-        let reach = self.reach(&local, first).map_err(|by_m| Unreached::OutOfReach { by_m })?;
+        let reach = self.reach_of(base, goal, present).map_err(|by_m| Unreached::OutOfReach { by_m })?;
         let [c, s] = self.first_swivel(&reach, present.0[first], from);
         // The swivel that is least outside limits.
         let mut best = (f64::INFINITY, [c, s]);
@@ -186,6 +180,25 @@ impl LimbIk {
         })
     }
 
+    /// The pose with a certain swivel, if it is within reach and limits.
+    ///
+    /// - `present`: a clavicle keeps its rotation.
+    /// - `swivel`: as [`LimbIk::swivel_of`] says it (rad).
+    pub(crate) fn at_swivel(&self, base: &Rigid, goal: &Rigid, present: &LimbPose, swivel: f64) -> Option<LimbPose> {
+        let tried = self.tried(&self.reach_of(base, goal, present).ok()?, half(swivel));
+        let first = self.chain.len() - 3;
+        let mut pose = *present;
+        pose.0[first..first + 3].copy_from_slice(&tried.pose);
+        (tried.excess <= ON_LIMIT).then_some(pose)
+    }
+
+    /// The swivel of a pose on its way to a goal: one that moves evenly has one that changes evenly (rad).
+    pub(crate) fn swivel_of(&self, base: &Rigid, goal: &Rigid, pose: &LimbPose) -> Option<f64> {
+        let reach = self.reach_of(base, goal, pose).ok()?;
+        let [cos, sin] = self.first_swivel(&reach, pose.0[self.chain.len() - 3], Swivel::Present);
+        Some(2.0 * maths::atan2(sin, cos))
+    }
+
     /// As [`LimbIk::solve`], with nothing in the way.
     ///
     /// # Errors
@@ -197,6 +210,16 @@ impl LimbIk {
     /// Nearest and farthest distances from shoulder to wrist that the elbow allows (m).
     pub fn distances(&self) -> [f64; 2] {
         self.elbow.distances()
+    }
+
+    fn reach_of(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<Reach, f64> {
+        let first = self.chain.len() - 3;
+        let base = if first > 0 {
+            base.then(Rigid { position: self.chain.offsets[0], rotation: present.0[0] })
+        } else {
+            *base
+        };
+        self.reach(&base.local(*goal), first)
     }
 
     fn reach(&self, local: &Rigid, first: usize) -> Result<Reach, f64> {

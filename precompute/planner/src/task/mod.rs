@@ -6,6 +6,7 @@ mod check;
 mod deeds;
 mod entries;
 mod file;
+mod follow;
 mod gaze;
 mod grips;
 mod held;
