@@ -14,6 +14,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use throng_planner::clips::with_motion;
 use throng_planner::natural::{ReachFigures, reach_figures};
+use throng_planner::plain::Plain;
 use throng_planner::planner::{Budget, PlanConfig, Planner};
 use throng_planner::recheck::Recheck;
 use throng_planner::task::{ActorClip, Task, TaskOutcome};
@@ -44,12 +45,18 @@ pub struct Args {
     /// Captured motion to compare with: files and folders; reaches in it are found by the speed of hands.
     #[arg(long, value_name = "FILE_OR_FOLDER", num_args = 1..)]
     captured: Vec<PathBuf>,
+    /// Write the one named scene, as it is at its beginning, as JSON for other planners (see scripts/ompl.cpp), and nothing else.
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    plain: Option<PathBuf>,
     #[command(flatten)]
     cache: CacheArgs,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
 }
+
+/// Poses at random in what is written for other planners.
+const PLAIN_SAMPLES: u32 = 10_000;
 
 /// What is printed.
 #[derive(Serialize, JsonSchema)]
@@ -113,6 +120,13 @@ struct Sample {
 pub fn run(args: &Args) -> Outcome {
     let all = || SCENES.iter().map(|(name, _)| (*name).to_owned()).collect();
     let names: Vec<String> = if args.scene.is_empty() { all() } else { in_folders(&args.scene)? };
+    if let Some(file) = &args.plain {
+        let [name] = &names[..] else { return fail("expected one scene for --plain, such as --scene arm-static") };
+        let Some(scene) = scenes::scene(name)? else { return fail(unknown(name)) };
+        std::fs::write(file, serde_json::to_string(&Plain::of(&scene.problem()?, PLAIN_SAMPLES))?)
+            .map_err(|e| format!("{}: {e}", file.display()))?;
+        return Ok(());
+    }
     let captured = match args.captured.as_slice() {
         [] => None,
         files => natural::captured(files, &BuildConfig::of_motion("", Vec::new())?)?,
@@ -124,10 +138,7 @@ pub fn run(args: &Args) -> Outcome {
         let (samples, violations) = match scenes::scene(name)? {
             Some(scene) => plans(&scene, args)?,
             None if crate::args::is_toml(Path::new(name)) => tasks(Path::new(name), args)?,
-            None => {
-                let known = SCENES.map(|(name, _)| name).join(", ");
-                return fail(format!("there is no scene `{name}`; there are {known}, and task files (.toml)"));
-            }
+            None => return fail(unknown(name)),
         };
         let mut figures = figures(name, &samples, violations, &ik, args.seeds);
         let reaches: Vec<ReachFigures> = samples.into_iter().flat_map(|s| s.reaches).collect();
@@ -139,6 +150,11 @@ pub fn run(args: &Args) -> Outcome {
     }
     results.iter().try_for_each(print)?;
     captured.map_or(Ok(()), |c| output::table(&[("captured", c.text())]))
+}
+
+fn unknown(name: &str) -> String {
+    let known = SCENES.map(|(name, _)| name).join(", ");
+    format!("there is no scene `{name}`; there are {known}, and task files (.toml)")
 }
 
 /// Scenes, and in place of each folder the task files in it, by their names.

@@ -18,6 +18,7 @@ pub mod limits;
 pub mod linkage;
 pub mod manipulate;
 pub mod natural;
+pub mod plain;
 pub mod planner;
 pub mod problem;
 mod reach;

@@ -3,6 +3,7 @@
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
 use crate::rotation::Rigid;
+use crate::setup::Level;
 use crate::shape::{Segment, Shape};
 use crate::track::{Path, Track};
 use glam::DVec3;
@@ -44,6 +45,7 @@ pub struct Problem {
     pub(crate) solids: Vec<PlacedSolid>,
     pub(crate) bodies: Vec<BodyPart>,
     pub(crate) tether: Option<TetherTrack>,
+    pub(crate) level: Option<Level>,
     /// What may not come near each other, those with the same target side by side.
     pub(crate) pairs: Vec<Pair>,
     /// Poses that the external motion would give the linkage, every [`PRESENT_STEP_S`] from `init` on.
@@ -100,6 +102,8 @@ pub(crate) enum Target {
     Body(usize),
     /// The reach of the other hand; the part is a point of it.
     Tether,
+    /// The vertical; the part is a direction, a metre long, so that metres are radians.
+    Level,
 }
 
 /// Where the other hand is reached from.
@@ -184,6 +188,7 @@ impl Problem {
             Target::Solid(i) => self.solids[i].solid.name.clone(),
             Target::Body(i) => self.bodies[i].name(),
             Target::Tether => self.tether.as_ref().map_or_else(String::new, |t| t.name.clone()),
+            Target::Level => "how far it may tilt".into(),
         }
     }
 

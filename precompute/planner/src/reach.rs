@@ -1,14 +1,15 @@
 //! Poses that reach a target where everything else is: limits and collisions in one go.
 
 use crate::collide::Checker;
-use crate::ik::{LimbIk, Unreached};
+use crate::ik::{LimbIk, Swivel, Unreached};
 use crate::linkage::LimbPose;
 use crate::problem::{Problem, State};
 use crate::rotation::Rigid;
+use glam::DVec3;
 
 impl Problem {
-    /// The pose at a time that brings hand or foot to a target, within limits and free, as near to a present pose's swivel
-    /// as can be.
+    /// The pose at a time that brings hand or foot to a target, within limits and free. Knees are as near as can be to where a present
+    /// pose has them, elbows half way from there down.
     ///
     /// # Errors
     /// [`Unreached`], with the name of what is in the way.
@@ -22,8 +23,26 @@ impl Problem {
         time_s: f64,
         present: &LimbPose,
     ) -> Result<LimbPose, Unreached<String>> {
+        let base = self.base_at(time_s);
+        let clavicle = if self.chain.len() > 3 { base.rotation * present.0[0] } else { base.rotation };
+        let from = match self.chain.linkage.limb.is_arm() {
+            true => Swivel::Low { down: clavicle.inverse() * DVec3::NEG_Y },
+            false => Swivel::Present,
+        };
+        self.reach_from(checker, target, time_s, present, from)
+    }
+
+    /// The same, with the swivel as near as can be to where it is said.
+    pub(crate) fn reach_from(
+        &self,
+        checker: &mut Checker,
+        target: &Rigid,
+        time_s: f64,
+        present: &LimbPose,
+        from: Swivel,
+    ) -> Result<LimbPose, Unreached<String>> {
         let ik = LimbIk::new(&self.chain, &self.limits);
-        ik.solve(&self.base_at(time_s), target, present, |pose| {
+        ik.solve(&self.base_at(time_s), target, present, from, |pose| {
             checker.deepest(self, &State { pose: *pose, time_s }).map(|hit| {
                 let [_, with] = self.names(&hit);
                 with
@@ -39,7 +58,6 @@ mod tests {
     use crate::setup::ProblemSpec;
     use crate::shape::Shape;
     use crate::testing::{Somebody, solid};
-    use glam::DVec3;
 
     #[test]
     fn a_target_is_reached_past_what_is_in_the_way_or_says_what_is() {

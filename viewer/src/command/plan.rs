@@ -46,4 +46,6 @@ pub enum PlanCommand {
     Settle,
     /// Write the motion that is shown.
     Save(PathBuf),
+    /// Write the task with things and places where they are.
+    SaveTask(PathBuf),
 }

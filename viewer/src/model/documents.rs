@@ -108,7 +108,7 @@ impl Model {
         self.selection.character = self.selection.character.filter(|&c| c < n);
         self.watch_selected();
         // What is open is planned at once, as it was asked for before where it is read again.
-        self.plan();
+        self.plan(false);
         self.take_in_task(self.is_unhurried);
     }
 
@@ -167,6 +167,13 @@ impl Model {
         let own = [PanelKind::Control, PanelKind::Patches, PanelKind::Blend, PanelKind::Crowd, PanelKind::Plan];
         if own.map(Some).contains(side) {
             *side = Some(here);
+        }
+    }
+
+    /// The files of what is shown are as they are by now.
+    pub(super) fn watch_anew(&mut self) {
+        if let Some(path) = self.document.path() {
+            self.watch = Some(Watch::from(Stamp::with(Stamp::of(path), &self.document.more_files())));
         }
     }
 

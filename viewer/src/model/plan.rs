@@ -22,11 +22,11 @@ impl Model {
         let look = &mut self.selection.plan;
         match command {
             PlanCommand::Look(wanted) => *look = wanted,
-            PlanCommand::Plan => self.plan(),
+            PlanCommand::Plan => self.plan(false),
             PlanCommand::Cancel => task.cancel(),
             PlanCommand::Show(motion) => task.show(motion),
             PlanCommand::Move(handle, by) => task.move_by(handle, by.as_dvec3()),
-            PlanCommand::Settle if look.replans => self.plan(),
+            PlanCommand::Settle if look.replans => self.plan(true),
             PlanCommand::Settle => {}
             PlanCommand::Save(path) => match task.save(&path) {
                 Ok(files) => {
@@ -35,15 +35,27 @@ impl Model {
                 }
                 Err(why) => self.complain(why),
             },
+            PlanCommand::SaveTask(path) => match task.save_task(&path) {
+                Ok(()) => {
+                    // What was written is what is shown.
+                    if path == task.path() {
+                        self.watch_anew();
+                    }
+                    self.say(format!("Saved {}", path.display()));
+                }
+                Err(why) => self.complain(why),
+            },
         }
         self.take_in_task(waits);
     }
 
     /// Plans as it is said, beside the window.
-    pub(super) fn plan(&mut self) {
+    ///
+    /// - `goes_on`: from where the last plans ended.
+    pub(super) fn plan(&mut self, goes_on: bool) {
         let look = self.selection.plan;
         if let Document::Task(task) = &mut self.document {
-            task.plan(look.number, look.seed);
+            task.plan(look.number, look.seed, goes_on);
         }
     }
 

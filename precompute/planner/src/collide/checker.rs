@@ -6,6 +6,7 @@ use crate::problem::{Hit, Pair, Problem, State, Target};
 use crate::rotation::Rigid;
 use crate::shape::{Segment, Shape};
 use glam::DVec3;
+use throng_base::maths;
 
 /// How far outside limits a pose may be on the way between two that are within (rad).
 pub(super) const LIMIT_TOLERANCE: f64 = 1e-3;
@@ -75,6 +76,11 @@ impl Checker {
                 let gap = (farthest - apart).min(apart - nearest);
                 if gap < limit { gap } else { f64::INFINITY }
             }),
+            Target::Level => problem.level.map_or(f64::INFINITY, |level| {
+                let up = core.b - core.a;
+                let gap = level.within_rad - maths::atan2(maths::hypot(up.x, up.z), up.y);
+                if gap < limit { gap } else { f64::INFINITY }
+            }),
             Target::Solid(s) => {
                 let Some(local) = self.in_reach(problem, s, pair.part, time_s, limit) else {
                     return f64::INFINITY;
@@ -85,12 +91,16 @@ impl Checker {
     }
 
     /// True where the surfaces of a pair are nearer than `limit`; after [`Checker::look`] (m).
-    pub(super) fn is_nearer(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64) -> bool {
+    ///
+    /// - `whole`: false asks of a mesh that triangle alone that was near last; `false` then says nothing.
+    pub(super) fn is_nearer(&mut self, problem: &Problem, pair: &Pair, time_s: f64, limit: f64, whole: bool) -> bool {
         let Target::Solid(s) = pair.target else { return self.gap(problem, pair, time_s, limit) < limit };
         let radius = problem.parts[pair.part].radius;
         let Some(local) = self.in_reach(problem, s, pair.part, time_s, limit) else { return false };
         match &problem.solids[s].solid.shape {
-            Shape::Mesh(mesh) => self.kept.is_nearer(problem, (s, pair.part), time_s, mesh, &local, limit + radius),
+            Shape::Mesh(mesh) => {
+                self.kept.is_nearer(problem, (s, pair.part), time_s, mesh, &local, limit + radius, whole)
+            }
             shape => shape.is_nearer(&local, limit + radius),
         }
     }
@@ -131,7 +141,7 @@ impl Checker {
         self.look(problem, &state.pose, state.time_s);
         (0..problem.pairs.len()).find(|&p| {
             let pair = &problem.pairs[p];
-            !pair.may_touch_at(state.time_s) && self.is_nearer(problem, pair, state.time_s, pair.gap)
+            !pair.may_touch_at(state.time_s) && self.is_nearer(problem, pair, state.time_s, pair.gap, true)
         })
     }
 
@@ -155,7 +165,7 @@ impl Checker {
         self.look(problem, &state.pose, state.time_s);
         let own = |target| match target {
             Target::Body(b) => problem.bodies[b].of.is_none(),
-            Target::Tether => true,
+            Target::Tether | Target::Level => true,
             Target::Solid(_) => false,
         };
         let open = problem.pairs.iter().filter(|p| !own(p.target) && !p.may_touch_at(state.time_s));

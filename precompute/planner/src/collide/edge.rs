@@ -36,6 +36,8 @@ pub(super) struct Interval {
 const FINEST_M: f64 = 2e-4;
 /// The same for limits (rad).
 const FINEST_RAD: f64 = 2e-4;
+/// On pieces of an edge that was halved less often, all of a mesh is searched for what touches.
+const SEARCHED_LEVELS: u32 = 3;
 /// An edge is never halved more often.
 const MAX_LEVEL: u32 = 40;
 
@@ -159,6 +161,7 @@ impl Checker {
                 let speed = match pair.target {
                     Target::Body(b) => problem.bodies[b].track.speed(from_s, to_s),
                     Target::Tether => problem.tether.as_ref().map_or(0.0, |t| t.from.speed(from_s, to_s, 0.0)),
+                    Target::Level => 0.0,
                     Target::Solid(s) => {
                         let solid = &problem.solids[s];
                         solid.solid.path.speed(from_s, to_s, solid.reach)
@@ -167,10 +170,12 @@ impl Checker {
                 last = (Some(pair.target), speed * half_s);
             }
             let way = self.ways[pair.part] + last.1;
-            if !self.is_nearer(problem, pair, at.time_s, pair.gap + way) {
+            if !self.is_nearer(problem, pair, at.time_s, pair.gap + way, true) {
                 continue;
             }
-            let touches = !pair.may_touch_at(at.time_s) && self.is_nearer(problem, pair, at.time_s, pair.gap);
+            // What touches ends it early. On short pieces a search for that costs more than it spares.
+            let whole = piece.level < SEARCHED_LEVELS;
+            let touches = !pair.may_touch_at(at.time_s) && self.is_nearer(problem, pair, at.time_s, pair.gap, whole);
             if touches || way < FINEST_M {
                 return false;
             }

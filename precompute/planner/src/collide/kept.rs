@@ -43,6 +43,8 @@ impl Kept {
     }
 
     /// True where a core, in the frame of the mesh, is nearer than `limit` (m).
+    ///
+    /// - `whole`: false asks the triangle alone that was near last; its `false` says nothing.
     pub fn is_nearer(
         &mut self,
         problem: &Problem,
@@ -51,6 +53,7 @@ impl Kept {
         mesh: &Mesh,
         core: &Segment,
         limit: f64,
+        whole: bool,
     ) -> bool {
         let share = (time_s - problem.init.time_s) / (problem.goal.time_s - problem.init.time_s);
         let stretch = ((share * STRETCHES as f64) as usize).min(STRETCHES - 1);
@@ -63,6 +66,9 @@ impl Kept {
         }
         if mesh.is_triangle_nearer(look.near, core, limit) {
             return true;
+        }
+        if !whole {
+            return false;
         }
         match mesh.first_nearer(core, limit) {
             Some(near) => {

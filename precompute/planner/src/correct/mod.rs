@@ -10,7 +10,7 @@ use crate::clips::with_motion;
 use crate::collide::Checker;
 use crate::driven::Driven;
 use crate::linkage::{Limb, Linkage};
-use crate::planner::{Budget, Outcome, PlanConfig, Planner};
+use crate::planner::{Budget, Outcome, PlanConfig, Planner, Planners};
 use crate::problem::{Problem, State};
 use crate::search::Trees;
 use crate::setup::{ProblemError, ProblemSpec};
@@ -32,12 +32,36 @@ pub struct CorrectConfig<'a> {
     pub within_s: Option<[f64; 2]>,
     /// Keeps the trees of every search, where they are to be looked at.
     pub trees: Option<&'a Trees>,
+    /// Plans go on with the trees of the last run.
+    pub planners: Option<&'a Planners>,
 }
 
 impl Default for CorrectConfig<'_> {
     fn default() -> Self {
         let budget = Budget { draws: 3000, ..Budget::default() };
-        Self { plan: PlanConfig::default(), budget, margin_s: 0.4, margin_most_s: 2.0, within_s: None, trees: None }
+        Self {
+            plan: PlanConfig::default(),
+            budget,
+            margin_s: 0.4,
+            margin_most_s: 2.0,
+            within_s: None,
+            trees: None,
+            planners: None,
+        }
+    }
+}
+
+impl CorrectConfig<'_> {
+    /// Plans, and keeps what is to be kept of it.
+    pub(crate) fn run(&self, planner: &mut Planner, problem: &Problem, rate_hz: f64) -> Outcome {
+        let mut budget = Budget { rate_hz, ..self.budget };
+        if let Some(last) = self.planners.and_then(|p| p.take(problem)) {
+            (*planner, budget.warm) = (last, true);
+        }
+        let outcome = planner.plan(problem, &self.plan, &budget);
+        self.trees.iter().for_each(|trees| trees.keep(problem, planner));
+        self.planners.iter().for_each(|planners| planners.keep(problem, planner));
+        outcome
     }
 }
 
@@ -165,9 +189,7 @@ fn planned<'p>(
 ) -> Result<(crate::planner::LimbMotion<'p>, Outcome, Vec<Span>), NotCorrected> {
     let spec = ProblemSpec { admit_driven: true, ..between(spec, spec.motion, window_s) };
     let problem = Problem::new(&spec)?;
-    let budget = Budget { rate_hz, ..config.budget };
-    let outcome = planner.plan(&problem, &config.plan, &budget);
-    config.trees.iter().for_each(|trees| trees.keep(&problem, planner));
+    let outcome = config.run(planner, &problem, rate_hz);
     let unsolved = |why| NotCorrected::Unsolved { from_s: window_s[0], to_s: window_s[1], why };
     match (outcome.why, planner.motion()) {
         (None, Some(motion)) => Ok((motion, outcome, problem.driven_collisions(&spec))),

@@ -12,7 +12,7 @@ use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
 use crate::rotation::{Rigid, between, twist_about};
 use elbow::Elbow;
 use glam::{DQuat, DVec3};
-use swivel::refined;
+use swivel::{half, refined};
 use throng_base::maths;
 use throng_core::Joint;
 pub use unreached::Unreached;
@@ -23,6 +23,8 @@ const ON_LIMIT: f64 = 1e-7;
 
 /// What is farther outside of limits by a quick look needs no exact one (rad).
 const WELL_OUTSIDE: f64 = 0.05;
+/// What is farther outside has no swivel within limits beside it (rad).
+const FAR_OUTSIDE: f64 = 0.3;
 
 /// Solves for the seven degrees of freedom of a limb: three of shoulder or hip, flexion and twist of elbow or knee, swing of
 /// wrist or ankle.
@@ -67,6 +69,18 @@ struct Reach {
     hand: DQuat,
 }
 
+/// Where the search over swivels begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Swivel {
+    /// Where the present pose has the elbow.
+    Present,
+    /// Half way from there down, as arms hang.
+    Low {
+        /// In the frame of the joint that carries the upper arm (unit).
+        down: DVec3,
+    },
+}
+
 /// A pose, and which joint is farthest outside its limits.
 #[derive(Clone, Copy)]
 struct Tried {
@@ -96,7 +110,7 @@ impl LimbIk {
     ///
     /// - `base`: world transform of the joint that carries the chain.
     /// - `goal`: world transform wanted for the last joint.
-    /// - `present`: where the swivel begins; a clavicle keeps its rotation.
+    /// - `present`, `from`: where the swivel begins; a clavicle keeps its rotation.
     /// - `blocked`: what a pose collides with, if it does.
     ///
     /// # Errors
@@ -107,17 +121,12 @@ impl LimbIk {
         base: &Rigid,
         goal: &Rigid,
         present: &LimbPose,
+        from: Swivel,
         mut blocked: impl FnMut(&LimbPose) -> Option<B>,
     ) -> Result<LimbPose, Unreached<B>> {
         let first = self.chain.len() - 3;
-        let base = if first > 0 {
-            base.then(Rigid { position: self.chain.offsets[0], rotation: present.0[0] })
-        } else {
-            *base
-        };
-        let local = base.local(*goal);
-        let reach = self.reach(&local, first).map_err(|by_m| Unreached::OutOfReach { by_m })?;
-        let [c, s] = self.present_swivel(&reach, present.0[first]);
+        let reach = self.reach_of(base, goal, present).map_err(|by_m| Unreached::OutOfReach { by_m })?;
+        let [c, s] = self.first_swivel(&reach, present.0[first], from);
         // The swivel that is least outside limits.
         let mut best = (f64::INFINITY, [c, s]);
         let mut in_the_way = None;
@@ -138,8 +147,9 @@ impl LimbIk {
             (tried.excess, (tried.excess <= ON_LIMIT).then_some(tried.pose))
         };
         let swivels = Swivels::new(self, &reach);
-        for [cos, sin] in HALVES.iter() {
-            let half = [c * cos - s * sin, s * cos + c * sin];
+        let from_present = |[cos, sin]: [f64; 2]| [c * cos - s * sin, s * cos + c * sin];
+        for offset in HALVES.iter() {
+            let half = from_present(*offset);
             let turns = match swivels.look(half) {
                 (Fit::Outside, _) => None,
                 (Fit::Inside, turns) => Some(turns),
@@ -149,12 +159,12 @@ impl LimbIk {
                 return Ok(pose);
             }
         }
-        let found = refined(2.0 * maths::atan2(s, c), |swivel| {
-            let (sin, cos) = maths::sin_cos(0.5 * swivel);
-            let about = swivels.excess([cos, sin]);
-            let (excess, turns) = if about > WELL_OUTSIDE { (about, None) } else { exactly([cos, sin]) };
+        let found = refined(|offset| {
+            let half = from_present(offset);
+            let about = swivels.excess(half, f64::max(best.0, FAR_OUTSIDE));
+            let (excess, turns) = if about > WELL_OUTSIDE { (about, None) } else { exactly(half) };
             if excess < best.0 {
-                best = (excess, [cos, sin]);
+                best = (excess, half);
             }
             (excess, turns.and_then(|t| free(&t)))
         });
@@ -170,17 +180,46 @@ impl LimbIk {
         })
     }
 
+    /// The pose with a certain swivel, if it is within reach and limits.
+    ///
+    /// - `present`: a clavicle keeps its rotation.
+    /// - `swivel`: as [`LimbIk::swivel_of`] says it (rad).
+    pub(crate) fn at_swivel(&self, base: &Rigid, goal: &Rigid, present: &LimbPose, swivel: f64) -> Option<LimbPose> {
+        let tried = self.tried(&self.reach_of(base, goal, present).ok()?, half(swivel));
+        let first = self.chain.len() - 3;
+        let mut pose = *present;
+        pose.0[first..first + 3].copy_from_slice(&tried.pose);
+        (tried.excess <= ON_LIMIT).then_some(pose)
+    }
+
+    /// The swivel of a pose on its way to a goal: one that moves evenly has one that changes evenly (rad).
+    pub(crate) fn swivel_of(&self, base: &Rigid, goal: &Rigid, pose: &LimbPose) -> Option<f64> {
+        let reach = self.reach_of(base, goal, pose).ok()?;
+        let [cos, sin] = self.first_swivel(&reach, pose.0[self.chain.len() - 3], Swivel::Present);
+        Some(2.0 * maths::atan2(sin, cos))
+    }
+
     /// As [`LimbIk::solve`], with nothing in the way.
     ///
     /// # Errors
     /// [`Unreached::OutOfReach`] and [`Unreached::OutOfLimits`].
     pub fn solve_free(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<LimbPose, Unreached<String>> {
-        self.solve(base, goal, present, |_| None)
+        self.solve(base, goal, present, Swivel::Present, |_| None)
     }
 
     /// Nearest and farthest distances from shoulder to wrist that the elbow allows (m).
     pub fn distances(&self) -> [f64; 2] {
         self.elbow.distances()
+    }
+
+    fn reach_of(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<Reach, f64> {
+        let first = self.chain.len() - 3;
+        let base = if first > 0 {
+            base.then(Rigid { position: self.chain.offsets[0], rotation: present.0[0] })
+        } else {
+            *base
+        };
+        self.reach(&base.local(*goal), first)
     }
 
     fn reach(&self, local: &Rigid, first: usize) -> Result<Reach, f64> {
@@ -193,11 +232,21 @@ impl LimbIk {
         Ok(Reach { line, onto: between(folded, line), flexion, bent, hand: local.rotation })
     }
 
-    /// The swivel that leaves the elbow's axis as nearly as it can where the present pose has it: cosine and sine of half of it.
-    fn present_swivel(&self, reach: &Reach, shoulder: DQuat) -> [f64; 2] {
+    /// The swivel that leaves the elbow's axis as nearly as it can where the present pose has it, or turned down from there: cosine and
+    /// sine of half of it.
+    fn first_swivel(&self, reach: &Reach, shoulder: DQuat, first: Swivel) -> [f64; 2] {
         let across = |v: DVec3| v - reach.line * v.dot(reach.line);
         let from = across(reach.onto * self.elbow.axis);
         let to = across(shoulder * self.elbow.axis);
+        let to = match first {
+            Swivel::Present => to,
+            // The axis is at right angles to where the elbow points.
+            Swivel::Low { down } => {
+                let [folded, bent] = [reach.onto * self.elbow.upper, reach.onto * self.elbow.axis].map(across);
+                let side = if folded.cross(bent).dot(reach.line) < 0.0 { -1.0 } else { 1.0 };
+                to.normalize_or_zero() + reach.line.cross(across(down)) * side
+            }
+        };
         // Where the arm would have to point along that axis, any swivel is as good.
         let to = if to.length_squared() > 1e-6 { to } else { across(shoulder * self.elbow.upper) };
         let (sin, cos) = (from.cross(to).dot(reach.line), from.dot(to));

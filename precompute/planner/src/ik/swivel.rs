@@ -1,6 +1,8 @@
 //! In which order swivel angles are tried.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
+use throng_base::maths;
 
 /// First step to either side, by which share steps grow (rad).
 const FIRST: f64 = 0.06;
@@ -20,16 +22,31 @@ pub fn offsets() -> impl Iterator<Item = f64> {
     std::iter::once(0.0).chain(sides.flatten())
 }
 
+/// From one to the next (rad).
+const STEP: f64 = 2.0 * PI / FINE as f64;
+
+/// Cosine and sine of half of an offset.
+pub fn half(offset: f64) -> [f64; 2] {
+    let (sin, cos) = maths::sin_cos(0.5 * offset);
+    [cos, sin]
+}
+
+/// Those of the fine search: from the present swivel outwards, to both sides in turn.
+static FINELY: LazyLock<[[f64; 2]; FINE]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let side = if i % 2 == 0 { -0.5 } else { 0.5 };
+        half(side * (i + i % 2) as f64 * STEP)
+    })
+});
+
 /// Looks at the whole circle finely, and between neighbours for the narrow windows that limits leave.
 ///
-/// - `try_at`: how far a swivel is outside limits (rad), and its pose if that is good.
-pub fn refined<P>(start: f64, mut try_at: impl FnMut(f64) -> (f64, Option<P>)) -> Option<P> {
-    let step = 2.0 * PI / FINE as f64;
+/// - `try_at`: how far a swivel is outside limits (rad), and its pose if that is good; it is said by cosine and sine of half of
+///   its offset from the present one.
+pub fn refined<P>(mut try_at: impl FnMut([f64; 2]) -> (f64, Option<P>)) -> Option<P> {
     let mut outside = [0.0; FINE];
-    for (i, out) in outside.iter_mut().enumerate() {
-        // From the present swivel outwards, to both sides in turn.
-        let side = if i % 2 == 0 { -0.5 } else { 0.5 };
-        let (excess, pose) = try_at(start + side * (i + i % 2) as f64 * step);
+    for (half, out) in FINELY.iter().zip(&mut outside) {
+        let (excess, pose) = try_at(*half);
         if pose.is_some() {
             return pose;
         }
@@ -49,8 +66,8 @@ pub fn refined<P>(start: f64, mut try_at: impl FnMut(f64) -> (f64, Option<P>)) -
     for k in 0..FINE {
         let [before, here, after] = [outside[at(k + FINE - 1)], outside[at(k)], outside[at(k + 1)]];
         if here > 0.0 && here <= before && here <= after {
-            let middle = start + k as f64 * step;
-            if let Some(pose) = golden(middle - step, middle + step, &mut try_at) {
+            let middle = k as f64 * STEP;
+            if let Some(pose) = golden(middle - STEP, middle + STEP, &mut |offset| try_at(half(offset))) {
                 return Some(pose);
             }
         }
@@ -95,7 +112,8 @@ mod tests {
     fn a_window_between_two_tries_is_found() {
         // Good only within 1e-4 of a swivel that no try hits.
         let good = 1.2345;
-        let found = refined(0.3, |s: f64| {
+        let found = refined(|[cos, sin]: [f64; 2]| {
+            let s = 2.0 * maths::atan2(sin, cos);
             let away = (s - good + PI).rem_euclid(2.0 * PI) - PI;
             (away.abs() - 1e-4, (away.abs() < 1e-4).then_some(s))
         });

@@ -197,7 +197,7 @@ fn reasons_say_how_far_and_what() {
     }
     let mut ahead = at(0.1, -0.1, 0.35);
     ahead.rotation = crate::rotation::about(glam::DVec3::Y, -PI / 2.0);
-    let wall = s.ik.solve(&base, &ahead, &LimbPose::REST, |_| Some("box")).unwrap_err();
+    let wall = s.ik.solve(&base, &ahead, &LimbPose::REST, Swivel::Present, |_| Some("box")).unwrap_err();
     assert_eq!(wall.to_string(), "blocked by box");
     let nan = s.ik.solve_free(&base, &at(f64::NAN, 0.0, 0.0), &LimbPose::REST).unwrap_err();
     assert!(matches!(nan, Unreached::OutOfReach { .. }));
@@ -213,8 +213,9 @@ fn a_predicate_moves_the_elbow_elsewhere() {
     let elbow = |p: &LimbPose| s.chain.place(&Rigid::IDENTITY, p)[1].position;
     let free = s.ik.solve_free(&Rigid::IDENTITY, &goal, &LimbPose::REST).expect("free");
     let away = elbow(&free);
-    let other =
-        s.ik.solve(&Rigid::IDENTITY, &goal, &LimbPose::REST, |p| ((elbow(p) - away).length() < 0.05).then_some("post"));
+    let other = s.ik.solve(&Rigid::IDENTITY, &goal, &LimbPose::REST, Swivel::Present, |p| {
+        ((elbow(p) - away).length() < 0.05).then_some("post")
+    });
     let other = other.expect("another swivel");
     let (far, _) = error(&s.chain, &Rigid::IDENTITY, &other, &goal);
     assert!((elbow(&other) - away).length() >= 0.05 && far < 1e-9);
@@ -279,9 +280,39 @@ fn half_a_swivel_is_exact_all_around() {
     for i in 0..720 {
         let swivel = (f64::from(i) - 360.0) * PI / 360.0;
         let shoulder = crate::rotation::about(reach.line, swivel) * reach.onto;
-        let [cos, sin] = s.ik.present_swivel(&reach, shoulder);
+        let [cos, sin] = s.ik.first_swivel(&reach, shoulder, Swivel::Present);
         let found = 2.0 * sin.atan2(cos);
         let off = (found - swivel + PI).rem_euclid(2.0 * PI) - PI;
         assert!(off.abs() < 1e-9 && (cos.hypot(sin) - 1.0).abs() < 1e-12, "{swivel} {found}");
     }
+}
+
+#[test]
+fn elbows_begin_half_way_down() {
+    let s = setup(Limb::LeftArm, &Skeleton::default());
+    let mut rng = Pcg64Mcg::seed_from_u64(9);
+    let (mut lower, mut tried) = (0, 0);
+    for _ in 0..500 {
+        let pose = s.sampler.draw(&mut rng, 1);
+        let goal = s.chain.place(&Rigid::IDENTITY, &pose)[2];
+        let Ok(reach) = s.ik.reach(&goal, 0) else { continue };
+        // Where the elbow is, across the line from shoulder to wrist.
+        let elbow = |[cos, sin]: [f64; 2]| {
+            let at = s.ik.tried(&reach, [cos, sin]).pose[0] * s.ik.elbow.upper;
+            at - reach.line * at.dot(reach.line)
+        };
+        let down = DVec3::NEG_Y - reach.line * DVec3::NEG_Y.dot(reach.line);
+        let [was, is] = [Swivel::Present, Swivel::Low { down: DVec3::NEG_Y }]
+            .map(|f| elbow(s.ik.first_swivel(&reach, pose.0[0], f)));
+        if was.length() < 0.02 || down.length() < 0.1 || was.angle_between(down) > 3.0 {
+            continue;
+        }
+        tried += 1;
+        // Between where it was and straight down.
+        lower += usize::from(
+            is.angle_between(down) <= was.angle_between(down) + 1e-9
+                && is.angle_between(was) <= down.angle_between(was) + 1e-9,
+        );
+    }
+    assert!(tried > 300 && lower == tried, "{lower} of {tried}");
 }

@@ -1,6 +1,7 @@
 //! Which swivels are within limits, by some products: rotations of shoulder and forearm are linear in cosine and sine of half the
 //! swivel. What is near a limit is left to the exact look.
 
+use super::swivel::{half, offsets};
 use super::{LimbIk, Reach};
 use crate::limits::{JointLimits, Swing};
 use crate::rotation::mirrored;
@@ -13,13 +14,7 @@ use throng_base::maths;
 const ROOM: f64 = 2e-5;
 
 /// Half of each offset that is tried, cosine and sine.
-pub(super) static HALVES: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
-    let half = |offset: f64| {
-        let (sin, cos) = maths::sin_cos(0.5 * offset);
-        [cos, sin]
-    };
-    super::swivel::offsets().map(half).collect()
-});
+pub(super) static HALVES: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| offsets().map(half).collect());
 
 /// Where a rotation is, as seen from limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -245,12 +240,20 @@ impl<'a> Swivels<'a> {
 }
 
 impl Swivels<'_> {
-    /// How far a swivel is outside limits, nearly (rad).
+    /// How far a swivel is outside limits, nearly; of one that is farther outside than `enough`, at least that (rad).
     ///
     /// - `half`: cosine and sine of half of it.
-    pub fn excess(&self, half: [f64; 2]) -> f64 {
+    pub fn excess(&self, half: [f64; 2], enough: f64) -> f64 {
         let ik = self.ik;
         let [along, w] = self.twists[1].map(|t| weighed(t, half));
+        let twist = ik.elbow.twist_excess(quick_twist(along, w));
+        if twist > enough {
+            return twist;
+        }
+        let shoulder = ik.quick[0].excess(&ik.limits[0], self.own_shoulder.at(half)).max(twist);
+        if shoulder > enough {
+            return shoulder;
+        }
         let length = (along * along + w * w).sqrt();
         let twisted = if length < 1e-6 {
             DQuat::IDENTITY
@@ -259,9 +262,7 @@ impl Swivels<'_> {
             DQuat::from_xyzw(v.x, v.y, v.z, w / length)
         };
         let hand = twisted.inverse() * self.rest.at(half);
-        let shoulder = ik.quick[0].excess(&ik.limits[0], self.own_shoulder.at(half));
-        let wrist = ik.quick[1].excess(&ik.limits[2], ik.quick[1].own(&ik.limits[2], hand));
-        ik.elbow.twist_excess(quick_twist(along, w)).max(shoulder).max(wrist)
+        ik.quick[1].excess(&ik.limits[2], ik.quick[1].own(&ik.limits[2], hand)).max(shoulder)
     }
 }
 

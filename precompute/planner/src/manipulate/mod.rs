@@ -8,7 +8,7 @@ use crate::collide::Checker;
 use crate::correct::CorrectConfig;
 use crate::ik::Unreached;
 use crate::linkage::LimbPose;
-use crate::planner::{Budget, LimbMotion, Outcome, Planner, Unsolved};
+use crate::planner::{LimbMotion, Outcome, Planner, Unsolved};
 use crate::problem::{Problem, State};
 use crate::rotation::Rigid;
 use crate::setup::{ProblemError, ProblemSpec};
@@ -168,9 +168,7 @@ pub(crate) fn planned(
     what: &'static str,
 ) -> Result<(Clip, Outcome), NotReached> {
     let problem = Problem::new(spec)?;
-    let budget = Budget { rate_hz: clip.rate_hz, ..config.budget };
-    let outcome = planner.plan(&problem, &config.plan, &budget);
-    config.trees.iter().for_each(|trees| trees.keep(&problem, planner));
+    let outcome = config.run(planner, &problem, clip.rate_hz);
     match (outcome.why, planner.motion()) {
         (None, Some(motion)) => Ok((with_motion(clip, 0.0, spec.linkage, &motion).map_err(misfit)?, outcome)),
         (why, _) => Err(NotReached::Unsolved { what, why: why.unwrap_or(Unsolved::Rate) }),

@@ -1,7 +1,10 @@
 //! The planner: search, then smoothing, within a budget.
 
+mod again;
 #[cfg(test)]
 mod tests;
+
+pub use again::Planners;
 
 use crate::collide::Checker;
 use crate::linkage::{LimbPose, MAX_JOINTS};

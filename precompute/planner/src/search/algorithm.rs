@@ -3,9 +3,11 @@
 use super::grid::TimeGrid;
 use super::tree::{Node, Tree, Weights};
 use crate::collide::{Checker, EdgeCheck};
+use crate::ik::LimbIk;
 use crate::limits::{Sampler, Style};
 use crate::problem::{Problem, State};
-use crate::rotation::slerp;
+use crate::rotation::{Rigid, between, slerp};
+use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
@@ -81,6 +83,8 @@ struct Step<'a> {
     quest: Quest<'a>,
     problem: &'a Problem,
     sampler: Sampler,
+    /// Of what stays upright.
+    ik: Option<LimbIk>,
 }
 
 impl Search {
@@ -119,7 +123,8 @@ impl Search {
         let Quest { problem, config, draws, .. } = quest;
         let limits = *problem.limits();
         let sampler = Sampler::new(problem.chain.linkage, limits, &problem.init.pose, config.style, config.widen_over);
-        let step = Step { quest, problem, sampler };
+        let ik = problem.level.map(|_| LimbIk::new(&problem.chain, &limits));
+        let step = Step { quest, problem, sampler, ik };
         let [init, goal] = [&problem.init, &problem.goal].map(|s| step.node(*s, 0));
         self.way.clear();
         (self.draws, self.nearest_m) = (0, init.apart(&goal));
@@ -238,6 +243,17 @@ impl Step<'_> {
         self.problem.least_time(&from.pose, &to.pose).0 <= to.time_s - from.time_s + 1e-9
     }
 
+    /// The same hand at the same place, turned so far that what it holds is upright; nothing where no pose does that. As it is where
+    /// nothing has to be.
+    fn upright(&self, state: State) -> Option<State> {
+        let (Some(level), Some(ik)) = (self.problem.level, &self.ik) else { return Some(state) };
+        let base = self.problem.base_at(state.time_s);
+        let hand = self.problem.place(&state)[self.problem.chain.len() - 1];
+        let turn = between(hand.rotation * level.up, DVec3::Y);
+        let upright = Rigid { rotation: turn * hand.rotation, ..hand };
+        Some(State { pose: ik.solve_free(&base, &upright, &state.pose).ok()?, ..state })
+    }
+
     /// A free state at random: a pose within limits, at a time at which it can be reached and left (4.2 of the paper).
     fn sample(&self, draws: &mut u32, checker: &mut Checker, rng: &mut Pcg64Mcg) -> Option<Node> {
         let (init, goal) = (&self.problem.init, &self.problem.goal);
@@ -249,7 +265,9 @@ impl Step<'_> {
             let last = self.quest.grid.until(goal.time_s - self.problem.least_time(&pose, &goal.pose).0);
             let Some(last) = last.filter(|last| *last >= first) else { continue };
             let frame = first + (share * (last - first + 1) as f64) as usize;
-            let state = State { pose, time_s: self.quest.grid.at(frame.min(last)) };
+            let Some(state) = self.upright(State { pose, time_s: self.quest.grid.at(frame.min(last)) }) else {
+                continue;
+            };
             if checker.is_free(self.problem, &state) {
                 return Some(self.node(state, 0));
             }
@@ -283,7 +301,7 @@ impl Step<'_> {
             (frame <= self.quest.grid.steps && goal.time_s - self.quest.grid.at(frame) + 1e-9 >= needed)
                 .then_some(frame)?
         };
-        let state = State { pose, time_s: self.quest.grid.at(frame) };
+        let state = self.upright(State { pose, time_s: self.quest.grid.at(frame) })?;
         let (a, b) = if tree.from_goal { (&state, &from.state) } else { (&from.state, &state) };
         if !checker.is_free(self.problem, &state) || !checker.is_way_free(self.problem, a, b, self.quest.config.edge) {
             return None;

@@ -10,6 +10,8 @@ use crate::linkage::{Chain, Limb, MAX_JOINTS};
 use crate::problem::{BodyPart, PRESENT_STEP_S, Pair, Part, PlacedSolid, Problem, Solid, Target, TetherTrack};
 use crate::shape::Segment;
 use crate::track::Track;
+use glam::DVec3;
+use std::f64::consts::PI;
 use std::sync::atomic::{AtomicU64, Ordering};
 use throng_base::text::did_you_mean;
 use throng_core::Joint;
@@ -56,6 +58,11 @@ impl Problem {
             let from = Track::rigid(spec.motion.clock(), spec.motion.of_joint(t.from));
             TetherTrack { name, from, distances_m: t.distances_m }
         });
+        parts.extend(spec.level.map(|level| Part {
+            reach: [1.0; MAX_JOINTS],
+            base_reach: 1.0,
+            ..part(&chain, "what is held".into(), chain.len() - 1, Segment::new(DVec3::ZERO, level.up), 0.0)
+        }));
         let solids = spec.solids.iter().map(placed_solid).collect();
         let mut bodies = driven_parts(None, spec.motion, spec.shape, |j| chain_link(&chain, j).is_none());
         for o in spec.others {
@@ -73,6 +80,7 @@ impl Problem {
             solids,
             bodies,
             tether,
+            level: spec.level,
             pairs: Vec::new(),
             present: present.collect(),
             init: spec.init,
@@ -107,13 +115,15 @@ impl Problem {
         // What carries the limb goes with the trunk.
         let own_bend = spec.motion.bend_m(|j| Limb::ALL.iter().all(|l| !l.moves(j)));
         let mut pairs = Vec::new();
-        // The other hand collides by itself; only whether it reaches is asked here.
-        let bodies = self.parts.len() - usize::from(self.tether.is_some());
+        // The other hand collides by itself; only whether it reaches is asked here. What is upright is a direction.
+        let asked = [self.tether.as_ref().map(|_| Target::Tether), self.level.map(|_| Target::Level)];
+        let asked: Vec<Target> = asked.into_iter().flatten().collect();
+        let bodies = self.parts.len() - asked.len();
         let targets = (0..self.solids.len()).map(Target::Solid).chain((0..self.bodies.len()).map(Target::Body));
         for target in targets {
             for (i, part) in self.parts[..bodies].iter().enumerate() {
                 let (with, gap) = match target {
-                    Target::Tether => continue,
+                    Target::Tether | Target::Level => continue,
                     Target::Solid(s) => (self.solids[s].solid.name.as_str(), spec.clearance_m + own_bend),
                     Target::Body(b) => match &self.bodies[b].of {
                         Some(who) => (who.as_str(), spec.clearance_m + own_bend + others_bend),
@@ -132,12 +142,8 @@ impl Problem {
                 }
             }
         }
-        pairs.extend(self.tether.iter().map(|_| Pair {
-            part: bodies,
-            target: Target::Tether,
-            gap: 0.0,
-            allowed: None,
-        }));
+        let more = asked.into_iter().enumerate();
+        pairs.extend(more.map(|(i, target)| Pair { part: bodies + i, target, gap: 0.0, allowed: None }));
         pairs
     }
 
@@ -309,6 +315,11 @@ fn check_numbers(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
         && !(at.is_finite() && 0.0 <= nearest && nearest < farthest)
     {
         return wrong("where the other hand is".into(), "a finite place and ascending distances");
+    }
+    if let Some(level) = spec.level
+        && !((level.up.length() - 1.0).abs() < 1e-6 && level.within_rad > 0.0 && level.within_rad < PI)
+    {
+        return wrong("what stays upright".into(), "a unit direction, and an angle of 0 to half a turn");
     }
     let shapes = spec.others.iter().map(|o| o.shape).chain([spec.shape]);
     for c in shapes.flat_map(|s| &s.capsules) {

@@ -7,4 +7,4 @@ mod spec;
 pub(crate) mod tests;
 
 pub use error::ProblemError;
-pub use spec::{Allowed, Held, Other, ProblemSpec, Tether};
+pub use spec::{Allowed, Held, Level, Other, ProblemSpec, Tether};

@@ -53,6 +53,15 @@ pub struct Tether {
     pub distances_m: [f64; 2],
 }
 
+/// What is held stays upright: a direction of the hand or foot that stays near the vertical.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// In the frame of the linkage's last joint (unit).
+    pub up: DVec3,
+    /// How far from the vertical it may be (rad, > 0, < pi).
+    pub within_rad: f64,
+}
+
 /// A problem before it is checked.
 #[derive(Clone, Debug)]
 pub struct ProblemSpec<'a> {
@@ -80,6 +89,8 @@ pub struct ProblemSpec<'a> {
     pub allowed: &'a [Allowed],
     /// Where the other hand is at what is held.
     pub tether: Option<Tether>,
+    /// What is held stays upright.
+    pub level: Option<Level>,
     /// How far everything stays from solids and from others (m, >= 0).
     pub clearance_m: f64,
     /// How deep parts of the own body may press into each other, as flesh does (m, >= 0).
@@ -113,6 +124,7 @@ impl<'a> ProblemSpec<'a> {
             held: &[],
             allowed: &[],
             tether: None,
+            level: None,
             clearance_m: 0.005,
             self_press_m: 0.02,
             admit_ends: false,

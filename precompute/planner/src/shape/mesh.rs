@@ -1,10 +1,9 @@
 //! Surfaces of triangles with a tree of boxes over them.
 
 use super::segment::Segment;
+use super::tree::Tree;
 use super::triangle::{is_farther, square_distance};
-use glam::{DVec3, Vec3, Vec3A};
-use parry3d::bounding_volume::Aabb;
-use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode, TraversalAction};
+use glam::{DVec3, Vec3};
 
 /// Why triangles are no mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -29,7 +28,7 @@ pub enum MeshError {
 #[derive(Clone)]
 pub struct Mesh {
     corners: Vec<[Vec3; 3]>,
-    tree: Bvh,
+    tree: Tree,
     ball: (DVec3, f64),
 }
 
@@ -58,12 +57,12 @@ impl Mesh {
                 return Err(MeshError::Corner { triangle, corner, limit: MAX_POSITION });
             }
         }
-        let boxes: Vec<Aabb> =
-            corners.iter().map(|[a, b, c]| Aabb { mins: a.min(*b).min(*c), maxs: a.max(*b).max(*c) }).collect();
-        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-        let whole = tree.root_aabb();
-        let middle = 0.5 * (whole.mins.as_dvec3() + whole.maxs.as_dvec3());
-        let radius = corners.iter().flatten().map(|c| c.as_dvec3().distance(middle)).fold(0.0, f64::max);
+        let tree = Tree::new(&corners);
+        let all = || corners.iter().flatten();
+        let (low, high) =
+            (all().fold(Vec3::INFINITY, |a, c| a.min(*c)), all().fold(Vec3::NEG_INFINITY, |a, c| a.max(*c)));
+        let middle = 0.5 * (low.as_dvec3() + high.as_dvec3());
+        let radius = all().map(|c| c.as_dvec3().distance(middle)).fold(0.0, f64::max);
         Ok(Self { corners, tree, ball: (middle, radius) })
     }
 
@@ -118,70 +117,16 @@ impl Mesh {
         if limit.is_nan() || limit <= 0.0 {
             return;
         }
-        let core = Core32::new(s);
         let length = (s.b - s.a).length_squared();
         let over = if length > 1e-18 { 1.0 / length } else { 0.0 };
-        let (mut square, mut square_limit) = (core.square(limit), limit * limit);
-        self.tree.traverse(|node: &BvhNode| {
-            if core.is_farther(node, square) {
-                return TraversalAction::Prune;
+        let mut limit = limit;
+        self.tree.visit(s, limit, |i| {
+            let triangle = self.corners[i as usize].map(|c| c.as_dvec3());
+            if !is_farther(s, over, &triangle, limit * limit) {
+                limit = look(i, square_distance(s, &triangle))?;
             }
-            let Some(leaf) = node.leaf_data() else { return TraversalAction::Continue };
-            let triangle = self.corners[leaf as usize].map(|c| c.as_dvec3());
-            if is_farther(s, over, &triangle, square_limit) {
-                return TraversalAction::Continue;
-            }
-            match look(leaf, square_distance(s, &triangle)) {
-                Some(limit) => (square, square_limit) = (core.square(limit), limit * limit),
-                None => return TraversalAction::EarlyExit,
-            }
-            TraversalAction::Continue
+            Some(limit)
         });
-    }
-}
-
-/// A segment in floats, as boxes are, with what rounding may take away from a distance.
-struct Core32 {
-    a: Vec3A,
-    d: Vec3A,
-    /// One over the square of its length; 0 for a point.
-    over: f32,
-    low: Vec3A,
-    high: Vec3A,
-    slack: f32,
-}
-
-impl Core32 {
-    fn new(s: &Segment) -> Self {
-        let (a, b) = (s.a.as_vec3a(), s.b.as_vec3a());
-        let square = (b - a).length_squared();
-        let over = if square > 1e-12 { 1.0 / square } else { 0.0 };
-        // A few units in the last place of the largest number that there is.
-        let slack = 1e-5 + 4e-6 * a.abs().max_element().max(b.abs().max_element());
-        Self { a, d: b - a, over, low: a.min(b), high: a.max(b), slack }
-    }
-
-    /// The square of a limit, seen with slack (m^2).
-    fn square(&self, limit: f64) -> f32 {
-        let limit = limit as f32 + self.slack;
-        limit * limit
-    }
-
-    /// True where the box of a node is farther away than a limit: by the box around the segment, or as seen along the line from
-    /// the segment to the box's middle.
-    fn is_farther(&self, node: &BvhNode, square: f32) -> bool {
-        let (mins, maxs) = (Vec3A::from(node.mins()), Vec3A::from(node.maxs()));
-        if (mins - self.high).max(self.low - maxs).max(Vec3A::ZERO).length_squared() > square {
-            return true;
-        }
-        let middle = 0.5 * (mins + maxs);
-        let share = ((middle - self.a).dot(self.d) * self.over).clamp(0.0, 1.0);
-        let line = middle - (self.a + self.d * share);
-        // No point of the segment is farther along that line than the one nearest to the middle, none of the box nearer than by
-        // half of what the box takes up of it. Both sides are multiplied by the line's length: there is no square root.
-        let apart = line.length_squared();
-        let rest = apart - 0.5 * line.abs().dot(maxs - mins);
-        rest > 0.0 && rest * rest > square * apart
     }
 }
 

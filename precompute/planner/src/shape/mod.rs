@@ -3,6 +3,7 @@
 mod cuboid;
 mod mesh;
 mod segment;
+mod tree;
 mod triangle;
 
 pub use mesh::{Mesh, MeshError};

@@ -2,8 +2,12 @@
 
 use super::Smoother;
 use crate::problem::State;
+use crate::rotation::angle;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
+
+/// What shortens the way by less is not looked at: sum of all turns (rad).
+const LEAST_GAIN: f64 = 0.05;
 
 impl Smoother<'_> {
     /// Draws two frames of the way, not necessarily landmarks, and replaces what is between them by even motion where that
@@ -28,8 +32,16 @@ impl Smoother<'_> {
             }
             let [from, to] =
                 [frames[0].min(frames[1]), frames[0].max(frames[1])].map(|f| self.way_at(way, self.grid.at(f)));
-            let inner = |s: &State| s.time_s > from.time_s && s.time_s < to.time_s;
-            if !way.iter().any(inner) || !self.checker.is_way_free(self.problem, &from, &to, self.check) {
+            let inner = |s: &&State| s.time_s > from.time_s && s.time_s < to.time_s;
+            let mut turned = 0.0;
+            let mut last = &from;
+            for next in way.iter().filter(inner).chain([&to]) {
+                turned += self.turn(last, next);
+                last = next;
+            }
+            if turned - self.turn(&from, &to) < LEAST_GAIN
+                || !self.checker.is_way_free(self.problem, &from, &to, self.check)
+            {
                 continue;
             }
             spare.clear();
@@ -38,5 +50,10 @@ impl Smoother<'_> {
             spare.extend(way.iter().filter(|s| s.time_s > to.time_s));
             std::mem::swap(way, spare);
         }
+    }
+
+    /// Sum of the turns of all joints (rad).
+    fn turn(&self, from: &State, to: &State) -> f64 {
+        (0..self.problem.chain.len()).map(|i| angle(from.pose.0[i], to.pose.0[i])).sum()
     }
 }

@@ -2,13 +2,14 @@
 
 use super::deeds::{CONTACT_S, Problems, next_with, touch};
 use super::entries::Deed;
+use super::follow::{Followed, Stuck, free_all_along};
 use super::grips::Goal;
 use super::run::nearest_of;
 use super::stage::{Follower, Pin, Stage, Stretch, Surroundings, Whereabouts, hand};
 use super::step::Step;
-use super::visit::{Change, TRIES, Visit, beside, reachable};
+use super::visit::{Change, TRIES, Visit, beside, first_done, reachable};
 use crate::clips::with_motion;
-use crate::collide::{Checker, EdgeCheck};
+use crate::collide::Checker;
 use crate::correct::CorrectConfig;
 use crate::ik::LimbIk;
 use crate::linkage::{Limb, LimbPose, Linkage};
@@ -20,9 +21,12 @@ use crate::setup::{Allowed, ProblemSpec, Tether};
 use throng_core::Joint;
 
 /// Ways of the first hand that are tried for one target, each with a seed of its own: the second one cannot follow all.
-const SEEDS: u64 = 8;
+const SEEDS: u64 = 16;
 /// So much of the second arm's reach is left over on the way (m).
 const SPARE_M: f64 = 0.01;
+
+/// Ways on which the second hand is farther off between frames come after all others (m).
+const OFF_M: f64 = 2e-3;
 
 /// A hand that is farther from where it holds something does not hold it (m).
 const HELD_M: f64 = 1e-3;
@@ -68,20 +72,11 @@ pub(super) fn grab(
     let mut pairs: Vec<[usize; 2]> =
         (0..firsts.len().min(TRIES)).flat_map(|i| (0..others.len().min(TRIES)).map(move |k| [i, k])).collect();
     pairs.sort_by_key(|[i, k]| (firsts[*i].rank + others[*k].rank, i + k));
-    let mut wrong = None;
-    for [i, k] in pairs.into_iter().take(2 * TRIES) {
+    first_done(stage, pairs.into_iter().take(2 * TRIES), None, |stage, [i, k]| {
         let (first, other) = (firsts[i], others[k]);
         let pair = Pair { who, lead, second: Follower { limb: follow, grip: first.hand.local(other.hand) } };
-        let mut tried = stage.clone();
-        match take(&mut tried, step, pair, object, [&first, &other], config) {
-            Ok(plans) => {
-                *stage = tried;
-                return Ok(plans);
-            }
-            Err(e) => _ = wrong.get_or_insert(e),
-        }
-    }
-    Err(wrong.unwrap_or_else(|| Problems::new("there is no grip")))
+        take(stage, step, pair, object, [&first, &other], config)
+    })
 }
 
 fn take(
@@ -132,8 +127,10 @@ pub(super) fn bring(
         return Err(Problems::new(format!("{limb} does not hold `{name}` any more at {from_s:.2} s")));
     }
     touch(stage, &Step { limb: second.limb, ..step.clone() }, &name, false);
+    let visit = Visit::with(step, hands);
     let there = without(stage.around(who, lead, [from_s, at_s]), second.limb);
-    let within = reachable(stage, Visit::of(step), hands, &there)?;
+    let there = Surroundings { level: visit.level, ..there };
+    let within = reachable(stage, visit, hands, &there)?;
     // The second hand, too.
     let there = without(stage.around(who, second.limb, [from_s, at_s]), lead);
     let there = without_thing(there, &name);
@@ -147,21 +144,13 @@ pub(super) fn bring(
             Err(e) => _ = wrong.get_or_insert(of_limb(e, second.limb)),
         }
     }
-    for (goal, seed) in goals.iter().take(TRIES).flat_map(|g| (0..SEEDS).map(move |s| (g, s))) {
-        let mut tried = stage.clone();
-        let config = CorrectConfig {
-            budget: Budget { seed: config.budget.seed.wrapping_add(seed << 32), ..config.budget },
-            ..*config
-        };
-        match brought(&mut tried, step, pair, object, goal, change, &config) {
-            Ok(plans) => {
-                *stage = tried;
-                return Ok((plans, *goal));
-            }
-            Err(e) => _ = wrong.get_or_insert(e),
-        }
-    }
-    Err(wrong.unwrap_or_else(|| Problems::new("there is no grip")))
+    let all = || goals.iter().take(TRIES).flat_map(|g| (0..SEEDS).map(move |s| (g, s)));
+    let tries = [OFF_M, f64::INFINITY].into_iter().flat_map(|off_m| all().map(move |(g, s)| (g, s, off_m)));
+    first_done(stage, tries, wrong, |stage, (goal, seed, off_m)| {
+        let budget = Budget { seed: config.budget.seed.wrapping_add(seed << 32), ..config.budget };
+        let plans = brought(stage, step, pair, object, (goal, off_m), change, &CorrectConfig { budget, ..*config })?;
+        Ok((plans, *goal))
+    })
 }
 
 fn brought(
@@ -169,16 +158,17 @@ fn brought(
     step: &Step,
     pair: Pair,
     object: usize,
-    goal: &Goal,
+    (goal, off_m): (&Goal, f64),
     change: Option<Change<'_>>,
     config: &CorrectConfig<'_>,
 ) -> Result<Vec<Outcome>, Problems> {
     let Pair { who, lead, second } = pair;
     let [from_s, at_s, to_s] = step.times_s;
     let there = without(stage.around(who, lead, [from_s, at_s]), second.limb);
+    let there = Surroundings { level: Visit::with(step, &[*goal]).level, ..there };
     let tether = tether(stage, pair);
     let mut plans = vec![way(stage, (who, lead), [from_s, at_s], End::Hand(goal.hand), &there, Some(tether), config)?];
-    follow(stage, pair, [from_s, at_s])?;
+    follow(stage, pair, [from_s, at_s], off_m)?;
     stage.pins.push(Pin { character: who, limb: lead, time_s: at_s, target: goal.hand });
     let Some(change) = change else {
         keep(stage, pair, [at_s, until_s(stage, step, object)])?;
@@ -267,10 +257,10 @@ fn keep(stage: &mut Stage<'_>, pair: Pair, [at_s, until_s]: [f64; 2]) -> Result<
     let spec = stage.spec(who, lead, &around, &others);
     let ends = [at_s, until_s].map(|time_s| State { pose, time_s });
     let problem = Problem::prepare(&between(&spec, ends[0], ends[1])).map_err(|e| Problems::new(e.to_string()))?;
-    is_free_all_along(&problem, &mut Checker::default(), &kept, at_s, rate_hz).map_err(|(t, with)| {
+    free_all_along(&problem, &mut Checker::default(), &kept, at_s, rate_hz).map_err(|(t, with)| {
         Problems::new(format!("what both hands hold meets {with} at {t:.2} s; bring it elsewhere"))
     })?;
-    follow(stage, pair, [at_s, until_s])
+    follow(stage, pair, [at_s, until_s], f64::INFINITY)
 }
 
 /// Until when both hands keep what they hold after a step: until the next thing is done with it; on a frame (s).
@@ -284,8 +274,10 @@ pub(super) fn until_s(stage: &Stage<'_>, step: &Step, object: usize) -> f64 {
     (next * actor.clip.rate_hz).round() / actor.clip.rate_hz
 }
 
-/// The second hand follows the first one, frame by frame, with its elbow as near as can be to where it was.
-fn follow(stage: &mut Stage<'_>, pair: Pair, window_s: [f64; 2]) -> Result<(), Problems> {
+/// The second hand follows the first one, frame by frame.
+///
+/// - `most_off_m`: between frames, where joints turn evenly, it is off by no more.
+fn follow(stage: &mut Stage<'_>, pair: Pair, window_s: [f64; 2], most_off_m: f64) -> Result<(), Problems> {
     let Pair { who, lead, second: Follower { limb, grip } } = pair;
     let around = stage.around(who, limb, window_s);
     let others = stage.other_bodies(who);
@@ -293,45 +285,22 @@ fn follow(stage: &mut Stage<'_>, pair: Pair, window_s: [f64; 2]) -> Result<(), P
     let ends = window_s.map(|time_s| State { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s });
     let spec = between(&spec, ends[0], ends[1]);
     let problem = Problem::prepare(&spec).map_err(|e| Problems::new(e.to_string()))?;
-    let rate_hz = stage.actors[who].clip.rate_hz;
-    let mut checker = Checker::default();
-    let mut poses = vec![ends[0].pose];
-    let cannot = |t: f64, why: String| {
+    let (actor, start_s) = (&stage.actors[who], window_s[0]);
+    let rate_hz = actor.clip.rate_hz;
+    let frames = 0..=((window_s[1] - start_s) * rate_hz).round() as usize;
+    let target = |k: usize| actor.joint(hand(lead), start_s + k as f64 / rate_hz).then(grip);
+    let targets: Vec<Rigid> = frames.map(target).collect();
+    let cannot = |(t, why): Stuck| {
         let limb = limb.name().replace('_', " ");
         Problems::new(format!("{limb} cannot follow the other hand at {t:.2} s: {why}"))
     };
-    for k in 1..=((window_s[1] - window_s[0]) * rate_hz).round() as usize {
-        let t = window_s[0] + k as f64 / rate_hz;
-        let target = stage.actors[who].joint(hand(lead), t).then(grip);
-        let pose = problem.reach(&mut checker, &target, t, &poses[k - 1]).map_err(|why| cannot(t, why.to_string()))?;
-        poses.push(pose);
+    let followed = Followed { problem: &problem, targets: &targets, start_s, rate_hz };
+    let poses = followed.poses(&ends[0].pose).map_err(cannot)?;
+    let (off_m, t) = followed.most_off(&poses, |t| actor.joint(hand(lead), t).then(grip));
+    if off_m > most_off_m {
+        return Err(cannot((t, format!("it would be off by {off_m:.4} m between frames"))));
     }
-    is_free_all_along(&problem, &mut checker, &poses, window_s[0], rate_hz)
-        .map_err(|(t, with)| cannot(t, format!("{with} is in the way")))?;
     put(stage, (who, limb), window_s, &poses)
-}
-
-/// Else where a motion meets something, or a joint is too fast, and what that is.
-fn is_free_all_along(
-    problem: &Problem,
-    checker: &mut Checker,
-    poses: &[LimbPose],
-    start_s: f64,
-    rate_hz: f64,
-) -> Result<(), (f64, String)> {
-    let state = |k: usize| State { pose: poses[k], time_s: start_s + k as f64 / rate_hz };
-    for k in 0..poses.len() {
-        if let Some(hit) = checker.deepest(problem, &state(k)) {
-            return Err((state(k).time_s, problem.names(&hit)[1].clone()));
-        }
-        if k > 0 && !checker.is_way_free(problem, &state(k - 1), &state(k), EdgeCheck::Conservative) {
-            let (least_s, joint) = problem.least_time(&poses[k - 1], &poses[k]);
-            let is_fast = least_s > 1.0 / rate_hz + 1e-9;
-            let what = if is_fast { format!("the speed of {}", joint.name()) } else { "something thin".into() };
-            return Err((state(k).time_s, what));
-        }
-    }
-    Ok(())
 }
 
 /// Puts poses into a clip.

@@ -2,14 +2,14 @@
 
 use super::gaze;
 use super::lean;
-use super::stage::{Actor, Leaned, Planned, Stage, Whereabouts, hand};
+use super::stage::{Actor, Leaned, Pin, Planned, Stage, Whereabouts, hand};
 use crate::balance::off_feet;
 use crate::limits::JointLimits;
 use crate::linkage::Linkage;
 use crate::recheck::{OtherClip, RATE_HZ, Recheck, RecheckReport, Violation, outside, place_at};
 use crate::rotation::{Rigid, angle};
 use crate::setup::Allowed;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use throng_core::{Contacts, Joint};
 use throng_motion::Clip;
@@ -18,6 +18,8 @@ use throng_motion::Clip;
 const GRIP_M: f64 = 1e-4;
 /// And turned by so much at most (rad).
 const GRIP_RAD: f64 = 1e-3;
+/// What stays upright does by so much (rad).
+const TILT_RAD: f64 = 5e-3;
 /// Planted feet stay within this (m).
 const PLANTED_M: f64 = 1e-3;
 /// Heads turn aside no faster (rad/s).
@@ -53,6 +55,7 @@ pub(super) fn check(stage: &Stage<'_>) -> RecheckReport {
         }
     }
     grips(stage, &mut report);
+    tilts(stage, &mut report);
     gazes(stage, &mut report);
     report
 }
@@ -214,6 +217,33 @@ fn gazes(stage: &Stage<'_>, report: &mut RecheckReport) {
         report.gaze_off_rad = report.gaze_off_rad.max(off - beyond);
         if off > beyond + GAZE_RAD {
             violation(frames[1], format!("head looks {off:.2} rad past what is reached for"));
+        }
+    }
+}
+
+/// What has to stay upright does, all the way to where it is brought.
+fn tilts(stage: &Stage<'_>, report: &mut RecheckReport) {
+    for step in &stage.task.steps {
+        let (Some(level_rad), Some(thing)) = (step.level_rad, step.object) else { continue };
+        let actor = &stage.actors[step.character];
+        let [from_s, at_s, _] = step.times_s.map(|t| (t * actor.clip.rate_hz).round() / actor.clip.rate_hz);
+        let there = |p: &Pin| (p.character, p.limb) == (step.character, step.limb) && (p.time_s - at_s).abs() < 1e-6;
+        let Whereabouts::On { joint, offset, .. } = stage.stretch(thing, 0.5 * (from_s + at_s)) else { continue };
+        if !stage.pins.iter().any(there) {
+            continue;
+        }
+        let tilt = |look: usize| {
+            let time_s = from_s + look as f64 / RATE_HZ;
+            let up = place_at(&actor.clip, &actor.skeleton, *joint, time_s).then(*offset).rotation * DVec3::Y;
+            (up.angle_between(DVec3::Y), time_s)
+        };
+        let (most, time_s) = (0..=((at_s - from_s) * RATE_HZ) as usize)
+            .map(tilt)
+            .fold((0.0, from_s), |a, b| if b.0 > a.0 { b } else { a });
+        if most > level_rad + TILT_RAD {
+            let name = &stage.task.things[thing].name;
+            let what = format!("`{name}` tilts by {most:.3} rad, {level_rad:.3} rad at most");
+            report.violations.push(Violation { time_s, what });
         }
     }
 }

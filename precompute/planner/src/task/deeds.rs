@@ -297,7 +297,7 @@ fn bring(stage: &mut Stage<'_>, step: &Step, object: usize, config: &CorrectConf
     let change = (step.deed != Deed::Carry).then_some(Change { thing: object, then: &then });
     let (mut plans, given) = match both {
         Some((_, _, second)) => both::bring(stage, step, (second, object), &hands, change, config)?,
-        None => go(stage, Visit::of(step), &hands, change, config)?,
+        None => go(stage, Visit::with(step, &hands), &hands, change, config)?,
     };
     if let (Deed::HandOver, Some(receiver)) = (step.deed, &step.receiver) {
         // The receiver's grasp takes the place of its being laid down.

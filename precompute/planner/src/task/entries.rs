@@ -321,6 +321,8 @@ pub(super) struct TaskEntry {
     pub second: Option<SecondEntry>,
     /// Where the object is brought.
     pub to: Option<PlaceEntry>,
+    /// How far what is held may tilt on the way there, from upright (degrees, more than 0, less than 180); any way where absent.
+    pub level_deg: Option<f64>,
     /// Who takes it over.
     pub receiver: Option<ReceiverEntry>,
     /// What the limb and what it holds may touch a quarter of a second around `at_s`, beside the object.

@@ -7,7 +7,7 @@ use super::stage::{Leaned, Stage};
 use super::step::Step;
 use crate::balance::centre_of_mass;
 use crate::driven::placed;
-use crate::ik::LimbIk;
+use crate::ik::{LimbIk, Swivel};
 use crate::limits::BodyLimits;
 use crate::linkage::{Chain, Limb, LimbPose, Linkage};
 use crate::rotation::{Rigid, about, angle};
@@ -123,7 +123,7 @@ impl Trunk<'_> {
             let admitted = std::array::from_fn(|i| limits[i].admitting(present.0[i]));
             let ik = LimbIk::new(&Chain::new(linkage, self.skeleton), &admitted);
             let base = Rigid { position: root, rotation: turns[0] };
-            let pose = ik.solve(&base, &before[joints[2].index()], &present, |_| None::<()>).ok()?;
+            let pose = ik.solve(&base, &before[joints[2].index()], &present, Swivel::Present, |_| None::<()>).ok()?;
             (0..3).for_each(|i| turns[joints[i].index()] = pose.0[i]);
         }
         Some((root, turns))

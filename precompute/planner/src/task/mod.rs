@@ -6,6 +6,7 @@ mod check;
 mod deeds;
 mod entries;
 mod file;
+mod follow;
 mod gaze;
 mod grips;
 mod held;
@@ -20,6 +21,7 @@ mod step;
 mod tests;
 mod visit;
 mod walk;
+mod written;
 
 pub use ahead::{Ahead, MeshAhead};
 pub use entries::{PaceEntry, WalkEntry};

@@ -8,7 +8,7 @@ use super::scenery::Scenery;
 use super::stage::{ActorClip, Looked, Stage, Whereabouts, hand};
 use crate::correct::{CorrectConfig, Span};
 use crate::linkage::Limb;
-use crate::planner::{Outcome, Unsolved};
+use crate::planner::{Outcome, Planners, Unsolved};
 use crate::recheck::RecheckReport;
 use crate::search::{Grown, Trees};
 use serde::Serialize;
@@ -49,6 +49,9 @@ pub struct Watch<'a> {
     pub tell: Option<&'a dyn Fn(usize)>,
     /// The trees of all searches are kept.
     pub keeps_trees: bool,
+    /// Plans go on where those of the last run ended: things have moved a little since. What comes of it then depends on that
+    /// run, too.
+    pub planners: Option<&'a Planners>,
 }
 
 /// A stretch of a clip that stays in a collision.
@@ -228,7 +231,8 @@ impl Task {
         let mut stage = Stage::new(self, clips);
         let before = Scenery::of(&stage);
         let trees = Trees::default();
-        let mut config = CorrectConfig { trees: watch.keeps_trees.then_some(&trees), ..self.config };
+        let mut config =
+            CorrectConfig { trees: watch.keeps_trees.then_some(&trees), planners: watch.planners, ..self.config };
         config.budget.seed = watch.seed.unwrap_or(config.budget.seed);
         config.budget.cancel = watch.cancel;
         let is_cancelled = || watch.cancel.is_some_and(|c| c.load(Ordering::Relaxed));

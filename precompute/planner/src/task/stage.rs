@@ -10,7 +10,7 @@ use crate::limits::BodyLimits;
 use crate::linkage::{Limb, LimbPose, Linkage};
 use crate::problem::{PRESENT_STEP_S, Problem, Solid, State};
 use crate::rotation::{Rigid, about};
-use crate::setup::{Allowed, Held, Other, ProblemSpec};
+use crate::setup::{Allowed, Held, Level, Other, ProblemSpec};
 use crate::shape::Shape;
 use crate::track::{Clock, Path as Motion, Track};
 use crate::worn::Worn;
@@ -150,6 +150,7 @@ pub(super) struct Surroundings {
     pub solids: Vec<Solid>,
     pub held: Vec<Held>,
     pub allowed: Vec<Allowed>,
+    pub level: Option<Level>,
 }
 
 impl Actor {
@@ -445,8 +446,8 @@ impl<'a> Stage<'a> {
         others: &'s [Other<'s>],
     ) -> ProblemSpec<'s> {
         let spec = self.actors[who].spec(limb);
-        let Surroundings { solids, held, allowed } = around;
-        ProblemSpec { solids, held, allowed, others, clearance_m: self.task.clearance_m, ..spec }
+        let Surroundings { solids, held, allowed, level } = around;
+        ProblemSpec { solids, held, allowed, level: *level, others, clearance_m: self.task.clearance_m, ..spec }
     }
 
     /// Notes that a limb was planned.

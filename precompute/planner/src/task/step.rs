@@ -25,6 +25,8 @@ pub(super) struct Step {
     pub grips: Vec<Grip>,
     pub second: Option<Second>,
     pub to: Option<Place>,
+    /// How far what is held may tilt on the way there (rad).
+    pub level_rad: Option<f64>,
     pub receiver: Option<Receiver>,
     pub contacts: Vec<String>,
     pub priority: i32,
@@ -149,6 +151,7 @@ impl Names<'_> {
             grips: grips(&t.grips)?,
             second: t.second.as_ref().map(|s| second(t, s, walks)).transpose()?,
             to: t.to.as_ref().map(|p| self.place(p)).transpose()?,
+            level_rad: level(t)?,
             receiver: receiver.transpose()?,
             contacts,
             priority: t.priority,
@@ -220,6 +223,14 @@ fn times(t: &TaskEntry, walks: bool) -> Result<[f64; 3], String> {
         (_, Some(at_s), Some([from, to])) if from < at_s && at_s < to => Ok([from, at_s, to]),
         (_, Some(_), Some(_)) => Err("expected `at_s` within `window_s`".into()),
         _ => Err("expected `at_s` and `window_s`, from when to when the limb leaves the clip".into()),
+    }
+}
+
+fn level(t: &TaskEntry) -> Result<Option<f64>, String> {
+    match t.level_deg {
+        Some(_) if !t.deed.holds() => Err(format!("`{}` needs no `level_deg`: it brings nothing", t.deed.name())),
+        Some(deg) if !(deg > 0.0 && deg < 180.0) => Err(format!("level_deg: expected 0 to 180, found {deg}")),
+        deg => Ok(deg.map(f64::to_radians)),
     }
 }
 

@@ -14,7 +14,8 @@ use crate::manipulate::{NotReached, Reach, reach};
 use crate::planner::Outcome;
 use crate::problem::{Problem, State};
 use crate::rotation::Rigid;
-use crate::setup::Allowed;
+use crate::setup::{Allowed, Level};
+use glam::DVec3;
 
 /// What is so near to a thing carries it, or is beside it: they may touch when it is taken and laid down (m).
 const BESIDE_M: f64 = 0.02;
@@ -36,11 +37,20 @@ pub(super) struct Visit {
     pub limb: Limb,
     pub times_s: [f64; 3],
     pub hold_s: f64,
+    /// What it holds stays upright on the way there.
+    pub level: Option<Level>,
 }
 
 impl Visit {
     pub fn of(step: &Step) -> Self {
-        Self { who: step.character, limb: step.limb, times_s: step.times_s, hold_s: step.hold_s }
+        Self { who: step.character, limb: step.limb, times_s: step.times_s, hold_s: step.hold_s, level: None }
+    }
+
+    /// With something in the hand, as goals have it.
+    pub fn with(step: &Step, goals: &[Goal]) -> Self {
+        let up = goals.first().map(|g| g.hand.local(g.object).rotation * DVec3::Y);
+        let level = up.zip(step.level_rad).map(|(up, within_rad)| Level { up, within_rad });
+        Self { level, ..Self::of(step) }
     }
 }
 
@@ -58,17 +68,30 @@ pub(super) fn go(
         let t = pin.time_s;
         return Err(Problems::new(format!("the limb has to be elsewhere at {t:.2} s; begin then, or end before")));
     }
-    let there = stage.around(who, limb, [from_s, at_s]);
+    let there = Surroundings { level: visit.level, ..stage.around(who, limb, [from_s, at_s]) };
     let within = reachable(stage, visit, hands, &there)?;
-    let before = stage.clone();
-    let mut wrong = None;
-    for goal in within.iter().take(TRIES) {
-        match plan(stage, visit, goal, change, &there, config) {
-            Ok(plans) => return Ok((plans, *goal)),
-            Err(e) => {
-                wrong.get_or_insert(e);
-                *stage = before.clone();
+    first_done(stage, within.iter().take(TRIES), None, |stage, goal| {
+        Ok((plan(stage, visit, goal, change, &there, config)?, *goal))
+    })
+}
+
+/// Does the first of some things that can be done; what fails leaves nothing.
+///
+/// - `wrong`: what is said in place of why the first one failed.
+pub(super) fn first_done<'a, C, T>(
+    stage: &mut Stage<'a>,
+    tries: impl Iterator<Item = C>,
+    mut wrong: Option<Problems>,
+    mut does: impl FnMut(&mut Stage<'a>, C) -> Result<T, Problems>,
+) -> Result<T, Problems> {
+    for one in tries {
+        let mut tried = stage.clone();
+        match does(&mut tried, one) {
+            Ok(done) => {
+                *stage = tried;
+                return Ok(done);
             }
+            Err(e) => _ = wrong.get_or_insert(e),
         }
     }
     Err(wrong.unwrap_or_else(|| Problems::new("there is no grip")))
@@ -127,7 +150,7 @@ fn plan(
     there: &Surroundings,
     config: &CorrectConfig<'_>,
 ) -> Result<Vec<Outcome>, Problems> {
-    let Visit { who, limb, times_s, hold_s } = visit;
+    let Visit { who, limb, times_s, hold_s, .. } = visit;
     let [from_s, at_s, to_s] = times_s;
     if let Some(change) = change {
         beside(stage, (who, limb), change.thing, &goal.object, [at_s; 2]);

@@ -90,6 +90,17 @@ impl Source {
         }
     }
 
+    /// Bytes of the value of a key such as `groups[0].place[1]`; `None` where it is not in the text.
+    pub fn value(&self, key: &str) -> Option<Range<usize>> {
+        value(&self.table()?, key)
+    }
+
+    /// Bytes of the name of such a key; `None` where it is not in the text.
+    pub fn key(&self, key: &str) -> Option<Range<usize>> {
+        self.value(key)?;
+        find(&self.table()?, key)
+    }
+
     /// The text as a table; `None` where it is none.
     pub fn table(&self) -> Option<DeTable<'_>> {
         Some(DeTable::parse(&self.text).ok()?.into_inner())

@@ -10,10 +10,13 @@ use glam::{DVec3, Quat, Vec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::TryRecvError;
+use throng_planner::planner::Planners;
 use throng_planner::rotation::Rigid;
 use throng_planner::task::{ActorClip, Handle, Scenery, Task, TaskOutcome};
 use throng_precompute::Clip;
+use throng_precompute::files::write_atomically;
 use throng_precompute::plans::{self, PlanReport, Sources};
+use throng_runtime::base::text::Source;
 
 /// Things are carried where they are farther than this from where they would be by themselves (m).
 const CARRIED_M: f64 = 1e-4;
@@ -65,6 +68,8 @@ pub struct TaskDocument {
     /// Which motion is shown; none shows the clip as it was.
     shown: Option<usize>,
     planning: Option<Planning>,
+    /// What the last plans left for the next ones.
+    planners: Arc<Planners>,
     /// Why nothing could be planned at last.
     refused: Option<String>,
     /// Grows with every change of the scene.
@@ -209,10 +214,13 @@ impl TaskDocument {
     ///
     /// - `number`: so many that differ, where seeds give them.
     /// - `seed`: in place of the task's.
-    pub fn plan(&mut self, number: u64, seed: Option<u64>) {
+    /// - `goes_on`: from where the last plans ended, as something was moved a little; else the same seed gives the same motion.
+    pub fn plan(&mut self, number: u64, seed: Option<u64>, goes_on: bool) {
         self.cancel();
         self.refused = None;
-        let job = worker::Job { sources: Arc::clone(&self.sources), task: self.task.clone(), number, seed };
+        self.planners = Arc::new(if goes_on { self.planners.next() } else { Planners::default() });
+        let (sources, planners) = (Arc::clone(&self.sources), Arc::clone(&self.planners));
+        let job = worker::Job { sources, task: self.task.clone(), number, seed, planners };
         self.planning = Some(Planning::begin(job, self.revision, self.task.num_steps()));
     }
 
@@ -245,6 +253,25 @@ impl TaskDocument {
             Err(why) => self.refused = Some(why),
         }
         true
+    }
+
+    /// Writes the task with things and places where they are by now: in its file, or beside it.
+    ///
+    /// # Errors
+    /// A message where the file lists other things by now, where names of files would be seen from another folder, or where it cannot be
+    /// written.
+    pub fn save_task(&self, path: &Path) -> Result<(), String> {
+        let folder = |of: &Path| of.parent().and_then(|f| f.join(".").canonicalize().ok());
+        if folder(path) != folder(&self.path) {
+            return Err(format!(
+                "{}: expected a file in the folder of {}: names of motion and meshes are seen from there",
+                path.display(),
+                self.path.display()
+            ));
+        }
+        let source = Source::read(&self.path, "a task").map_err(|e| e.to_string())?;
+        let text = self.task.written(&source).map_err(|e| e.to_string())?;
+        write_atomically(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string())
     }
 
     /// Writes the motion that is shown, as `throng plan` does.

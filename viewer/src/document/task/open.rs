@@ -48,6 +48,7 @@ impl TaskDocument {
             motions: None,
             shown: None,
             planning: None,
+            planners: Arc::default(),
             refused: None,
             revision: 1,
             planned_revision: 0,

@@ -4,6 +4,7 @@ use super::{PlannedMotion, Staged};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use throng_planner::planner::Planners;
 use throng_planner::task::{Task, Watch};
 use throng_precompute::plans::{self, Sources};
 
@@ -15,6 +16,8 @@ pub(super) struct Job {
     pub number: u64,
     /// In place of the task's.
     pub seed: Option<u64>,
+    /// What is left of the last plans, and what is kept of these.
+    pub planners: Arc<Planners>,
 }
 
 /// The scene with the times of everything, and motions for it; or why there are none.
@@ -72,7 +75,7 @@ impl Planning {
 
 impl Job {
     fn carry_out(self, shared: &Shared) -> Made {
-        let Self { sources, task, number, seed } = self;
+        let Self { sources, task, number, seed, planners } = self;
         let staged = Arc::new(Staged::of(&sources, task, seed)?);
         let tell = |tried: usize| {
             // From one on for each motion.
@@ -80,7 +83,8 @@ impl Job {
                 shared.motions.fetch_add(1, Ordering::Relaxed);
             }
         };
-        let watch = Watch { seed, cancel: Some(&shared.is_cancelled), tell: Some(&tell), keeps_trees: true };
+        let cancel = Some(&shared.is_cancelled);
+        let watch = Watch { seed, cancel, tell: Some(&tell), keeps_trees: true, planners: Some(&planners) };
         let Staged { task, clips, .. } = &*staged;
         let found = plans::variants(task, clips, number, &watch).map_err(|e| e.to_string())?;
         let distances = plans::report(task, &found).map_or_else(Vec::new, |r| r.variants);

@@ -22,8 +22,9 @@ const MOST: u64 = 20;
 pub struct State {
     /// Which way the plot over time goes.
     along: Along,
-    /// File that a motion is written to, as it was typed.
+    /// Files that a motion and the task are written to, as they were typed.
     file: Option<String>,
+    task: Option<String>,
 }
 
 /// Shows the panel.
@@ -123,15 +124,23 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanLook, commands: &
 }
 
 fn save(ui: &mut Ui, task: &TaskDocument, state: &mut State, commands: &mut Vec<Command>) {
+    let file = state.file.get_or_insert_with(|| suggested(task.path()).display().to_string());
+    let tip = "Write the motion that is shown, and who carries what beside it, as `throng plan` does";
+    let motion = written(ui, file, Button::new("Save"), tip, task.shown_motion().is_some()).map(PlanCommand::Save);
+    let file = state.task.get_or_insert_with(|| task.path().display().to_string());
+    let tip = "Write the task with things and places where they are; comments and all other numbers stay";
+    let own = written(ui, file, Button::new("Save the task"), tip, true).map(PlanCommand::SaveTask);
+    commands.extend(motion.into_iter().chain(own).map(Command::Plan));
+}
+
+/// A file's name, and the button that writes it; returns the name when that was clicked.
+fn written(ui: &mut Ui, file: &mut String, button: Button<'_>, tip: &str, is_on: bool) -> Option<PathBuf> {
     ui.horizontal(|ui| {
-        let file = state.file.get_or_insert_with(|| suggested(task.path()).display().to_string());
-        let tip = "Write the motion that is shown, and who carries what beside it, as `throng plan` does";
-        let button = ui.add_enabled(task.shown_motion().is_some(), Button::new("Save")).on_hover_text(tip);
+        let button = ui.add_enabled(is_on, button).on_hover_text(tip);
         ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY)).labelled_by(button.id);
-        if button.clicked() && !file.trim().is_empty() {
-            commands.push(Command::Plan(PlanCommand::Save(PathBuf::from(file.trim()))));
-        }
-    });
+        (button.clicked() && !file.trim().is_empty()).then(|| PathBuf::from(file.trim()))
+    })
+    .inner
 }
 
 /// A clip in the current folder, called as the task.

@@ -90,6 +90,35 @@ fn a_motion_is_written_as_the_command_does_and_the_clip_as_it_was_is_not() {
 }
 
 #[test]
+fn what_was_put_elsewhere_is_written_into_the_tasks_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("arm.toml");
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/tasks/arm-low.toml"));
+    let text = text.expect("a task");
+    std::fs::write(&path, &text).expect("a file");
+    let mut h = trial::<State>(Some(&path), vec2(420.0, 1500.0), show);
+    h.state_mut().model.is_unhurried = true;
+    let ctx = h.ctx.clone();
+    h.state_mut().model.apply(&ctx, Command::Plan(PlanCommand::Plan));
+    h.state_mut().model.apply(&ctx, Command::Plan(PlanCommand::Move(Handle::Thing(0), glam::Vec3::Z * 0.03)));
+    h.state_mut().model.apply(&ctx, Command::Plan(PlanCommand::Settle));
+    h.run_steps(3);
+    let motion = h.state().model.task().and_then(TaskDocument::shown_motion).expect("a motion");
+    assert!(motion.report.solved && motion.report.recheck_violations == 0);
+    h.get_by_label("Save the task").click();
+    h.run_steps(3);
+    let written = std::fs::read_to_string(&path).expect("a task");
+    let changed: Vec<_> = text.lines().zip(written.lines()).filter(|(a, b)| a != b).collect();
+    assert!(changed.len() == 1 && changed[0].0.starts_with("at = ["), "{changed:?}");
+    // Its motions stay: it was not read again.
+    assert!(h.state().model.task().is_some_and(|t| !t.motions().is_empty()));
+    // Names in it are seen from its folder.
+    let model = &mut h.state_mut().model;
+    model.apply(&ctx, Command::Plan(PlanCommand::SaveTask(std::env::temp_dir().join("arm.toml"))));
+    assert!(model.messages.iter().any(|m| m.is_error && m.text.contains("in the folder of")), "{:?}", model.messages);
+}
+
+#[test]
 fn a_plan_that_is_cancelled_leaves_the_motions() {
     let mut h = panel();
     let ctx = h.ctx.clone();

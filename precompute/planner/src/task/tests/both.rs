@@ -75,6 +75,36 @@ fn both_hands_carry_a_crate() {
 }
 
 #[test]
+fn what_is_level_stays_upright_on_its_way() {
+    let s = Somebody::standing();
+    let level = |text: &str| {
+        text.replace("\nat_s = 2.2", "\nlevel_deg = 8.0\nat_s = 2.2")
+            .replace("\nat_s = 3.6", "\nlevel_deg = 8.0\nat_s = 3.6")
+    };
+    // How far it tilts in both hands, by the thing's path.
+    let tilt = |outcome: &TaskOutcome| {
+        let path = &outcome.scenery[1].paths[2];
+        (0..130)
+            .map(|i| (path.at(1.0 + 0.02 * f64::from(i)).rotation * glam::DVec3::Y).angle_between(glam::DVec3::Y))
+            .fold(0.0, f64::max)
+    };
+    for seed in 1..6 {
+        let seeded = |text: &str| format!("{text}\n[planner]\nseed = {seed}\n");
+        let outcome = run(&seeded(&level(CRATE)), &s);
+        assert!(outcome.is_solved(), "{:?}", outcome.done.iter().map(|d| &d.why).collect::<Vec<_>>());
+        assert_eq!(outcome.recheck.violations, []);
+        assert!(tilt(&outcome) < 8.1f64.to_radians(), "{seed}: {}", tilt(&outcome).to_degrees());
+    }
+    for (from, to, says) in [
+        ("level_deg = 8.0", "level_deg = 0.0", "expected 0 to 180"),
+        ("do = \"grab\"", "do = \"grab\"\nlevel_deg = 8.0", "needs no `level_deg`"),
+    ] {
+        let e = parse(&level(CRATE).replace(from, to)).unwrap_err();
+        assert!(e.contains(says), "{e}");
+    }
+}
+
+#[test]
 fn what_the_second_hand_cannot_do_is_said() {
     let s = Somebody::standing();
     let far = run(&CRATE.replace("[{ at = [-0.14, 0.0, -0.03] }]", "[{ at = [-0.64, 0.0, 0.4] }]"), &s);

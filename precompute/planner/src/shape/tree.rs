@@ -1,0 +1,150 @@
+//! A tree of boxes over triangles, four side by side, so that one look is at four of them.
+
+use super::segment::Segment;
+use glam::{Vec3, Vec4};
+
+/// Marks what is a triangle and no node.
+const TRIANGLE: u32 = 1 << 31;
+
+/// Four boxes, and what each holds; the last ones may hold nothing.
+#[derive(Clone, Copy)]
+struct Four {
+    /// By axis (m).
+    low: [Vec4; 3],
+    high: [Vec4; 3],
+    /// A node, or a triangle.
+    inner: [u32; 4],
+}
+
+/// Halves along the longest side, over and over: never deeper than the logarithm of the number of triangles to base 4.
+#[derive(Clone)]
+pub(super) struct Tree {
+    nodes: Vec<Four>,
+}
+
+/// Nodes that wait at most: three of each of 16 levels, and one.
+const MAX_WAITING: usize = 64;
+
+impl Tree {
+    /// - `triangles`: at least one, fewer than 2^31 (m).
+    pub fn new(triangles: &[[Vec3; 3]]) -> Self {
+        let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
+        let mut out = Self { nodes: Vec::with_capacity(triangles.len() / 2) };
+        out.grow(triangles, &mut order);
+        out
+    }
+
+    /// Appends a node over some triangles and what is below it; returns which it is.
+    fn grow(&mut self, triangles: &[[Vec3; 3]], order: &mut [u32]) -> u32 {
+        let nothing = Four { low: [Vec4::INFINITY; 3], high: [Vec4::NEG_INFINITY; 3], inner: [TRIANGLE; 4] };
+        let at = self.nodes.len();
+        self.nodes.push(nothing);
+        let (first, second) = halves(triangles, order);
+        let ((a, b), (c, d)) = (halves(triangles, first), halves(triangles, second));
+        for (k, part) in [a, b, c, d].into_iter().enumerate().filter(|(_, p)| !p.is_empty()) {
+            let inner = if let [one] = part { TRIANGLE | *one } else { self.grow(triangles, part) };
+            let corners = || part.iter().flat_map(|i| triangles[*i as usize]);
+            let (low, high) =
+                (corners().fold(Vec3::INFINITY, Vec3::min), corners().fold(Vec3::NEG_INFINITY, Vec3::max));
+            let node = &mut self.nodes[at];
+            for axis in 0..3 {
+                node.low[axis][k] = low[axis];
+                node.high[axis][k] = high[axis];
+            }
+            node.inner[k] = inner;
+        }
+        at as u32
+    }
+
+    /// Calls `look` with triangles whose boxes may be within a limit, which it returns anew, or nothing to stop (m).
+    pub fn visit(&self, s: &Segment, limit: f64, mut look: impl FnMut(u32) -> Option<f64>) {
+        let core = Core::new(s);
+        let mut square = core.square(limit);
+        let mut waiting = [0; MAX_WAITING];
+        let mut len = 1;
+        while len > 0 {
+            len -= 1;
+            let node = &self.nodes[waiting[len] as usize];
+            let mut near = core.near(node, square);
+            while near != 0 {
+                let inner = node.inner[near.trailing_zeros() as usize];
+                near &= near - 1;
+                if inner & TRIANGLE == 0 {
+                    waiting[len] = inner;
+                    len += 1;
+                } else {
+                    match look(inner & !TRIANGLE) {
+                        Some(limit) => square = core.square(limit),
+                        None => return,
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Triangles on both sides of the middle one, along the side on which middles are spread the widest.
+fn halves<'a>(triangles: &[[Vec3; 3]], order: &'a mut [u32]) -> (&'a mut [u32], &'a mut [u32]) {
+    let half = order.len() / 2;
+    if order.len() > 2 {
+        let middle = |i: u32| triangles[i as usize].iter().sum::<Vec3>();
+        let middles = || order.iter().map(|i| middle(*i));
+        let spread = middles().fold(Vec3::NEG_INFINITY, Vec3::max) - middles().fold(Vec3::INFINITY, Vec3::min);
+        let axis = spread.max_position();
+        order.select_nth_unstable_by(half, |a, b| middle(*a)[axis].total_cmp(&middle(*b)[axis]));
+    }
+    order.split_at_mut(half)
+}
+
+/// A segment in floats, as boxes are, four times side by side, with what rounding may take away from a distance.
+struct Core {
+    a: [Vec4; 3],
+    d: [Vec4; 3],
+    low: [Vec4; 3],
+    high: [Vec4; 3],
+    /// One over the square of its length; 0 for a point.
+    over: f32,
+    slack: f32,
+}
+
+impl Core {
+    fn new(s: &Segment) -> Self {
+        let (a, b) = (s.a.as_vec3(), s.b.as_vec3());
+        let four = |v: Vec3| v.to_array().map(Vec4::splat);
+        let square = (b - a).length_squared();
+        let over = if square > 1e-12 { 1.0 / square } else { 0.0 };
+        // A few units in the last place of the largest number that there is.
+        let slack = 1e-5 + 4e-6 * a.abs().max_element().max(b.abs().max_element());
+        Self { a: four(a), d: four(b - a), low: four(a.min(b)), high: four(a.max(b)), over, slack }
+    }
+
+    /// The square of a limit, seen with slack (m^2).
+    fn square(&self, limit: f64) -> f32 {
+        let limit = limit as f32 + self.slack;
+        limit * limit
+    }
+
+    /// A bit for each box that may be within a limit: by the box around the segment, and as seen along the line from the segment to
+    /// the box's middle.
+    fn near(&self, node: &Four, square: f32) -> u32 {
+        let square = Vec4::splat(square);
+        let sum = |v: [Vec4; 3]| v[0] + v[1] + v[2];
+        let out = by_axis(|k| (node.low[k] - self.high[k]).max(self.low[k] - node.high[k]).max(Vec4::ZERO));
+        let near = sum(out.map(|v| v * v)).cmple(square);
+        if !near.any() {
+            return 0;
+        }
+        let from = by_axis(|k| 0.5 * (node.low[k] + node.high[k]) - self.a[k]);
+        let share = (sum(by_axis(|k| from[k] * self.d[k])) * self.over).clamp(Vec4::ZERO, Vec4::ONE);
+        let line = by_axis(|k| from[k] - self.d[k] * share);
+        // No point of the segment is farther along that line than the one nearest to the middle, none of the box nearer than by
+        // half of what the box takes up of it. Both sides are multiplied by the line's length: there is no square root.
+        let apart = sum(line.map(|v| v * v));
+        let rest = (apart - 0.5 * sum(by_axis(|k| line[k].abs() * (node.high[k] - node.low[k])))).max(Vec4::ZERO);
+        (near & (rest * rest).cmple(square * apart)).bitmask()
+    }
+}
+
+fn by_axis(f: impl Fn(usize) -> Vec4) -> [Vec4; 3] {
+    std::array::from_fn(f)
+}

@@ -1,0 +1,164 @@
+//! The second hand at a thing: its arm's swivel over time is searched, as the hand itself is where the first one takes it.
+
+use crate::collide::{Checker, EdgeCheck};
+use crate::ik::{LimbIk, Swivel};
+use crate::linkage::LimbPose;
+use crate::problem::{Problem, State};
+use crate::rotation::{Rigid, middle, wrap};
+use std::f64::consts::TAU;
+
+/// Swivels that are looked at on each frame.
+const SWIVELS: usize = 72;
+/// Of these, an elbow goes on by so many from frame to frame at most.
+const MOST_STEPS: usize = 2;
+/// Elbows that leap by more from frame to frame are searched for (rad).
+const LEAP_RAD: f64 = 0.1;
+/// Frames to either side over which the swivel is made smooth.
+const SMOOTH: usize = 6;
+
+/// Where the second hand has to be, frame by frame.
+pub(super) struct Followed<'a> {
+    pub problem: &'a Problem,
+    /// One for each frame, the first one included.
+    pub targets: &'a [Rigid],
+    pub start_s: f64,
+    pub rate_hz: f64,
+}
+
+/// When the hand cannot follow (s), and why.
+pub(super) type Stuck = (f64, String);
+
+impl Followed<'_> {
+    fn state(&self, k: usize, pose: LimbPose) -> State {
+        State { pose, time_s: self.start_s + k as f64 / self.rate_hz }
+    }
+
+    /// Poses of all frames: with the elbow as near as can be to where it was a frame before, or, where it would leap or nothing comes of
+    /// that, along the swivels over time that turn it the least.
+    ///
+    /// - `first`: the pose of the first frame.
+    ///
+    /// # Errors
+    /// Where the elbow that is as near as can be cannot go on, and why.
+    pub fn poses(&self, first: &LimbPose) -> Result<Vec<LimbPose>, Stuck> {
+        let (mut checker, limits) = (Checker::default(), self.problem.limits());
+        let ik = LimbIk::new(self.problem.chain(), limits);
+        let near = self.nearest(first, &mut checker);
+        let swivel = |k: usize, pose: &LimbPose| ik.swivel_of(&self.base(k), &self.targets[k], pose);
+        let leaps = |poses: &[LimbPose]| {
+            let all: Vec<f64> = poses.iter().enumerate().filter_map(|(k, p)| swivel(k, p)).collect();
+            all.windows(2).any(|w| wrap(w[1] - w[0]).abs() > LEAP_RAD)
+        };
+        match near {
+            Ok(poses) if !leaps(&poses) => Ok(poses),
+            near => self.searched(first, &ik, &mut checker).map_or(near, Ok),
+        }
+    }
+
+    /// How far the hand is off half way between two frames at most (m), and when (s).
+    ///
+    /// - `target`: where it has to be.
+    pub fn most_off(&self, poses: &[LimbPose], target: impl Fn(f64) -> Rigid) -> (f64, f64) {
+        let last = self.problem.chain().len() - 1;
+        let off = |k: usize| {
+            let time_s = self.start_s + (k as f64 + 0.5) / self.rate_hz;
+            let pose = LimbPose(std::array::from_fn(|i| middle(poses[k].0[i], poses[k + 1].0[i])));
+            let hand = self.problem.place(&State { pose, time_s })[last];
+            (hand.position.distance(target(time_s).position), time_s)
+        };
+        (1..poses.len()).map(|k| off(k - 1)).fold((0.0, self.start_s), |a, b| if b.0 > a.0 { b } else { a })
+    }
+
+    fn base(&self, k: usize) -> Rigid {
+        self.problem.base_at(self.start_s + k as f64 / self.rate_hz)
+    }
+
+    fn nearest(&self, first: &LimbPose, checker: &mut Checker) -> Result<Vec<LimbPose>, Stuck> {
+        let mut poses = vec![*first];
+        for (k, target) in self.targets.iter().enumerate().skip(1) {
+            let time_s = self.state(k, *first).time_s;
+            let pose = self.problem.reach_from(checker, target, time_s, &poses[k - 1], Swivel::Present);
+            poses.push(pose.map_err(|why| (time_s, why.to_string()))?);
+        }
+        self.free_all_along(poses, checker)
+    }
+
+    /// The swivels over time that turn the elbow the least, by dynamic programming, and then smooth.
+    fn searched(&self, first: &LimbPose, ik: &LimbIk, checker: &mut Checker) -> Option<Vec<LimbPose>> {
+        let step = TAU / SWIVELS as f64;
+        let mut at = |k: usize, swivel: f64| {
+            let pose = ik.at_swivel(&self.base(k), &self.targets[k], first, swivel)?;
+            checker.deepest(self.problem, &self.state(k, pose)).is_none().then_some(pose)
+        };
+        let start = ik.swivel_of(&self.base(0), &self.targets[0], first)?;
+        let mut costs = [f64::INFINITY; SWIVELS];
+        costs[0] = 0.0;
+        // Of each frame and swivel, that of the frame before.
+        let mut before: Vec<[usize; SWIVELS]> = Vec::new();
+        for k in 1..self.targets.len() {
+            let (mut next, mut from) = ([f64::INFINITY; SWIVELS], [0; SWIVELS]);
+            for s in 0..SWIVELS {
+                let reachable = (0..=2 * MOST_STEPS).map(|d| {
+                    let by = d as f64 - MOST_STEPS as f64;
+                    let source = (s + SWIVELS + MOST_STEPS - d) % SWIVELS;
+                    (costs[source] + by * by, source)
+                });
+                let (cost, source) = reachable.fold((f64::INFINITY, 0), |a, b| if b.0 < a.0 { b } else { a });
+                if cost.is_finite() && at(k, start + s as f64 * step).is_some() {
+                    (next[s], from[s]) = (cost, source);
+                }
+            }
+            costs = next;
+            before.push(from);
+        }
+        let mut s = (0..SWIVELS).min_by(|a, b| costs[*a].total_cmp(&costs[*b]))?;
+        if costs[s].is_infinite() {
+            return None;
+        }
+        let mut turns = vec![s as f64 * step];
+        for from in before.iter().rev() {
+            s = from[s];
+            turns.push(turns[turns.len() - 1] + wrap(s as f64 * step - turns[turns.len() - 1]));
+        }
+        turns.reverse();
+        let last = turns.len() - 1;
+        let smooth = |k: usize| {
+            let reach = SMOOTH.min(k).min(last - k);
+            turns[k - reach..=k + reach].iter().sum::<f64>() / (2 * reach + 1) as f64
+        };
+        let mut poses = vec![*first];
+        for k in 1..=last {
+            poses.push(at(k, start + smooth(k)).or_else(|| at(k, start + turns[k]))?);
+        }
+        self.free_all_along(poses, checker).ok()
+    }
+
+    /// The same poses, if they are free on the way, too.
+    fn free_all_along(&self, poses: Vec<LimbPose>, checker: &mut Checker) -> Result<Vec<LimbPose>, Stuck> {
+        let way = free_all_along(self.problem, checker, &poses, self.start_s, self.rate_hz);
+        way.map(|()| poses).map_err(|(t, with)| (t, format!("{with} is in the way")))
+    }
+}
+
+/// Else where a motion meets something, or a joint is too fast, and what that is.
+pub(super) fn free_all_along(
+    problem: &Problem,
+    checker: &mut Checker,
+    poses: &[LimbPose],
+    start_s: f64,
+    rate_hz: f64,
+) -> Result<(), Stuck> {
+    let state = |k: usize| State { pose: poses[k], time_s: start_s + k as f64 / rate_hz };
+    for k in 0..poses.len() {
+        if let Some(hit) = checker.deepest(problem, &state(k)) {
+            return Err((state(k).time_s, problem.names(&hit)[1].clone()));
+        }
+        if k > 0 && !checker.is_way_free(problem, &state(k - 1), &state(k), EdgeCheck::Conservative) {
+            let (least_s, joint) = problem.least_time(&poses[k - 1], &poses[k]);
+            let is_fast = least_s > 1.0 / rate_hz + 1e-9;
+            let what = if is_fast { format!("the speed of {}", joint.name()) } else { "something thin".into() };
+            return Err((state(k).time_s, what));
+        }
+    }
+    Ok(())
+}
