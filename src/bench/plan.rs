@@ -20,6 +20,7 @@ use throng_planner::recheck::Recheck;
 use throng_planner::task::{ActorClip, Task, TaskOutcome};
 use throng_precompute::Clip;
 use throng_precompute::config::BuildConfig;
+use throng_precompute::files::write_atomically;
 use throng_precompute::plans;
 
 /// Measure plans of limbs: how often they succeed, what they take, how smooth they are.
@@ -123,8 +124,8 @@ pub fn run(args: &Args) -> Outcome {
     if let Some(file) = &args.plain {
         let [name] = &names[..] else { return fail("expected one scene for --plain, such as --scene arm-static") };
         let Some(scene) = scenes::scene(name)? else { return fail(unknown(name)) };
-        std::fs::write(file, serde_json::to_string(&Plain::of(&scene.problem()?, PLAIN_SAMPLES))?)
-            .map_err(|e| format!("{}: {e}", file.display()))?;
+        let text = serde_json::to_string(&Plain::of(&scene.problem()?, PLAIN_SAMPLES))?;
+        write_atomically(file, |out| out.write_all(text.as_bytes()))?;
         return Ok(());
     }
     let captured = match args.captured.as_slice() {
