@@ -12,6 +12,7 @@ pub use sources::{Sources, file_clip, sources};
 pub use written::write;
 
 use std::path::Path;
+use throng_base::text::Source;
 use throng_motion::error::BuildError;
 use throng_planner::task::{ActorClip, NoClips, Task, TaskOutcome, Watch};
 
@@ -22,8 +23,8 @@ pub const SEEDS_EACH: u64 = 8;
 
 /// True for a file with tasks, which scenes do not have.
 pub fn is_task(path: &Path) -> bool {
-    let Ok(text) = std::fs::read_to_string(path) else { return false };
-    text.lines().any(|line| line.trim_start().starts_with("[[tasks]]"))
+    let is_table = |line: &str| line.trim_start().starts_with("[[tasks]]");
+    Source::read(path, "tasks").is_ok_and(|source| source.text().lines().any(is_table))
 }
 
 /// One outcome and its seed, or as many different ones as are asked for and as seeds give.

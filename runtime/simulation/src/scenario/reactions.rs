@@ -58,10 +58,12 @@ impl Minds {
             if let Some(edge) = self.choose_edge(stage, agent, stimulus, first..last) {
                 let Edge { to, number, .. } = self.scenario.edges[edge as usize];
                 let graph = usize::from(self.scenario.states[usize::from(state)].of);
-                let kind = TurnKind::Takes { level, graph, edge: usize::from(number), changes: to != state };
+                // What has ended begins again; what goes on is left alone.
+                let begins = to != state || stimulus.trigger == trigger::DONE;
+                let kind = TurnKind::Takes { level, graph, edge: usize::from(number), changes: begins };
                 self.note(agent, stimulus, kind);
                 self.minds[m].reason = Reason { edge, ..self.reason(stimulus) };
-                if to != state {
+                if begins {
                     self.enter_state(stage, agent, u32::from(to), stimulus.context)?;
                 }
                 return Ok(());

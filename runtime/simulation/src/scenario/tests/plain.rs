@@ -576,7 +576,7 @@ impl Plain {
                 is_sure || left < 0.0
             });
             if let Some(taken) = taken {
-                if open[taken].to != state {
+                if open[taken].to != state || on == "done" {
                     self.enter_state(stage, a, &graph, &open[taken].to, about);
                 }
                 return;

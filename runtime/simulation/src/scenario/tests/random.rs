@@ -57,7 +57,8 @@ pub(super) fn lively(period: f64, rate: f64, probability: f64) -> String {
          {{ from = \"shop\", to = \"idle\", on = \"full\" }}, {{ from = \"shop\", to = \"idle\" }},\n\
          {{ from = \"idle\", to = \"idle\", on = \"timer\" }}, {{ to = \"idle\", on = \"joy > 0.85\" }} ]\n\
          [graphs.life.states]\nidle = {{ do = [{{ timer = 2 }}, {{ roam = \"home\", within_m = 3 }}, {{ stay = \"random * 3\" }}] }}\n\
-         shop = {{ graph = \"buying\" }}\n[graphs.buying]\nlevel = \"spatial\"\nstart = \"go\"\nedges = [{{ from = \"go\", to = \"pay\" }}]\n\
+         shop = {{ graph = \"buying\" }}\n[graphs.buying]\nlevel = \"spatial\"\nstart = \"go\"\nedges = [{{ from = \"go\", to = \"pay\" }},\n\
+         {{ from = \"pay\", to = \"pay\", probability = 0.3 }}]\n\
          [graphs.buying.states]\ngo = {{ do = [{{ go = \"shop\", within_m = 2 }}] }}\n\
          pay = {{ do = [{{ buy = \"shop\", for_s = 2 }}, {{ set = \"anger\", to = 0.0 }}, {{ release = true }}] }}\n"
     )
