@@ -87,14 +87,14 @@ pub fn bundle(baked: &Baked<'_>, out: &Path, comm: &dyn Comm) -> Result<Written,
 ///
 /// # Errors
 /// [`FormatError`] where META cannot be encoded, or blend spaces have more rows than 32 bits count.
-pub fn lay_out(baked: &Baked<'_>) -> Result<BundleWriter, FormatError> {
+pub fn lay_out<'a>(baked: &Baked<'a>) -> Result<BundleWriter<'a>, FormatError> {
     let message = |e: BuildError| FormatError::Layout { message: e.to_string() };
     let (rows, code, _) = frame_rows(baked.clips, &Alone).map_err(message)?;
     sections(baked, rows, &code)
 }
 
 /// As [`lay_out`], of frames that are packed.
-fn sections(baked: &Baked<'_>, rows: Vec<u8>, code: &RotationCode) -> Result<BundleWriter, FormatError> {
+fn sections<'a>(baked: &Baked<'a>, rows: Vec<u8>, code: &RotationCode) -> Result<BundleWriter<'a>, FormatError> {
     let mut meta = baked.meta.clone();
     meta.clips = baked.clips.clips.iter().map(clip_meta).collect();
     let kinds = baked.clips.hit_kinds();
@@ -124,7 +124,7 @@ fn blend_meta(b: &BlendSpace) -> BlendMeta {
     BlendMeta { name: b.name.clone(), axes: b.axes.clone(), examples: b.example_names.clone() }
 }
 
-fn blends(spaces: &[BlendSpace], out: &mut BundleWriter) -> Result<(), FormatError> {
+fn blends(spaces: &[BlendSpace], out: &mut BundleWriter<'_>) -> Result<(), FormatError> {
     let (mut records, mut next) = (Vec::with_capacity(spaces.len()), [0u32; 4]);
     for s in spaces {
         let [first_example, first_weight, first_row, first_channel_row] = next;
@@ -156,7 +156,7 @@ fn patch_meta(p: &Patch) -> PatchMeta {
     PatchMeta { name: p.name.clone(), units: p.units.clone() }
 }
 
-fn patches(patches: &[Patch], out: &mut BundleWriter) {
+fn patches(patches: &[Patch], out: &mut BundleWriter<'_>) {
     let mut records: Vec<PatchRecord> = Vec::with_capacity(patches.len());
     for p in patches {
         let (first_cell, first_link, first_edge) = records.last().map_or((0, 0, 0), |b| {
@@ -193,7 +193,7 @@ fn clip_meta(c: &Clip) -> ClipMeta {
     }
 }
 
-fn motion(set: &ClipSet, rows: Vec<u8>, code: &RotationCode, out: &mut BundleWriter) {
+fn motion(set: &ClipSet, rows: Vec<u8>, code: &RotationCode, out: &mut BundleWriter<'_>) {
     let starts = set.frame_starts();
     let records: Vec<_> = set
         .clips
@@ -292,7 +292,7 @@ fn clip_rows(clip: &Clip, code: &RotationCode) -> Vec<FrameRow> {
     rows
 }
 
-fn graph(baked: &Baked<'_>, out: &mut BundleWriter) {
+fn graph(baked: &Baked<'_>, out: &mut BundleWriter<'_>) {
     let (g, starts) = (baked.graph, baked.clips.frame_starts());
     let states: Vec<_> = g
         .states
@@ -323,15 +323,11 @@ fn graph(baked: &Baked<'_>, out: &mut BundleWriter) {
     out.section(tags::STOPS, &baked.stops.stops);
 }
 
-fn policies(policies: &[Policy], out: &mut BundleWriter) {
+fn policies<'a>(policies: &'a [Policy], out: &mut BundleWriter<'a>) {
     out.section(tags::POLICIES, &policies.iter().map(|p| p.record).collect::<Vec<_>>());
-    out.section(tags::POLICY_SEGMENTS, &concat(policies, |p| &p.segments));
-    out.section(tags::POLICY_PATHS, &concat(policies, |p| &p.paths));
-    out.section(tags::POLICY_STATE_GRIDS, &concat(policies, |p| &p.state_grids));
-    out.section(tags::POLICY_VALUES, &concat(policies, |p| &p.values));
-    out.section(tags::POLICY_BEST, &concat(policies, |p| &p.best));
-}
-
-fn concat<T: Copy>(policies: &[Policy], of: impl Fn(&Policy) -> &Vec<T>) -> Vec<T> {
-    policies.iter().flat_map(|p| of(p).iter().copied()).collect()
+    out.section_of(tags::POLICY_SEGMENTS, policies.iter().map(|p| &*p.segments));
+    out.section_of(tags::POLICY_PATHS, policies.iter().map(|p| &*p.paths));
+    out.section_of(tags::POLICY_STATE_GRIDS, policies.iter().map(|p| &*p.state_grids));
+    out.section_of(tags::POLICY_VALUES, policies.iter().map(|p| &*p.values));
+    out.section_of(tags::POLICY_BEST, policies.iter().map(|p| &*p.best));
 }

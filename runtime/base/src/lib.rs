@@ -17,7 +17,7 @@ mod snapshot;
 #[cfg(feature = "text")]
 pub mod text;
 
-pub use checksum::crc32;
+pub use checksum::{crc32, crc32_of};
 pub use comm::{Alone, Comm, LocalComm, Traffic, out_of_step, share};
 pub use error::{Error, Result};
 pub use glam;

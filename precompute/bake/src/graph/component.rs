@@ -88,26 +88,41 @@ fn too_far_ahead(graph: &EventGraph, alive: &[bool], most_frames: u32) -> Vec<us
 }
 
 /// Strongly connected components of the events alive, each ascending.
+pub(super) fn components(graph: &EventGraph, alive: &[bool]) -> Vec<Vec<u32>> {
+    let target = |i: usize, way: usize| graph.target(i, way).filter(|&n| alive[n]);
+    strongly_connected(alive.len(), |i| alive[i], |i| graph.links[i].len() + 1, target)
+}
+
+/// Strongly connected components of a graph, each ascending.
+///
+/// - `is_in`: of each of so many nodes, whether the graph has it.
+/// - `num_ways`: out of a node of the graph.
+/// - `target`: where a way out of a node leads (way < num_ways); none where it leads out of the graph.
 ///
 /// # Source
 /// Tarjan 1972, with a stack of its own: ways through a large database are longer than the stack of a thread.
-pub(super) fn components(graph: &EventGraph, alive: &[bool]) -> Vec<Vec<usize>> {
+pub(super) fn strongly_connected(
+    num_nodes: usize,
+    is_in: impl Fn(usize) -> bool,
+    num_ways: impl Fn(usize) -> usize,
+    target: impl Fn(usize, usize) -> Option<usize>,
+) -> Vec<Vec<u32>> {
     let mut out = Vec::new();
-    // Orders of arrival, 0 for events not seen yet; the earliest event that one leads back to.
-    let (mut order, mut lowest, mut num_seen) = (vec![0u32; alive.len()], vec![0u32; alive.len()], 0);
-    let (mut open, mut is_open) = (Vec::new(), vec![false; alive.len()]);
-    for root in (0..alive.len()).filter(|&i| alive[i]) {
-        // Events on the way from the root, and how many ways out of each were followed.
+    // Orders of arrival, 0 for nodes not seen yet; the earliest node that one leads back to.
+    let (mut order, mut lowest, mut num_seen) = (vec![0u32; num_nodes], vec![0u32; num_nodes], 0);
+    let (mut open, mut is_open) = (Vec::<u32>::new(), vec![false; num_nodes]);
+    for root in (0..num_nodes).filter(|&i| is_in(i)) {
+        // Nodes on the way from the root, and how many ways out of each were followed.
         let mut way = if order[root] == 0 { vec![(root, 0)] } else { Vec::new() };
         while let Some((i, followed)) = way.last_mut() {
             let i = *i;
-            if *followed == 0 {
+            if order[i] == 0 {
                 num_seen += 1;
                 (order[i], lowest[i], is_open[i]) = (num_seen, num_seen, true);
-                open.push(i);
+                open.push(i as u32);
             }
-            if *followed <= graph.links[i].len() {
-                let target = graph.target(i, *followed).filter(|&n| alive[n]);
+            if *followed < num_ways(i) {
+                let target = target(i, *followed);
                 *followed += 1;
                 match target {
                     Some(n) if order[n] == 0 => way.push((n, 0)),
@@ -121,9 +136,9 @@ pub(super) fn components(graph: &EventGraph, alive: &[bool]) -> Vec<Vec<usize>> 
                 lowest[before] = lowest[before].min(lowest[i]);
             }
             if lowest[i] == order[i] {
-                let first = open.iter().rposition(|&n| n == i).unwrap_or(0);
+                let first = open.iter().rposition(|&n| n as usize == i).unwrap_or(0);
                 let mut component = open.split_off(first);
-                component.iter().for_each(|&n| is_open[n] = false);
+                component.iter().for_each(|&n| is_open[n as usize] = false);
                 component.sort_unstable();
                 out.push(component);
             }
@@ -135,14 +150,14 @@ pub(super) fn components(graph: &EventGraph, alive: &[bool]) -> Vec<Vec<usize>> 
 /// The component that is worth most among the events alive; the one with the first event on a tie. A single event is
 /// one only if it leads to itself.
 fn strongest(graph: &EventGraph, alive: &[bool]) -> Vec<bool> {
-    let worth = |c: &[usize]| c.iter().map(|&n| u64::from(graph.worth[n])).sum::<u64>();
+    let worth = |c: &[u32]| c.iter().map(|&n| u64::from(graph.worth[n as usize])).sum::<u64>();
     let best = components(graph, alive)
         .into_iter()
-        .filter(|c| c.len() > 1 || graph.targets(c[0]).any(|n| n == c[0]))
+        .filter(|c| c.len() > 1 || graph.targets(c[0] as usize).any(|n| n == c[0] as usize))
         .max_by_key(|c| (worth(c), std::cmp::Reverse(c[0])));
     let mut out = vec![false; alive.len()];
     for n in best.into_iter().flatten() {
-        out[n] = true;
+        out[n as usize] = true;
     }
     out
 }

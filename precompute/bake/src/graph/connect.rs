@@ -1,11 +1,12 @@
 //! The stage: event frames, matches, threshold, component, collapse.
 
+use super::bridge::{self, Arrivals};
 use super::component::{EventGraph, largest_component};
 use super::config::GraphConfig;
 use super::events::{self, Event};
 use super::matches::{self, Finder, Limits};
 use super::report::{self, GraphReport};
-use super::{MotionGraph, bridge, choose, collapse};
+use super::{MotionGraph, choose, collapse};
 use crate::features::{self, FeaturesConfig};
 use throng_base::Comm;
 use throng_core::Planar;
@@ -142,6 +143,8 @@ struct Search<'a> {
     whole: EventGraph,
     /// The largest component of `whole`.
     alive: Vec<bool>,
+    /// Links of `whole` by where they lead.
+    arrivals: Arrivals,
     /// Longest action (frames).
     most_frames: u32,
 }
@@ -172,7 +175,8 @@ impl<'a> Search<'a> {
         let finder = Finder::new(events, features, outcomes, limits, config, progress, comm)?;
         let whole = EventGraph { next, frames, worth, links: Vec::new() };
         let most_frames = (config.max_action_s * rate_hz).round() as u32;
-        Ok(Self { clips, config, events, outcomes, finder, comm, whole, alive: Vec::new(), most_frames })
+        let (alive, arrivals) = (Vec::new(), Arrivals::new(&[]));
+        Ok(Self { clips, config, events, outcomes, finder, comm, whole, alive, arrivals, most_frames })
     }
 
     /// The graph at the threshold that is given, or at the least one that reaches the wanted branching, or at
@@ -194,6 +198,7 @@ impl<'a> Search<'a> {
         self.whole.links = self.finder.links(threshold, self.comm)?;
         self.alive = largest_component(&self.whole, self.most_frames);
         self.whole.restrict(&self.alive);
+        self.arrivals = Arrivals::new(&self.whole.links);
         Ok(())
     }
 
@@ -237,7 +242,8 @@ impl<'a> Search<'a> {
         let whole = &self.whole;
         let (next, frames, worth) = (whole.next.clone(), whole.frames.clone(), whole.worth.clone());
         let mut graph = EventGraph { next, frames, worth, links };
-        bridge::bridge(&mut graph, &self.whole.links, &self.alive, self.config.max_actions - 1);
+        let most = self.config.max_actions - 1;
+        bridge::bridge(&mut graph, &self.whole.links, &self.arrivals, &self.alive, most);
         // Where max_actions left no room for a bridge, a part may still be lost.
         let alive = largest_component(&graph, self.most_frames);
         (graph, alive)

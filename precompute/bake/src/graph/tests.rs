@@ -1,6 +1,6 @@
 //! Matches, component, bridges and collapse of random event graphs against brute force.
 
-use super::bridge::bridge;
+use super::bridge::{Arrivals, bridge};
 use super::choose::{choose, sort};
 use super::collapse::collapse;
 use super::component::{EventGraph, components, largest_component};
@@ -89,6 +89,36 @@ fn naive_component(graph: &EventGraph, most_frames: u32) -> Vec<bool> {
         if (0..n).all(|i| inside(i) == alive[i]) {
             return alive;
         }
+    }
+}
+
+/// Adds the best link out of each part that nothing leads out of, and into each that nothing leads into, again and again: of all
+/// links, in every round.
+fn join_naively(graph: &mut EventGraph, matches: &[Vec<Link>], alive: &[bool], most: usize) {
+    loop {
+        let r = reaches(graph, alive);
+        let same = |i: usize, j: usize| i == j || (r[i][j] && r[j][i]);
+        let leads_on = |i: usize, link: &Link| graph.next[link.event()].filter(|&n| alive[n] && !same(i, n));
+        let mut more = Vec::new();
+        for part in (0..alive.len()).filter(|&i| alive[i]) {
+            let is_out = |i: usize, n: usize| same(i, part) && !same(n, part);
+            let is_in = |i: usize, n: usize| !same(i, part) && same(n, part);
+            for leads in [&is_out as &dyn Fn(usize, usize) -> bool, &is_in] {
+                if (0..alive.len()).any(|i| targets(graph, alive, i).iter().any(|&n| leads(i, n))) {
+                    continue;
+                }
+                let all = (0..alive.len()).filter(|&i| alive[i] && graph.links[i].len() < most);
+                let all = all.flat_map(|i| matches[i].iter().map(move |l| (i, *l)));
+                let possible = all.filter(|(i, l)| leads_on(*i, l).is_some_and(|n| leads(*i, n)));
+                more.extend(possible.min_by_key(|(i, l)| (l.error.to_bits(), *i, l.event())));
+            }
+        }
+        more.sort_unstable_by_key(|(i, l)| (*i, l.event()));
+        more.dedup();
+        if more.is_empty() {
+            return;
+        }
+        more.into_iter().for_each(|(i, link)| graph.links[i].push(link));
     }
 }
 
@@ -267,12 +297,44 @@ proptest! {
             links.retain(|l| keep[(i + l.event()) % 14]);
         }
         let chosen = thin.links.clone();
-        bridge(&mut thin, &whole.links, &alive, 255);
+        bridge(&mut thin, &whole.links, &Arrivals::new(&whole.links), &alive, 255);
         prop_assert_eq!(largest_component(&thin, u32::MAX), alive);
         for i in 0..thin.links.len() {
             prop_assert!(chosen[i].iter().all(|l| thin.links[i].contains(l)));
             prop_assert!(thin.links[i].iter().all(|l| whole.links[i].contains(l)));
             prop_assert!(thin.links[i].is_sorted_by(|a, b| a.error <= b.error));
+        }
+    }
+
+    #[test]
+    fn parts_are_joined_by_the_links_that_brute_force_finds(
+        mut whole in event_graph(),
+        keep in prop::collection::vec(any::<bool>(), 14),
+        most in 1usize..6,
+    ) {
+        // Many links are equally good.
+        for links in &mut whole.links {
+            *links = links.iter().map(|l| Link::new(l.event(), (4.0 * l.error).floor())).collect();
+            sort(links);
+        }
+        let alive = largest_component(&whole, u32::MAX);
+        whole.restrict(&alive);
+        for most in [most, 255] {
+            let mut thin = whole.clone();
+            for (i, links) in thin.links.iter_mut().enumerate() {
+                links.retain(|l| keep[(i + l.event()) % 14]);
+            }
+            let mut expected = thin.clone();
+            join_naively(&mut expected, &whole.links, &alive, most);
+            bridge(&mut thin, &whole.links, &Arrivals::new(&whole.links), &alive, most);
+            // Ends of clips may have been given more.
+            for i in (0..alive.len()).filter(|&i| !alive[i] || thin.goes_on(i, &alive)) {
+                sort(&mut expected.links[i]);
+                prop_assert_eq!(&thin.links[i], &expected.links[i]);
+            }
+            for (got, expected) in thin.links.iter().zip(&expected.links) {
+                prop_assert!(expected.iter().all(|l| got.contains(l)) && got.len() <= expected.len().max(2));
+            }
         }
     }
 

@@ -5,7 +5,6 @@ use super::model::ActionModel;
 use super::solve::{Solution, stage_error, tolerance};
 use crate::share::joined;
 use rayon::prelude::*;
-use std::ops::Range;
 use throng_base::{Alone, Comm};
 use throng_core::policy::{Goal, LookAheadJob, PolicyTable, RankedActions};
 use throng_motion::error::BuildError;
@@ -67,33 +66,34 @@ pub(super) fn best_actions(
 ) -> Result<Vec<u8>, BuildError> {
     solution.record.num_choices = 1;
     let table = solution.table(model, &vec![0; solution.values.len()])?;
-    let (_, actions) = ranked(&table, 0..model.num_states(), num_choices);
+    let of_state = |state: usize| best_of(&rank_state(&table, state as u32), num_choices).collect::<Vec<u8>>();
+    let actions: Vec<Vec<u8>> = (0..model.num_states()).into_par_iter().map(of_state).collect();
     solution.record.num_choices = num_choices;
-    Ok(actions)
+    Ok(actions.concat())
 }
 
 /// Scores of the best actions of every (state, cell), and the best actions (num_choices each); every state has as many
 /// cells.
 fn rank_all(table: &PolicyTable, num_choices: u32, comm: &dyn Comm) -> Result<(Vec<f32>, Vec<u8>), BuildError> {
     let (num_states, num_cells) = (table.actions().num_states(), table.grid().num_cells());
-    let (mut scores, mut actions) = ranked(table, comm.share(num_states), num_choices);
+    let (own, choices) = (comm.share(num_states), num_cells * num_choices as usize);
+    let (mut scores, mut actions) = (vec![0.0; own.len() * num_cells], vec![0; own.len() * choices]);
+    let rows = scores.par_chunks_mut(num_cells).zip(actions.par_chunks_mut(choices));
+    rows.zip(own).for_each(|((scores, actions), state)| {
+        let ranked = rank_state(table, state as u32);
+        scores.iter_mut().zip(&ranked).for_each(|(score, r)| *score = r.scores[0]);
+        actions.iter_mut().zip(best_of(&ranked, num_choices)).for_each(|(action, best)| *action = best);
+    });
     let mut all_scores = vec![0.0; num_states * num_cells];
-    let mut all_actions = vec![0; num_states * num_cells * num_choices as usize];
+    let mut all_actions = vec![0; num_states * choices];
     joined(comm, num_cells, &mut scores, &mut all_scores)?;
-    joined(comm, num_cells * num_choices as usize, &mut actions, &mut all_actions)?;
+    joined(comm, choices, &mut actions, &mut all_actions)?;
     Ok((all_scores, all_actions))
 }
 
-/// As [`rank_all`], of some states.
-fn ranked(table: &PolicyTable, states: Range<usize>, num_choices: u32) -> (Vec<f32>, Vec<u8>) {
-    let of_state = |state: usize| {
-        let ranked = rank_state(table, state as u32);
-        let scores: Vec<f32> = ranked.iter().map(|r| r.scores[0]).collect();
-        let actions: Vec<u8> = ranked.iter().flat_map(|r| r.actions[..num_choices as usize].to_vec()).collect();
-        (scores, actions)
-    };
-    let (scores, actions): (Vec<_>, Vec<_>) = states.into_par_iter().map(of_state).unzip();
-    (scores.concat(), actions.concat())
+/// So many best actions of each cell.
+fn best_of(ranked: &[RankedActions], num_choices: u32) -> impl Iterator<Item = u8> {
+    ranked.iter().flat_map(move |r| r.actions.into_iter().take(num_choices as usize))
 }
 
 fn rank_state(table: &PolicyTable, state: u32) -> Vec<RankedActions> {

@@ -105,6 +105,7 @@ pub fn shared_value_iteration(
     let tolerance = tolerance(cfg.epsilon, behaviour.spec().discount, model.least_frames()) as f32;
     let values = iterate(&mut sweeper, (tolerance, cfg.max_sweeps), &mut solution, progress, comm)?;
     solution.sweep_s = begin.elapsed().as_secs_f64();
+    drop(sweeper);
     if solution.residual > tolerance {
         let (residual, sweeps) = (solution.residual, solution.num_sweeps);
         let message = format!(

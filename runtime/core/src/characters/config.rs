@@ -85,6 +85,8 @@ impl CharactersConfig {
             planted > 1e-3 && planted < 1e6,
             "between 0.001 and a million",
         )?;
+        let back = self.foot_lock.planted_return_mps;
+        check("foot_lock.planted_return_mps", None, back, (1e-6..10.0).contains(&back), "between 1e-6 and 10")?;
         let most = self.foot_lock.max_correction_m;
         check("foot_lock.max_correction_m", None, most, (1e-3..10.0).contains(&most), "between 0.001 and 10")?;
         let clearance = self.foot_lock.swing_clearance_m;

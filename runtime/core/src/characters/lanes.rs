@@ -60,7 +60,7 @@ macro_rules! fields {
 }
 
 fields!(Offsets { rotation, rotation_velocity, root, root_velocity });
-fields!(FootLock { correction, ankle, toe, heel_down, toe_down });
+fields!(FootLock { correction, turn, ankle, toe, heel_down, toe_down });
 fields!(Spring { place, velocity, force });
 fields!(Reaction { active, trunk, head });
 impl Lanewise for Body {

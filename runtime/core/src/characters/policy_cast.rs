@@ -246,7 +246,7 @@ impl PolicyCharacters {
         let outputs =
             CharactersConfig { local_transforms: false, instances: false, timed: false, ..*self.characters.config() };
         setup.bytes(format!("{outputs:?}").as_bytes());
-        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 4, setup: setup.finish() }
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 5, setup: setup.finish() }
     }
 
     /// Why a state cannot be that of these characters; nothing where it can.

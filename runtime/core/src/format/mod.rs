@@ -37,5 +37,5 @@ pub use rotation_code::{JointCode, RotationCode};
 pub use storage::AlignedBytes;
 pub use storage::Storage;
 pub use table::Table;
-pub use throng_base::crc32;
+pub use throng_base::{crc32, crc32_of};
 pub use writer::BundleWriter;

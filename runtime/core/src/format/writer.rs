@@ -1,35 +1,56 @@
 //! Lays sections out as a bundle.
 
-use super::{ALIGN, Header, Kind, Section, Tag, crc32};
+use super::{ALIGN, Header, Kind, Section, Tag, crc32, crc32_of};
 use bytemuck::{Pod, Zeroable};
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 /// Collects sections and writes them as one bundle.
 #[derive(Debug, Default)]
-pub struct BundleWriter {
-    sections: Vec<(Tag, u32, Vec<u8>)>,
+pub struct BundleWriter<'a> {
+    sections: Vec<Parts<'a>>,
 }
 
-impl BundleWriter {
+/// A section: the bytes of its parts follow each other.
+#[derive(Debug)]
+struct Parts<'a> {
+    tag: Tag,
+    elem_size: u32,
+    bytes: Vec<Cow<'a, [u8]>>,
+}
+
+impl Parts<'_> {
+    fn len(&self) -> usize {
+        self.bytes.iter().map(|b| b.len()).sum()
+    }
+}
+
+impl<'a> BundleWriter<'a> {
     /// A bundle without sections.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds a section of records. Sections are written in the order in which they were added.
+    /// Adds a section with a copy of records. Sections are written in the order in which they were added.
     pub fn section<T: Pod>(&mut self, tag: Tag, records: &[T]) {
-        self.sections.push((tag, size_of::<T>() as u32, bytemuck::cast_slice(records).to_vec()));
+        self.section_bytes::<T>(tag, bytemuck::cast_slice(records).to_vec());
     }
 
     /// As [`BundleWriter::section`], of records of which the bytes are there already.
     pub fn section_bytes<T: Pod>(&mut self, tag: Tag, records: Vec<u8>) {
-        self.sections.push((tag, size_of::<T>() as u32, records));
+        self.sections.push(Parts { tag, elem_size: size_of::<T>() as u32, bytes: vec![records.into()] });
+    }
+
+    /// As [`BundleWriter::section`], of records in several slices, of which no copy is made.
+    pub fn section_of<T: Pod>(&mut self, tag: Tag, records: impl Iterator<Item = &'a [T]>) {
+        let bytes = records.map(|records| bytemuck::cast_slice(records).into()).collect();
+        self.sections.push(Parts { tag, elem_size: size_of::<T>() as u32, bytes });
     }
 
     /// Length of the bundle (bytes).
     pub fn byte_len(&self) -> usize {
         let table = size_of::<Header>() + self.sections.len() * size_of::<Section>();
-        self.sections.iter().fold(table, |end, (_, _, bytes)| end.next_multiple_of(ALIGN as usize) + bytes.len())
+        self.sections.iter().fold(table, |end, section| end.next_multiple_of(ALIGN as usize) + section.len())
     }
 
     /// Writes header, section table and sections.
@@ -44,17 +65,17 @@ impl BundleWriter {
     pub fn write_kind(&self, out: &mut impl Write, kind: Kind) -> io::Result<()> {
         let mut end = (size_of::<Header>() + self.sections.len() * size_of::<Section>()) as u64;
         let mut table = Vec::with_capacity(self.sections.len());
-        for (tag, elem_size, bytes) in &self.sections {
+        for section in &self.sections {
             let offset = end.next_multiple_of(ALIGN);
             table.push(Section {
-                tag: *tag,
-                elem_size: *elem_size,
+                tag: section.tag,
+                elem_size: section.elem_size,
                 offset,
-                count: bytes.len() as u64 / u64::from(*elem_size),
-                crc32: crc32(bytes),
+                count: section.len() as u64 / u64::from(section.elem_size),
+                crc32: crc32_of(section.bytes.iter().map(|b| &**b)),
                 reserved: 0,
             });
-            end = offset + bytes.len() as u64;
+            end = offset + section.len() as u64;
         }
         let table: &[u8] = bytemuck::cast_slice(&table);
         let mut header = Header {
@@ -69,11 +90,11 @@ impl BundleWriter {
         out.write_all(bytemuck::bytes_of(&header))?;
         out.write_all(table)?;
         let mut at = (size_of::<Header>() + table.len()) as u64;
-        for (_, _, bytes) in &self.sections {
+        for section in &self.sections {
             let pad = at.next_multiple_of(ALIGN) - at;
             out.write_all(&[0; ALIGN as usize][..pad as usize])?;
-            out.write_all(bytes)?;
-            at += pad + bytes.len() as u64;
+            section.bytes.iter().try_for_each(|bytes| out.write_all(bytes))?;
+            at += pad + section.len() as u64;
         }
         Ok(())
     }

@@ -1,12 +1,13 @@
 //! Feet that do not slide: while a part of a foot is planted, its motion over the ground is taken away.
 //!
-//! Each foot carries a correction in world space. While the foot is planted the correction changes by the opposite of
-//! what the planted part moved since the last step; while it is in the air the correction decays. There is no
-//! moment at which anything jumps, and the leg reaches the corrected place by analytic inverse kinematics.
+//! Each foot carries two corrections in world space: of where its ankle is, and of the way from there to its toe. While
+//! heel or toe is planted, corrections change by the opposite of what the planted part moved since the last step, so that
+//! both stay where they are; what nothing holds decays. There is no moment at which anything jumps. The leg reaches the
+//! corrected ankle by analytic inverse kinematics, and the foot turns about it.
 
 use super::hierarchy::ModelPose;
 use super::lanes::{Lane, Lane3, load, store};
-use super::leg::{Leg, NO_CORRECTION, move_leg};
+use super::leg::{Leg, NO_CORRECTION, move_leg, turn_foot};
 use super::placement::Placement;
 use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, V};
@@ -21,6 +22,8 @@ pub struct FootLockConfig {
     /// The same for a planted foot, over the ground: slow enough not to be seen, so that a character that stands
     /// for long comes back to how its clips stand (s, > 0).
     pub planted_half_life_s: f32,
+    /// Fastest that a planted foot comes back, over the ground (m/s, > 0).
+    pub planted_return_mps: f32,
     /// Largest horizontal correction; a foot that would need more slides (m).
     pub max_correction_m: f32,
     /// How high over the ground the toe of a foot in the air passes at least where it is fast: transitions would let it
@@ -34,14 +37,22 @@ impl Default for FootLockConfig {
             enabled: true,
             half_life_s: 0.1,
             planted_half_life_s: 2.0,
-            max_correction_m: 0.25,
+            planted_return_mps: 0.01,
+            max_correction_m: 0.3,
             swing_clearance_m: 0.02,
         }
     }
 }
 
-/// Time in which the vertical correction of a planted foot halves (s).
+/// Time in which the vertical correction of a planted foot halves, and its turn where heel or toe alone is planted (s).
 const PLANTED_HEIGHT_HALF_LIFE_S: f32 = 0.3;
+
+/// Fastest that the correction of a foot in the air goes, over the ground (m/s).
+const RELEASED_MPS: f32 = 1.2;
+
+/// Largest correction of the way from ankle to toe, as a share of it: a foot that would turn by more than about 30 degrees
+/// slides.
+const MAX_TURN: f32 = 0.5;
 
 /// Speed over the ground at which a toe begins to clear it, and at which it clears it wholly (m/s).
 const SWING_MPS: [f32; 2] = [0.2, 0.5];
@@ -54,6 +65,8 @@ const RAISED_MPS: f32 = 0.8;
 pub(crate) struct FootLock {
     /// What is added to the foot's position, in world space (m).
     pub correction: Lane3,
+    /// What is added to the way from ankle to toe, in world space (m).
+    pub turn: Lane3,
     /// Where ankle and toe were sampled at the last step, in world space (m).
     pub ankle: Lane3,
     pub toe: Lane3,
@@ -65,6 +78,7 @@ pub(crate) struct FootLock {
 impl FootLock {
     pub const ZERO: Self = Self {
         correction: [[0.0; LANES]; 3],
+        turn: [[0.0; LANES]; 3],
         ankle: [[0.0; LANES]; 3],
         toe: [[0.0; LANES]; 3],
         heel_down: [0.0; LANES],
@@ -84,22 +98,27 @@ pub(crate) fn lock_foot<F: Lanes>(
     pose: &mut ModelPose<F>,
 ) {
     let (ankle, toe) = (place.to_world(pose.positions[leg.foot]), place.to_world(pose.positions[leg.toe]));
-    let correction = update_correction(leg, config, dt_s, planted, lock, ankle, toe, place.y);
+    let (correction, turn) = update(leg, config, dt_s, planted, lock, ankle, toe, place.y);
     store(&mut lock.correction, correction);
+    store(&mut lock.turn, turn);
     store(&mut lock.ankle, ankle);
     store(&mut lock.toe, toe);
     (lock.heel_down, lock.toe_down) = planted;
     if correction.dot(correction).any_gt(F::splat(NO_CORRECTION)) {
         move_leg(leg, place.vector_to_model(correction), pose);
     }
+    if turn.dot(turn).any_gt(F::splat(NO_CORRECTION)) {
+        turn_foot(leg, place.vector_to_model(turn), pose);
+    }
 }
 
+/// The corrections of the ankle, and of the way from there to the toe.
 #[inline(always)]
 #[expect(
     clippy::too_many_arguments,
     reason = "the parts of one lock; a record of them would be made for this call alone"
 )]
-fn update_correction<F: Lanes>(
+fn update<F: Lanes>(
     leg: &Leg,
     config: &FootLockConfig,
     dt_s: f32,
@@ -108,40 +127,52 @@ fn update_correction<F: Lanes>(
     ankle: V<F>,
     toe: V<F>,
     ground: F,
-) -> V<F> {
+) -> (V<F>, V<F>) {
     let (half, one) = (F::splat(0.5), F::splat(1.0));
     let (heel, toe_planted) = (F::load(&heel), F::load(&toe_planted));
-    // A part holds where it was planted at both steps; where both parts hold, each counts half.
+    // A part holds where it was planted at both steps.
     let (hold_heel, hold_toe) = (heel * F::load(&lock.heel_down), toe_planted * F::load(&lock.toe_down));
-    let sum = hold_heel + hold_toe;
-    let weight = one / sum.max(one);
-    let slide = (ankle - load(&lock.ankle)) * (hold_heel * weight) + (toe - load(&lock.toe)) * (hold_toe * weight);
-    let old = load(&lock.correction);
+    let held = hold_heel.max(hold_toe);
+    let (ankle_moved, toe_moved) = (ankle - load(&lock.ankle), toe - load(&lock.toe));
     let keep = |half_life_s: f32| maths::exp(-std::f32::consts::LN_2 * dt_s / half_life_s);
-    let held = (old - slide) * F::splat(keep(config.planted_half_life_s));
-    let mut new = V::select_lt(sum, half, old * F::splat(keep(config.half_life_s)), held);
+    let in_air = F::splat(keep(config.half_life_s));
+    let planted = F::splat(keep(config.planted_half_life_s));
+    let height = F::splat(keep(PLANTED_HEIGHT_HALF_LIFE_S));
+    let [returned, released] = [config.planted_return_mps, RELEASED_MPS].map(|mps| F::splat(mps * dt_s));
+    // Over the ground what is held comes back slowly, and what is free, fast; neither goes beyond the limit.
+    let eased = |v: V<F>, is_held: F, free: F, limit: F| {
+        let length = (v.x * v.x + v.z * v.z).sqrt();
+        let (slow, fast) = ((length * planted).max(length - returned), (length * free).max(length - released));
+        let scale = F::select_lt(is_held, half, fast, slow).min(limit) / length.max(F::splat(1e-9));
+        // A held foot eases to the height that its clip has it at.
+        V { x: v.x * scale, y: v.y * F::select_lt(is_held, half, free, height), z: v.z * scale }
+    };
 
-    // Over the ground a planted foot eases to the height its clip has it at.
-    let height = (old.y - slide.y) * F::splat(keep(PLANTED_HEIGHT_HALF_LIFE_S));
-    new.y = F::select_lt(sum, half, new.y, height);
+    // Where both parts hold, the way between them does; about one that holds, the foot turns back gently.
+    let both = hold_heel * hold_toe;
+    let (was, old_turn) = (load(&lock.correction), load(&lock.turn));
+    let way = toe - ankle;
+    let (free, most) = (F::select_lt(held, half, in_air, height), way.dot(way).sqrt() * F::splat(MAX_TURN));
+    let whole = old_turn - (toe_moved - ankle_moved) * both;
+    let turn = eased(whole, both, free, most);
+    // No foot grows longer.
+    let turned = way + turn;
+    let turn = turned * (way.dot(way) / turned.dot(turned).max(F::splat(1e-9))).sqrt() - way;
+
+    // A toe that holds without the heel moves the ankle by what the foot turns; what a turn lacks, both share.
+    let of_toe = (toe_moved + turn - old_turn) * (hold_toe * (one - hold_heel));
+    let slide = ankle_moved * hold_heel + of_toe + (turn - whole) * (both * half);
+    let mut new = eased(was - slide, held, in_air, F::splat(config.max_correction_m));
 
     // A fast toe passes over the ground, and none goes below it.
-    let floor = ground + F::splat(leg.toe_height) - toe.y;
-    let moved = toe - load(&lock.toe);
-    let way = (moved.x * moved.x + moved.z * moved.z).sqrt();
+    let floor = ground + F::splat(leg.toe_height) - toe.y - turn.y;
+    let way = (toe_moved.x * toe_moved.x + toe_moved.z * toe_moved.z).sqrt();
     let [slow, fast] = SWING_MPS.map(|speed| speed * dt_s);
     let share = ((way - F::splat(slow)) / F::splat((fast - slow).max(1e-6))).max(F::splat(0.0)).min(one);
     let clear = floor + (one - heel.max(toe_planted)) * share * F::splat(config.swing_clearance_m);
-    let raised = clear.min(old.y + F::splat(RAISED_MPS * dt_s));
+    let raised = clear.min(was.y + F::splat(RAISED_MPS * dt_s));
     new.y = new.y.max(raised).max(floor);
-
-    // No further than the largest correction over the ground.
-    let length = (new.x * new.x + new.z * new.z).sqrt();
-    let limit = F::splat(config.max_correction_m);
-    let scale = limit / length.max(limit);
-    new.x = new.x * scale;
-    new.z = new.z * scale;
-    new
+    (new, turn)
 }
 
 #[cfg(test)]
@@ -161,12 +192,13 @@ mod tests {
             let toe = Vec3::new(0.0, leg.toe_height + height, speed_mps * dt_s * i as f32);
             let (ankle, toe) = (V::<Array>::splat(toe + Vec3::Y * 0.1), V::splat(toe));
             let planted = ([0.0; LANES], [planted; LANES]);
-            let new = update_correction(&leg, &config, dt_s, planted, &lock, ankle, toe, Array::splat(0.0));
+            let (new, turn) = update(&leg, &config, dt_s, planted, &lock, ankle, toe, Array::splat(0.0));
             store(&mut lock.correction, new);
+            store(&mut lock.turn, turn);
             store(&mut lock.ankle, ankle);
             store(&mut lock.toe, toe);
             (lock.heel_down, lock.toe_down) = planted;
-            height + new.y.to_array()[3]
+            height + (new.y + turn.y).to_array()[3]
         };
         (0..30).map(step).collect()
     }
@@ -181,5 +213,68 @@ mod tests {
         assert!((heights(2.0, 0.05, 0.0)[29] - 0.05).abs() < 1e-4);
         assert!((heights(2.0, 0.005, 1.0)[29] - 0.005).abs() < 1e-4);
         assert!(heights(0.1, -0.03, 0.0).iter().all(|h| *h > -1e-4), "no toe goes below the ground");
+    }
+
+    /// Ankle and toe as they are shown while a planted foot slides and turns in its clip: heel and toe hold by turns (m).
+    ///
+    /// - `speed_mps`, `rate`: how fast it slides and turns there (m/s, rad/s).
+    fn shown(speed_mps: f32, rate: f32, planted: impl Fn(i32) -> (f32, f32)) -> Vec<[Vec3; 2]> {
+        let (leg, config, dt_s) = (Leg::both(&Skeleton::default())[0], FootLockConfig::default(), 1.0 / 60.0);
+        let mut lock = FootLock::ZERO;
+        let step = |i: i32| {
+            let (time, (heel, ball)) = (dt_s * i as f32, planted(i));
+            let ankle = Vec3::new(speed_mps * time, 0.1, 0.0);
+            let toe = ankle + glam::Quat::from_rotation_y(rate * time) * Vec3::new(0.0, leg.toe_height - 0.1, 0.14);
+            let (a, t) = (V::<Array>::splat(ankle), V::splat(toe));
+            let planted = ([heel; LANES], [ball; LANES]);
+            let (new, turn) = update(&leg, &config, dt_s, planted, &lock, a, t, Array::splat(0.0));
+            store(&mut lock.correction, new);
+            store(&mut lock.turn, turn);
+            store(&mut lock.ankle, a);
+            store(&mut lock.toe, t);
+            (lock.heel_down, lock.toe_down) = planted;
+            let [new, turn] = [new, turn].map(|v| Vec3::from_array([v.x, v.y, v.z].map(|x| x.to_array()[3])));
+            [ankle + new, toe + new + turn]
+        };
+        (0..60).map(step).collect()
+    }
+
+    #[test]
+    fn heel_and_toe_stay_where_they_are_planted_while_their_clip_turns_them() {
+        let most = 1.05 * 0.01 / 60.0;
+        // Both parts, the heel alone, the toe alone, and one after the other.
+        let [both, heel, toe] = [(1.0, 1.0), (1.0, 0.0), (0.0, 1.0)];
+        let by_turns = |i: i32| if i < 20 { heel } else { [both, toe][usize::from(i > 40)] };
+        for (name, planted) in [
+            ("both", &(|_| both) as &dyn Fn(i32) -> (f32, f32)),
+            ("heel", &|_| heel),
+            ("toe", &|_| toe),
+            ("turns", &by_turns),
+        ] {
+            for (i, w) in (1..).zip(shown(0.1, 0.4, planted).windows(2)) {
+                let held = |part: fn((f32, f32)) -> f32| part(planted(i - 1)) * part(planted(i)) > 0.5;
+                // Where both hold, the foot turns back, too.
+                let times = if planted(i) == both { 1.5 } else { 1.0 };
+                for (k, is_held) in [held(|p| p.0), held(|p| p.1)].into_iter().enumerate() {
+                    let moved = w[1][k].distance(w[0][k]);
+                    assert!(!is_held || moved < times * most, "{name}: step {i}, part {k}: {moved} m");
+                }
+                let length = w[1][0].distance(w[1][1]) - w[0][0].distance(w[0][1]);
+                assert!(length.abs() < 1e-5, "{name}: a foot grew by {length} m");
+            }
+        }
+    }
+
+    #[test]
+    fn a_foot_turns_and_moves_no_further_than_its_limits() {
+        let feet = shown(1.0, 3.0, |_| (1.0, 1.0));
+        for (i, [ankle, toe]) in feet.iter().enumerate() {
+            let time = i as f32 / 60.0;
+            let off = (*ankle - Vec3::new(time, 0.1, 0.0)).with_y(0.0);
+            assert!(off.length() < 0.3 + 1e-4, "step {i}: {off}");
+            let way = glam::Quat::from_rotation_y(3.0 * time) * Vec3::Z;
+            let turned = way.angle_between((toe - ankle).with_y(0.0));
+            assert!(turned < 0.75, "step {i}: {turned} rad");
+        }
     }
 }

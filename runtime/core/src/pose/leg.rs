@@ -85,6 +85,18 @@ pub(crate) fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPo
     pose.positions[leg.foot] = chosen_v(amount, ankle, new_ankle);
 }
 
+/// Turns the foot about its ankle by what changes the way to its toe by `turn` (model space).
+#[inline(always)]
+pub(crate) fn turn_foot<F: Lanes>(leg: &Leg, turn: V<F>, pose: &mut ModelPose<F>) {
+    let (ankle, toe) = (pose.positions[leg.foot], pose.positions[leg.toe]);
+    let by = Q::between(toe - ankle, toe - ankle + turn);
+    let amount = turn.dot(turn);
+    for joint in [leg.foot, leg.toe] {
+        pose.rotations[joint] = chosen_q(amount, pose.rotations[joint], by * pose.rotations[joint]);
+    }
+    pose.positions[leg.toe] = chosen_v(amount, toe, toe + turn);
+}
+
 /// `new` where a correction is one (m^2).
 #[inline(always)]
 fn chosen_v<F: Lanes>(amount: F, old: V<F>, new: V<F>) -> V<F> {

@@ -41,7 +41,7 @@ impl Remembered for practice::State {
     }
 }
 
-/// Appends both (about 900 bytes a character).
+/// Appends both (about 970 bytes a character).
 pub(super) fn save(kind: SnapshotKind, characters: &PolicyCharacters, state: &impl Remembered, out: &mut Vec<u8>) {
     let mut bytes = Bytes::default();
     characters.save(&mut bytes.0);
