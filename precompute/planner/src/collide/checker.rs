@@ -99,7 +99,7 @@ impl Checker {
         let Some(local) = self.in_reach(problem, s, pair.part, time_s, limit) else { return false };
         match &problem.solids[s].solid.shape {
             Shape::Mesh(mesh) => {
-                self.kept.is_nearer(problem, (s, pair.part), time_s, mesh, &local, limit + radius, whole)
+                self.kept.is_nearer(problem, (s, pair.part), time_s, mesh, &local, (limit + radius, whole))
             }
             shape => shape.is_nearer(&local, limit + radius),
         }

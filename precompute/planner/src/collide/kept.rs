@@ -52,8 +52,7 @@ impl Kept {
         time_s: f64,
         mesh: &Mesh,
         core: &Segment,
-        limit: f64,
-        whole: bool,
+        (limit, whole): (f64, bool),
     ) -> bool {
         let share = (time_s - problem.init.time_s) / (problem.goal.time_s - problem.init.time_s);
         let stretch = ((share * STRETCHES as f64) as usize).min(STRETCHES - 1);

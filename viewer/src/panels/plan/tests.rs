@@ -105,7 +105,7 @@ fn what_was_put_elsewhere_is_written_into_the_tasks_file() {
     h.run_steps(3);
     let motion = h.state().model.task().and_then(TaskDocument::shown_motion).expect("a motion");
     assert!(motion.report.solved && motion.report.recheck_violations == 0);
-    h.get_by_label("Save the task").click();
+    h.state_mut().model.apply(&ctx, Command::Plan(PlanCommand::SaveTask(path.clone())));
     h.run_steps(3);
     let written = std::fs::read_to_string(&path).expect("a task");
     let changed: Vec<_> = text.lines().zip(written.lines()).filter(|(a, b)| a != b).collect();
