@@ -13,8 +13,9 @@ use throng_runtime::base::{Hash128, limits};
 #[command(after_long_help = keys::of::<Report>())]
 pub struct Args {
     /// Which set: `walk` (wandering with turns, stops and starts), `boxing` (shadow-boxing with footwork, combinations
-    /// and defences), `playground` (stairs, a ladder, slides), `office` (standing, talking, sitting, working) or
-    /// `locomotion` (steady gaits: walk, jog, run, turn, side and back steps, standing; each in three manners).
+    /// and defences), `playground` (stairs, a ladder, slides), `office` (standing, talking, sitting, working), `people`
+    /// (what people do when they stand: greet, shake hands, buy, chat, sit down, take things and put them down) or `locomotion` (steady gaits: walk, jog, run,
+    /// turn, side and back steps, standing; each in three manners).
     #[arg(long, default_value = "walk")]
     set: String,
     /// Folder to write to; made if it is not there.

@@ -13,6 +13,9 @@ use throng_runtime::world::{Node, Step, WorldGraph};
 /// Steps of a path that are kept: half an hour of walking.
 const MAX_STEPS: usize = 4096;
 
+/// Points that are farther from where anybody can stay lie outside of the world (m).
+const NEAR_M: f32 = 3.0;
+
 /// Plan a path through a world, between the places nearest to two points.
 #[derive(clap::Args)]
 #[command(after_long_help = keys::of::<Report<'static>>())]
@@ -64,8 +67,23 @@ pub fn run(args: &Args) -> Outcome {
     let tables = stitch::bundle(&source, &args.cache)?;
     let world = stitch::open(&source, &args.file, &tables)?;
     let graph = world.graph();
-    let (Some(start), Some(end)) = (nearest(graph, args.from), nearest(graph, args.to)) else {
-        return fail(format!("{}: there is no place in this world where a character can stay", args.file.display()));
+    let ends = [("--from", args.from), ("--to", args.to)].map(|(key, [x, z])| {
+        let Some((node, away_m)) = nearest(graph, [x, z]) else {
+            return Err(format!("{}: there is no place in this world where a character can stay", args.file.display()));
+        };
+        let at = graph.place(node);
+        match away_m <= NEAR_M {
+            true => Ok(node),
+            false => Err(format!(
+                "{key} {x},{z}: expected a point within {NEAR_M} m of a place where a character can stay; the nearest one is \
+                 at {:.1},{:.1}",
+                at.x, at.z
+            )),
+        }
+    });
+    let [start, end] = match ends {
+        [Ok(start), Ok(end)] => [start, end],
+        [Err(why), _] | [_, Err(why)] => return fail(why),
     };
     let mut planner = Planner::new(graph);
     let mut steps = vec![Step::NONE; MAX_STEPS];
@@ -90,14 +108,14 @@ pub fn run(args: &Args) -> Outcome {
     if args.json { output::json(&report) } else { print(&report) }
 }
 
-/// The place where one can stay that is nearest to a point of the ground plane.
-fn nearest(graph: &WorldGraph, [x, z]: [f32; 2]) -> Option<Node> {
-    let away = |n: &Node| {
-        let p = graph.place(*n);
-        (p.x - x).hypot(p.z - z)
+/// The place where one can stay that is nearest to a point of the ground plane, and how far it is (m).
+fn nearest(graph: &WorldGraph, [x, z]: [f32; 2]) -> Option<(Node, f32)> {
+    let away = |n: Node| {
+        let p = graph.place(n);
+        (n, (p.x - x).hypot(p.z - z))
     };
     let all = (0..graph.num_instances() as u32).flat_map(|i| graph.rest_cells(i));
-    all.min_by(|a, b| away(a).total_cmp(&away(b)))
+    all.map(away).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 fn print(r: &Report<'_>) -> Outcome {

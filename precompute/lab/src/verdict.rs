@@ -20,6 +20,8 @@ const FAIR: f64 = 0.8;
 const BEHIND: f64 = 0.1;
 /// Groups of fewer characters say little.
 const FEW: usize = 10;
+/// Who stands for more of its way is held up by others.
+const STOPPED: f64 = 0.25;
 /// A character that chooses no oftener is deaf (s).
 const DEAF_S: f64 = 4.0;
 /// Feet that slip so many times as fast as those of the clips are worth a word.
@@ -105,13 +107,17 @@ impl Verdict {
             }
         }
         let standing = trial.standing_fraction;
-        if trial.stayed_fraction > 0.0 {
+        if trial.stayed_fraction * trial.characters as f64 >= FEW as f64 {
             sentences.push(match standing {
                 0.5.. => format!("{} of those who stayed there stand still", percent(standing)),
                 _ => {
                     format!("only {} of those who stayed there stand still; the others go on moving", percent(standing))
                 }
             });
+        }
+        if trial.stopped_share > STOPPED {
+            let share = percent(trial.stopped_share);
+            sentences.push(format!("on their way they stand for {share} of the time, as others are in it"));
         }
         let wait = trial.longest_wait_s;
         sentences.push(format!("a character waits {wait:.1} s for its next choice at the longest"));

@@ -8,6 +8,8 @@ use std::path::Path;
 /// Largest magnitude accepted as a number of a motion file; anything above is a damaged file, and sums of a few
 /// thousand of these are still finite in `f32`.
 const MAX_NUMBER: f64 = 1e9;
+/// What a comma for a point is mended by.
+const HELP_COMMA: &str = "Decimals follow a point, not a comma: export the clip again with the language of the program set to English.";
 
 /// A position in the text.
 #[derive(Clone, Copy, Debug)]
@@ -156,8 +158,11 @@ impl<'a> Scanner<'a> {
     pub fn number(&mut self, expected: &str, help: &str) -> Result<f64, ImportError> {
         self.at_line_end();
         let mark = self.at;
-        let value = self.word().and_then(parse_number);
-        value.filter(|v| v.abs() <= MAX_NUMBER).ok_or_else(|| self.error(mark, expected, help))
+        let word = self.word();
+        let value = word.and_then(parse_number).filter(|v| v.abs() <= MAX_NUMBER);
+        let has_comma = word.is_some_and(|w| w.contains(&b',') && w.iter().all(|c| b"+-.,eE0123456789".contains(c)));
+        let help = if has_comma { HELP_COMMA } else { help };
+        value.ok_or_else(|| self.error(mark, expected, help))
     }
 
     /// A number that says how many there are of something.
@@ -256,5 +261,7 @@ mod tests {
         {
             assert_eq!(scanner(word.as_bytes()).number("x", "").is_ok(), ok, "{word}");
         }
+        let why = scanner(b"0,135").number("x", "help").unwrap_err().to_string();
+        assert!(why.contains("comma"), "{why}");
     }
 }

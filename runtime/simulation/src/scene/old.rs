@@ -37,6 +37,10 @@ pub(super) fn refuse(source: &Source) -> Result<()> {
     // In the order of the file: the table itself is sorted by name.
     let mut keys: Vec<_> = table.iter().collect();
     keys.sort_by_key(|(key, _)| key.span().start);
+    if let Some((key, _)) = keys.iter().find(|(key, _)| key.get_ref() == "tasks") {
+        let why = "`tasks` makes this a file of tasks, not a scene: run `throng plan` on it";
+        return Err(source.error(key.span(), why.into()));
+    }
     for (key, value) in keys {
         let name = key.get_ref().as_ref();
         if let Some((_, now)) = MOVED.iter().find(|m| m.0 == name) {
