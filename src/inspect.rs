@@ -89,7 +89,12 @@ fn many(args: &Args) -> Outcome {
     if let Some(bundle) = args.files.iter().find(|f| is_bundle(f)) {
         return fail(format!("{}: expected a bundle alone, or motion alone", bundle.display()));
     }
-    print(args, &inspect::inspect_all(&args.files, &args.read.config()?, &progress::Bar::default())?)
+    let report = inspect::inspect_all(&args.files, &args.read.config()?, &progress::Bar::default())?;
+    print(args, &report)?;
+    match report.files.iter().any(|f| f.clip.is_some()) {
+        true => Ok(()),
+        false => fail("none of the files can be used; the reasons are above"),
+    }
 }
 
 fn print(args: &Args, report: &(impl serde::Serialize + std::fmt::Display)) -> Outcome {

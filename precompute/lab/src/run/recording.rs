@@ -75,9 +75,14 @@ impl Recording {
     /// Runs it again until a time, or to its end: the same, bit by bit.
     ///
     /// # Errors
-    /// As [`Simulation::new`]; [`BuildError::Config`] where bundles are others by now, or this version of Throng computes
-    /// something else.
+    /// As [`Simulation::new`]; [`BuildError::Config`] where bundles are others by now, this version of Throng computes
+    /// something else, or the time lies beyond the end.
     pub fn replay(&self, compiled: &CompiledScene, until_s: Option<f64>) -> Result<Simulation, BuildError> {
+        if let Some(until_s) = until_s.filter(|t| !(0.0..self.seconds + 0.01).contains(t)) {
+            let message =
+                format!("expected a time of 0 to {:.2} s, where the recording ends, found {until_s}", self.seconds);
+            return Err(BuildError::Config { message });
+        }
         self.replay_seen(compiled, until_s, |_, _| Ok(()))
     }
 

@@ -316,6 +316,7 @@ pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Prof
     let SourceClip { mut clip, mut findings, mut warnings, .. } = source;
     units::normalise(&mut clip, metres_per_unit, up);
     person::check_size(&clip, &roles, metres_per_unit)?;
+    person::check_place(&clip, &roles)?;
     let glitches = glitches::treat(&mut clip, &roles, config.glitches, &mut warnings);
     let (rest_pose, facing) = rest::find_rest_pose(&clip, &roles, config.forward);
     findings.push(rest_pose.sentence.clone());

@@ -16,6 +16,8 @@ const HEIGHTS: std::ops::RangeInclusive<f32> = 0.6..=3.5;
 const SHORTEST_LEG_M: f32 = 0.1;
 /// A height that the offered unit would make (m).
 const TYPICAL_HEIGHT: f32 = 1.75;
+/// Farthest from the origin (m).
+const FARTHEST_M: f32 = 5e3;
 /// Arms of people are shorter than this share of their legs.
 const LONGEST_ARMS: f32 = 0.95;
 /// Arms and legs point the same way, square to the trunk, in more than this share of the frames of a quadruped.
@@ -96,6 +98,23 @@ pub(super) fn check_size(clip: &RawClip, roles: &RoleMap, metres_per_unit: f64) 
         rounded(unit)
     );
     Err(content_error(&clip.path, message, &help))
+}
+
+/// Refuses a clip in metres that is so far from the origin that single precision would show.
+///
+/// # Errors
+/// [`ImportError::Content`] naming the frame and how far it is.
+pub(super) fn check_place(clip: &RawClip, roles: &RoleMap) -> Result<(), ImportError> {
+    let Some(hips) = roles.get(Joint::Hips) else { return Ok(()) };
+    let away = |frame: usize| (frame, clip.world(frame)[hips].0.with_y(0.0).length());
+    let far = [0, clip.num_frames - 1].map(away).into_iter().find(|f| f.1 > FARTHEST_M);
+    let Some((frame, away)) = far else { return Ok(()) };
+    let message = format!("in frame {frame} the hips are {away:.0} m from the origin, expected at most {FARTHEST_M} m");
+    Err(content_error(
+        &clip.path,
+        message,
+        "Move the motion to the origin in the program that wrote it, and export it again",
+    ))
 }
 
 /// Three significant digits.

@@ -9,7 +9,8 @@ use std::path::Path;
 /// thousand of these are still finite in `f32`.
 const MAX_NUMBER: f64 = 1e9;
 /// What a comma for a point is mended by.
-const HELP_COMMA: &str = "Decimals follow a point, not a comma: export the clip again with the language of the program set to English.";
+const HELP_COMMA: &str =
+    "Decimals follow a point, not a comma: export the clip again with the language of the program set to English.";
 
 /// A position in the text.
 #[derive(Clone, Copy, Debug)]

@@ -141,3 +141,18 @@ fn a_giant_by_its_unit_is_refused_and_the_unit_offered() {
     assert!((1.6..1.9).contains(&height), "{height}");
     assert_eq!(read(None).unwrap().clip.num_frames, FRAMES);
 }
+
+#[test]
+fn motion_far_from_the_origin_is_refused_with_the_frame() {
+    let text = bvh(&table("Mixamo"), &Style::default());
+    let read = |away_m: f32| {
+        let mut source = throng_motion::import::bvh::parse(text.as_bytes(), std::path::Path::new("a.bvh")).unwrap();
+        let metres = throng_motion::import::interpret(source.clone(), &ImportConfig::default(), &[]).unwrap();
+        let last = source.clip.translations.len() - source.clip.joints.len();
+        source.clip.translations[last].x += away_m / metres.metres_per_unit as f32;
+        throng_motion::import::interpret(source, &ImportConfig::default(), &[])
+    };
+    assert!(read(4900.0).is_ok());
+    let e = read(10_000.0).unwrap_err().to_string();
+    assert!(e.contains(&format!("in frame {} the hips are", FRAMES - 1)) && e.contains("from the origin"), "{e}");
+}
