@@ -108,7 +108,7 @@ fn coarser(all: &WornLevel, corners: &[Corner], rest: &[Vec3], cell_m: f32) -> W
         let area = (b - a).cross(c - a).length();
         let merged = [0, 1, 2].map(|k| {
             let i = t[k] as usize;
-            let cell = (rest[i] / cell_m).floor().as_ivec3().to_array();
+            let cell = (rest[i] / cell_m).floor().to_array().map(|v| v as i32);
             let place = *known.entry((cell, corners[i].frames[0], corners[i].material)).or_insert_with(|| {
                 out.vertices.push(all.vertices[i]);
                 normals.push(Vec3::ZERO);
