@@ -89,12 +89,7 @@ fn many(args: &Args) -> Outcome {
     if let Some(bundle) = args.files.iter().find(|f| is_bundle(f)) {
         return fail(format!("{}: expected a bundle alone, or motion alone", bundle.display()));
     }
-    let report = inspect::inspect_all(&args.files, &args.read.config()?, &progress::Bar::default())?;
-    print(args, &report)?;
-    match report.files.iter().any(|f| f.clip.is_some()) {
-        true => Ok(()),
-        false => fail("none of the files can be used; the reasons are above"),
-    }
+    print(args, &inspect::inspect_all(&args.files, &args.read.config()?, &progress::Bar::default())?)
 }
 
 fn print(args: &Args, report: &(impl serde::Serialize + std::fmt::Display)) -> Outcome {

@@ -3,7 +3,6 @@
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
 use crate::rotation::Rigid;
-use crate::setup::Level;
 use crate::shape::{Segment, Shape};
 use crate::track::{Path, Track};
 use glam::DVec3;
@@ -104,6 +103,15 @@ pub(crate) enum Target {
     Tether,
     /// The vertical; the part is a direction, a metre long, so that metres are radians.
     Level,
+}
+
+/// What is held stays upright: a direction of the hand or foot that stays near the vertical.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// In the frame of the linkage's last joint (unit).
+    pub up: DVec3,
+    /// How far from the vertical it may be (rad, > 0, < pi).
+    pub within_rad: f64,
 }
 
 /// Where the other hand is reached from.

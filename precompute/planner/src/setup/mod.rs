@@ -6,5 +6,6 @@ mod spec;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub use crate::problem::Level;
 pub use error::ProblemError;
-pub use spec::{Allowed, Held, Level, Other, ProblemSpec, Tether};
+pub use spec::{Allowed, Held, Other, ProblemSpec, Tether};

@@ -4,7 +4,7 @@ use crate::body::BodyShape;
 use crate::driven::Driven;
 use crate::limits::BodyLimits;
 use crate::linkage::Linkage;
-use crate::problem::{Solid, State};
+use crate::problem::{Level, Solid, State};
 use crate::shape::Segment;
 use glam::DVec3;
 use throng_core::{Joint, Skeleton};
@@ -51,15 +51,6 @@ pub struct Tether {
     pub at: DVec3,
     /// Least and greatest distance between both (m).
     pub distances_m: [f64; 2],
-}
-
-/// What is held stays upright: a direction of the hand or foot that stays near the vertical.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Level {
-    /// In the frame of the linkage's last joint (unit).
-    pub up: DVec3,
-    /// How far from the vertical it may be (rad, > 0, < pi).
-    pub within_rad: f64,
 }
 
 /// A problem before it is checked.
