@@ -18,6 +18,8 @@ use throng_planner::task::{ActorClip, NoClips, Task, TaskOutcome, Watch};
 
 /// Motions that differ by less are one variant (rad).
 const SAME_RAD: f64 = 0.02;
+/// Seeds that are tried until one does all that is asked for.
+const FIRST_SEEDS: u64 = 4;
 /// Seeds that are tried for each variant.
 pub const SEEDS_EACH: u64 = 8;
 
@@ -27,7 +29,8 @@ pub fn is_task(path: &Path) -> bool {
     Source::read(path, "tasks").is_ok_and(|source| source.text().lines().any(is_table))
 }
 
-/// One outcome and its seed, or as many different ones as are asked for and as seeds give.
+/// One outcome and its seed, or as many different ones as are asked for and as seeds give. Where a seed does not lead to all
+/// that is asked for, the next ones are tried.
 ///
 /// - `watch`: its seed is the first one; others follow it.
 ///
@@ -41,10 +44,21 @@ pub fn variants(
 ) -> Result<Vec<(u64, TaskOutcome)>, NoClips> {
     let first = watch.seed.unwrap_or(task.config.budget.seed);
     let run = |seed| task.run_watched(clips, &Watch { seed: Some(seed), ..*watch });
+    let is_cancelled = || watch.cancel.is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed));
+    let is_good = |o: &TaskOutcome| o.is_solved() && o.recheck.violations.is_empty();
     let mut out: Vec<(u64, TaskOutcome)> = vec![(first, run(first)?)];
+    for seed in (1..FIRST_SEEDS).map(|k| first.wrapping_add(k)) {
+        if is_good(&out[0].1) || is_cancelled() {
+            break;
+        }
+        let one = run(seed)?;
+        if is_good(&one) {
+            out[0] = (seed, one);
+        }
+    }
+    let first = out[0].0;
     for k in 1..number * SEEDS_EACH {
-        let is_cancelled = watch.cancel.is_some_and(|c| c.load(std::sync::atomic::Ordering::Relaxed));
-        if out.len() as u64 >= number || !out[0].1.is_solved() || is_cancelled {
+        if out.len() as u64 >= number || !out[0].1.is_solved() || is_cancelled() {
             break;
         }
         let seed = first.wrapping_add(k);

@@ -213,7 +213,9 @@ fn records_look_as_posed_characters_do() {
     let place = |i: usize| Planar::new((i % 8) as f32 - 3.5, 1.5 * (i / 8) as f32 - 3.0, 0.7 * i as f32);
     let starts: Vec<Start> = (0..n).map(|i| Start { root: place(i), state: 0 }).collect();
     let free = FootLockConfig { enabled: false, ..FootLockConfig::default() };
-    let config = CharactersConfig { instances: true, foot_lock: free, ..CharactersConfig::default() };
+    // How many are in a transition at a time, and so how much differs, is in proportion to this.
+    let half_life_s = 0.1;
+    let config = CharactersConfig { instances: true, foot_lock: free, half_life_s, ..CharactersConfig::default() };
     let mut people = People::new(motion_set, config, &starts).expect("starts exist");
     let targets: Vec<Vec3> = (0..n).map(|i| place(i * 7 % n).translation()).collect();
     let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
