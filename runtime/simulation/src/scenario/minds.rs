@@ -154,7 +154,7 @@ impl Minds {
     /// Lets all who are there at the start begin.
     ///
     /// # Errors
-    /// Those of the stage, and [`Error::Text`] where rules run in a circle.
+    /// Those of the stage, and [`throng_base::Error::Text`] where rules run in a circle.
     pub fn begin(&mut self, stage: &mut impl Stage, speeds: &[f32]) -> Result<()> {
         for agent in 0..self.minds.len() as u32 {
             self.minds[agent as usize].speed = speeds[agent as usize];
