@@ -75,8 +75,8 @@ pub struct MotionQuality {
     pub knee_rate_p999_ratio: f64,
     /// Mean acceleration of all joints within 5 frames of a change of segment, over that elsewhere; none without changes.
     pub change_acceleration_ratio: Option<f64>,
-    /// The same of the clips: their mean acceleration within 5 frames before and after the same changes, over that of
-    /// characters elsewhere. Legs change direction where segments end, so it need not be 1.
+    /// The same of the clips: their mean acceleration within 5 frames of the same changes, over that of characters elsewhere.
+    /// It is 1 where segments end at moments like any other.
     pub source_change_acceleration_ratio: Option<f64>,
     /// Root mean square of the hips' acceleration as seen at the rate of the steps, over that at the rate of the clips:
     /// about 1 where motion is smooth between frames, 1.4 where it goes straight between them at two steps a frame.
