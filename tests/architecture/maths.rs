@@ -115,6 +115,31 @@ fn the_runtime_calls_no_mathematics_of_the_platform() {
     assert!(files > 100, "the sources were read: {files}");
 }
 
+/// Closures of lanes that have a name: called twice, they are functions of their own, which the compiler makes without the
+/// processor's vectors, three times as slow.
+fn closures_of_lanes(code: &str) -> Vec<String> {
+    let is_one = |line: &str| {
+        let Some((_, arguments)) = line.split_once("= |") else { return false };
+        let arguments = arguments.split('|').next().unwrap_or_default();
+        line.trim_start().starts_with("let ") && [": F", "<F>", "[F;"].iter().any(|lanes| arguments.contains(lanes))
+    };
+    let lines = code.lines().enumerate().filter(|(_, line)| is_one(line));
+    lines.map(|(k, line)| format!("{}: {}", k + 1, line.trim())).collect()
+}
+
+#[test]
+fn closures_of_lanes_have_no_names() {
+    for c in crates().iter().filter(|c| c.is_in("runtime")) {
+        for path in sources(&c.folder.join("src")) {
+            let text = std::fs::read_to_string(&path).expect("a source file");
+            let found = closures_of_lanes(&code(&text));
+            assert!(found.is_empty(), "{}: {found:?}; write a function that is always inlined", path.display());
+        }
+    }
+    let text = "let a = |v: V<F>, k: f32| v * k;\nlet b = |x: f32| x;\nlet c = v.map(|x: F| x);\nlet d = |[x, z]: [F; 2]| x + z;\n";
+    assert_eq!(closures_of_lanes(text).len(), 2);
+}
+
 #[test]
 fn calls_are_found_where_there_are_some() {
     let text = "let a = x.sin();\nlet b = f32::exp(y) + maths::exp(y);\nlet q = Quat::from_rotation_y(a);\n\

@@ -94,7 +94,8 @@ pub trait Lanes:
 pub trait Work {
     /// What it returns.
     type Output;
-    /// Does it. Everything it calls must be inlined (`#[inline(always)]`) to profit.
+    /// Does it. Everything it calls must be inlined (`#[inline(always)]`) to profit. A closure of lanes that is called twice is
+    /// a function without vectors.
     fn run<F: Lanes>(self) -> Self::Output;
 }
 

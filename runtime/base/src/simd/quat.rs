@@ -46,6 +46,12 @@ impl<F: Lanes> V<F> {
         self.dot(self).sqrt()
     }
 
+    /// From this to another, by a share of the way.
+    #[inline(always)]
+    pub fn mix(self, other: Self, share: F) -> Self {
+        self * (F::splat(1.0) - share) + other * share
+    }
+
     /// `yes` in the lanes where `a < b`, `no` in the others.
     #[inline(always)]
     pub fn select_lt(a: F, b: F, yes: Self, no: Self) -> Self {

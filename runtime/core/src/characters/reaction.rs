@@ -231,21 +231,20 @@ fn displace<F: Lanes>(
     let hips = V::new(trunk.x * share, F::splat(0.0), trunk.z * share);
     let turns = upper_turns(anatomy, hips, trunk, head, pose);
     let half = F::splat(0.5);
-    let chosen = |old: V<F>, new: V<F>| V::select_lt(half, active, new, old);
     let old = pose.positions;
     for j in 0..NUM_UPPER {
         let q = turns[j] * pose.rotations[j];
         let (was, parent) = (pose.rotations[j], PARENTS[j]);
-        pose.rotations[j] = Q::new(chosen(was.v, q.v), F::select_lt(half, active, q.w, was.w));
+        pose.rotations[j] = Q::new(V::select_lt(half, active, q.v, was.v), F::select_lt(half, active, q.w, was.w));
         let carried =
             if j == 0 { old[0] + hips } else { pose.positions[parent] + turns[parent].rotate(old[j] - old[parent]) };
-        pose.positions[j] = chosen(old[j], carried);
+        pose.positions[j] = V::select_lt(half, active, carried, old[j]);
     }
     // The feet stay: legs move with the hips, then reach back.
-    let hips = chosen(V::splat(Vec3::ZERO), hips);
+    let hips = V::select_lt(half, active, hips, V::splat(Vec3::ZERO));
     for leg in &anatomy.legs {
         for j in [leg.thigh, leg.shin, leg.foot, leg.toe] {
-            pose.positions[j] = chosen(old[j], old[j] + hips);
+            pose.positions[j] = V::select_lt(half, active, old[j] + hips, old[j]);
         }
         move_leg(leg, V::splat(Vec3::ZERO) - hips, pose);
     }
@@ -300,9 +299,11 @@ const NEWTON_STEPS: usize = 3;
 /// as far as links that keep their lengths can (m).
 #[inline(always)]
 fn bend<F: Lanes, const N: usize>(links: [V<F>; N], by: V<F>) -> [Q<F>; N] {
-    let sum = |links: &[V<F>; N]| links.iter().fold(V::splat(Vec3::ZERO), |a, &l| a + l);
-    let aim = sum(&links) + by;
-    let (mut angle, mut bent) = (V::splat(Vec3::ZERO), links);
+    let (mut straight, mut angle, mut bent) = (V::splat(Vec3::ZERO), V::splat(Vec3::ZERO), links);
+    for link in links {
+        straight = straight + link;
+    }
+    let aim = straight + by;
     let mut turns = [turn(angle); N];
     for _ in 0..NEWTON_STEPS {
         // The lever of a turn that is shared alike: the sum of all joints' ways to the end.

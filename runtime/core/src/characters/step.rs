@@ -16,7 +16,8 @@ use super::times::{Clock, Laps, Phase};
 use super::{Asked, CharactersConfig};
 use crate::contacts::Contacts;
 use crate::pose::{
-    Cursor, LocalTransform, Mat3x4, Placement, Spot, lock_foot, sample, shared, to_model, write_locals, write_matrices,
+    Cursor, LocalTransform, LockStep, Mat3x4, Placement, Spot, lock_foot, sample, shared, to_model, write_locals,
+    write_matrices,
 };
 use crate::skeleton::NUM_JOINTS;
 use throng_base::simd::{Functions, LANES, Lanes, Work, dispatch};
@@ -77,14 +78,16 @@ pub(crate) fn advance_all(blocks: &mut [Block], passed: &mut PassedHits, first: 
 /// The second half of the list: sample -> reaction -> foot lock -> poses, for all blocks of a range.
 pub(crate) fn pose_all(range: Range<'_>, tick: &Tick<'_>) {
     let decay = reaction::Step::new(&tick.config.reaction, tick.dt_s);
-    dispatch(Pose { range, tick, decay });
+    let lock = LockStep::new(&tick.config.foot_lock, tick.dt_s);
+    dispatch(Pose { range, tick, steps: (decay, lock) });
 }
 
 /// The arguments of [`pose_all`].
 struct Pose<'a, 't> {
     range: Range<'a>,
     tick: &'a Tick<'t>,
-    decay: reaction::Step,
+    /// Of reactions and of feet.
+    steps: (reaction::Step, LockStep),
 }
 
 impl Work for Pose<'_, '_> {
@@ -103,7 +106,7 @@ impl Work for Pose<'_, '_> {
             detail::set_awake(to.level, block, body, self.tick.motion_set, half_life_s);
             let locals = locals.get_mut(first * NUM_JOINTS..).unwrap_or_default();
             let len = locals.len().min(matrices.len());
-            pose::<F>((block, body), matrices, &mut locals[..len], to, self.tick, &self.decay);
+            pose::<F>((block, body), matrices, &mut locals[..len], to, self.tick, &self.steps);
         }
     }
 }
@@ -151,7 +154,7 @@ fn pose<F: Lanes>(
     locals: &mut [LocalTransform],
     to: Shown<'_>,
     tick: &Tick<'_>,
-    decay: &reaction::Step,
+    (decay, lock_step): &(reaction::Step, LockStep),
 ) {
     let r = tick.motion_set;
     let mut laps = Laps::start(tick.clock);
@@ -193,7 +196,7 @@ fn pose<F: Lanes>(
         ];
         for (foot, planted) in parts.into_iter().enumerate() {
             let lock = &mut body.feet[foot];
-            lock_foot(&r.anatomy.legs[foot], &tick.config.foot_lock, tick.dt_s, planted, &place, lock, &mut model);
+            lock_foot(&r.anatomy.legs[foot], lock_step, planted, &place, lock, &mut model);
         }
     }
     laps.end(Phase::FootLock);

@@ -137,17 +137,24 @@ impl PolicyTable {
             let step = angles / F::splat(finest_angles);
             let (angle, angle_ratio) = interval(spot.angle * step, angles - one);
             let next = F::select_lt(angle + one, angles, angle + one, F::splat(0.0));
-            let of = |cell: F| F::gather(&self.values, 0, firsts, 1, cell)[0];
-            (values, ratio) = ([[of(low + angle), of(low + next)], [of(high + angle), of(high + next)]], angle_ratio);
+            let near = [self.lane_values(firsts, low + angle), self.lane_values(firsts, low + next)];
+            let far = [self.lane_values(firsts, high + angle), self.lane_values(firsts, high + next)];
+            (values, ratio) = ([near, far], angle_ratio);
         } else {
             let step = (angles - one) / F::splat(finest_angles - 1.0);
             let (angle, angle_ratio) = interval(spot.angle * step, angles - F::splat(2.0));
             // The next angle is stored next to it.
-            let of = |cell: F| F::gather(&self.values, 1, firsts, 1, cell);
-            (values, ratio) = ([of(low + angle), of(high + angle)], angle_ratio);
+            let near = F::gather(&self.values, 1, firsts, 1, low + angle);
+            (values, ratio) = ([near, F::gather(&self.values, 1, firsts, 1, high + angle)], angle_ratio);
         }
         let [near, far] = values.map(|[a, b]| a + (b - a) * ratio);
         spot.scale * (near + (far - near) * ring_ratio)
+    }
+
+    /// Values of cells.
+    #[inline(always)]
+    fn lane_values<F: Lanes>(&self, firsts: F, cells: F) -> F {
+        F::gather(&self.values, 0, firsts, 1, cells)[0]
     }
 }
 

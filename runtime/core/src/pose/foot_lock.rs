@@ -86,19 +86,68 @@ impl FootLock {
     };
 }
 
+/// What a tick does to every lock.
+pub(crate) struct LockStep {
+    /// Shares of a correction that are left in the air, of a planted foot, and of its height.
+    in_air: f32,
+    planted: f32,
+    height: f32,
+    /// Farthest that a planted foot and one in the air come back, and that a toe is raised (m).
+    returned: f32,
+    released: f32,
+    raised: f32,
+    /// Ways over the ground from and at which a toe clears it (m).
+    swing: [f32; 2],
+    max_correction: f32,
+    clearance: f32,
+}
+
+impl LockStep {
+    pub fn new(config: &FootLockConfig, dt_s: f32) -> Self {
+        let keep = |half_life_s: f32| maths::exp(-std::f32::consts::LN_2 * dt_s / half_life_s);
+        Self {
+            in_air: keep(config.half_life_s),
+            planted: keep(config.planted_half_life_s),
+            height: keep(PLANTED_HEIGHT_HALF_LIFE_S),
+            returned: config.planted_return_mps * dt_s,
+            released: RELEASED_MPS * dt_s,
+            raised: RAISED_MPS * dt_s,
+            swing: SWING_MPS.map(|speed| speed * dt_s),
+            max_correction: config.max_correction_m,
+            clearance: config.swing_clearance_m,
+        }
+    }
+
+    /// A correction a tick later. Over the ground what is held comes back slowly, and what is free, fast; neither goes
+    /// beyond the limit.
+    ///
+    /// - `free`: share that is left of what nothing holds.
+    ///
+    /// A function and no closure: those are compiled without the processor's vectors.
+    #[inline(always)]
+    fn eased<F: Lanes>(&self, v: V<F>, is_held: F, free: F, limit: F) -> V<F> {
+        let half = F::splat(0.5);
+        let length = (v.x * v.x + v.z * v.z).sqrt();
+        let slow = (length * F::splat(self.planted)).max(length - F::splat(self.returned));
+        let fast = (length * free).max(length - F::splat(self.released));
+        let scale = F::select_lt(is_held, half, fast, slow).min(limit) / length.max(F::splat(1e-9));
+        // A held foot eases to the height that its clip has it at.
+        V { x: v.x * scale, y: v.y * F::select_lt(is_held, half, free, F::splat(self.height)), z: v.z * scale }
+    }
+}
+
 /// Updates the lock of one foot and moves the leg. `heel` and `toe` are 1 where that part is planted, else 0.
 #[inline(always)]
 pub(crate) fn lock_foot<F: Lanes>(
     leg: &Leg,
-    config: &FootLockConfig,
-    dt_s: f32,
+    step: &LockStep,
     planted: (Lane, Lane),
     place: &Placement<F>,
     lock: &mut FootLock,
     pose: &mut ModelPose<F>,
 ) {
     let (ankle, toe) = (place.to_world(pose.positions[leg.foot]), place.to_world(pose.positions[leg.toe]));
-    let (correction, turn) = update(leg, config, dt_s, planted, lock, ankle, toe, place.y);
+    let (correction, turn) = update(leg, step, planted, lock, ankle, toe, place.y);
     store(&mut lock.correction, correction);
     store(&mut lock.turn, turn);
     store(&mut lock.ankle, ankle);
@@ -114,14 +163,9 @@ pub(crate) fn lock_foot<F: Lanes>(
 
 /// The corrections of the ankle, and of the way from there to the toe.
 #[inline(always)]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "the parts of one lock; a record of them would be made for this call alone"
-)]
 fn update<F: Lanes>(
     leg: &Leg,
-    config: &FootLockConfig,
-    dt_s: f32,
+    step: &LockStep,
     (heel, toe_planted): (Lane, Lane),
     lock: &FootLock,
     ankle: V<F>,
@@ -134,43 +178,31 @@ fn update<F: Lanes>(
     let (hold_heel, hold_toe) = (heel * F::load(&lock.heel_down), toe_planted * F::load(&lock.toe_down));
     let held = hold_heel.max(hold_toe);
     let (ankle_moved, toe_moved) = (ankle - load(&lock.ankle), toe - load(&lock.toe));
-    let keep = |half_life_s: f32| maths::exp(-std::f32::consts::LN_2 * dt_s / half_life_s);
-    let in_air = F::splat(keep(config.half_life_s));
-    let planted = F::splat(keep(config.planted_half_life_s));
-    let height = F::splat(keep(PLANTED_HEIGHT_HALF_LIFE_S));
-    let [returned, released] = [config.planted_return_mps, RELEASED_MPS].map(|mps| F::splat(mps * dt_s));
-    // Over the ground what is held comes back slowly, and what is free, fast; neither goes beyond the limit.
-    let eased = |v: V<F>, is_held: F, free: F, limit: F| {
-        let length = (v.x * v.x + v.z * v.z).sqrt();
-        let (slow, fast) = ((length * planted).max(length - returned), (length * free).max(length - released));
-        let scale = F::select_lt(is_held, half, fast, slow).min(limit) / length.max(F::splat(1e-9));
-        // A held foot eases to the height that its clip has it at.
-        V { x: v.x * scale, y: v.y * F::select_lt(is_held, half, free, height), z: v.z * scale }
-    };
 
     // Where both parts hold, the way between them does; about one that holds, the foot turns back gently.
     let both = hold_heel * hold_toe;
     let (was, old_turn) = (load(&lock.correction), load(&lock.turn));
-    let way = toe - ankle;
-    let (free, most) = (F::select_lt(held, half, in_air, height), way.dot(way).sqrt() * F::splat(MAX_TURN));
+    let (in_air, way) = (F::splat(step.in_air), toe - ankle);
+    let square = way.dot(way);
+    let free = F::select_lt(held, half, in_air, F::splat(step.height));
     let whole = old_turn - (toe_moved - ankle_moved) * both;
-    let turn = eased(whole, both, free, most);
+    let turn = step.eased(whole, both, free, square.sqrt() * F::splat(MAX_TURN));
     // No foot grows longer.
     let turned = way + turn;
-    let turn = turned * (way.dot(way) / turned.dot(turned).max(F::splat(1e-9))).sqrt() - way;
+    let turn = turned * (square / turned.dot(turned).max(F::splat(1e-9))).sqrt() - way;
 
     // A toe that holds without the heel moves the ankle by what the foot turns; what a turn lacks, both share.
     let of_toe = (toe_moved + turn - old_turn) * (hold_toe * (one - hold_heel));
     let slide = ankle_moved * hold_heel + of_toe + (turn - whole) * (both * half);
-    let mut new = eased(was - slide, held, in_air, F::splat(config.max_correction_m));
+    let mut new = step.eased(was - slide, held, in_air, F::splat(step.max_correction));
 
     // A fast toe passes over the ground, and none goes below it.
     let floor = ground + F::splat(leg.toe_height) - toe.y - turn.y;
-    let way = (toe_moved.x * toe_moved.x + toe_moved.z * toe_moved.z).sqrt();
-    let [slow, fast] = SWING_MPS.map(|speed| speed * dt_s);
-    let share = ((way - F::splat(slow)) / F::splat((fast - slow).max(1e-6))).max(F::splat(0.0)).min(one);
-    let clear = floor + (one - heel.max(toe_planted)) * share * F::splat(config.swing_clearance_m);
-    let raised = clear.min(was.y + F::splat(RAISED_MPS * dt_s));
+    let moved = (toe_moved.x * toe_moved.x + toe_moved.z * toe_moved.z).sqrt();
+    let [slow, fast] = step.swing;
+    let share = ((moved - F::splat(slow)) * F::splat(1.0 / (fast - slow).max(1e-6))).max(F::splat(0.0)).min(one);
+    let clear = floor + (one - heel.max(toe_planted)) * share * F::splat(step.clearance);
+    let raised = clear.min(was.y + F::splat(step.raised));
     new.y = new.y.max(raised).max(floor);
     (new, turn)
 }
@@ -186,13 +218,14 @@ mod tests {
     ///
     /// - `height`: where its clip has it (m).
     fn heights(speed_mps: f32, height: f32, planted: f32) -> Vec<f32> {
-        let (leg, config, dt_s) = (Leg::both(&Skeleton::default())[0], FootLockConfig::default(), 1.0 / 60.0);
+        let (leg, dt_s) = (Leg::both(&Skeleton::default())[0], 1.0 / 60.0);
+        let lock_step = LockStep::new(&FootLockConfig::default(), dt_s);
         let mut lock = FootLock::ZERO;
         let step = |i: i32| {
             let toe = Vec3::new(0.0, leg.toe_height + height, speed_mps * dt_s * i as f32);
             let (ankle, toe) = (V::<Array>::splat(toe + Vec3::Y * 0.1), V::splat(toe));
             let planted = ([0.0; LANES], [planted; LANES]);
-            let (new, turn) = update(&leg, &config, dt_s, planted, &lock, ankle, toe, Array::splat(0.0));
+            let (new, turn) = update(&leg, &lock_step, planted, &lock, ankle, toe, Array::splat(0.0));
             store(&mut lock.correction, new);
             store(&mut lock.turn, turn);
             store(&mut lock.ankle, ankle);
@@ -219,7 +252,8 @@ mod tests {
     ///
     /// - `speed_mps`, `rate`: how fast it slides and turns there (m/s, rad/s).
     fn shown(speed_mps: f32, rate: f32, planted: impl Fn(i32) -> (f32, f32)) -> Vec<[Vec3; 2]> {
-        let (leg, config, dt_s) = (Leg::both(&Skeleton::default())[0], FootLockConfig::default(), 1.0 / 60.0);
+        let (leg, dt_s) = (Leg::both(&Skeleton::default())[0], 1.0 / 60.0);
+        let lock_step = LockStep::new(&FootLockConfig::default(), dt_s);
         let mut lock = FootLock::ZERO;
         let step = |i: i32| {
             let (time, (heel, ball)) = (dt_s * i as f32, planted(i));
@@ -227,7 +261,7 @@ mod tests {
             let toe = ankle + glam::Quat::from_rotation_y(rate * time) * Vec3::new(0.0, leg.toe_height - 0.1, 0.14);
             let (a, t) = (V::<Array>::splat(ankle), V::splat(toe));
             let planted = ([heel; LANES], [ball; LANES]);
-            let (new, turn) = update(&leg, &config, dt_s, planted, &lock, a, t, Array::splat(0.0));
+            let (new, turn) = update(&leg, &lock_step, planted, &lock, a, t, Array::splat(0.0));
             store(&mut lock.correction, new);
             store(&mut lock.turn, turn);
             store(&mut lock.ankle, a);

@@ -10,7 +10,7 @@ mod placement;
 mod sample;
 
 pub use foot_lock::FootLockConfig;
-pub(crate) use foot_lock::{FootLock, lock_foot};
+pub(crate) use foot_lock::{FootLock, LockStep, lock_foot};
 pub(crate) use hierarchy::{ModelPose, PARENTS, shared, to_model, write_locals, write_matrices};
 pub(crate) use lanes::{Lane, Lane3, get, load, planar, set, store};
 pub(crate) use leg::{Leg, bend, move_leg};

@@ -143,8 +143,13 @@ fn turn_of<F: Lanes>(t: &Tread<'_, F>, foot: &Foot, held: F, along: V<F>) -> [F;
     let [sin, cos] = [F::select_lt(half, held, sin, fading[0]), F::select_lt(half, held, cos, fading[1])];
     let length = (sin * sin + cos * cos).sqrt();
     // Where nothing is left of the direction, there is no turn.
-    let good = |v: F, otherwise: F| F::select_lt(F::splat(1e-3), length, v / length.max(tiny), otherwise);
-    [good(sin, F::splat(0.0)), good(cos, one)]
+    [over(sin, length, 1e-3, 0.0), over(cos, length, 1e-3, 1.0)]
+}
+
+/// `v / length`, or something else where the length is not above `least`.
+#[inline(always)]
+pub(super) fn over<F: Lanes>(v: F, length: F, least: f32, otherwise: f32) -> F {
+    F::select_lt(F::splat(least), length, v / length.max(F::splat(1e-6)), F::splat(otherwise))
 }
 
 /// The rotation about the vertical of that sine and cosine.
@@ -166,10 +171,9 @@ fn offset_of<F: Lanes>(
     [heel, ball]: [V<F>; 2],
     share: F,
 ) -> V<F> {
-    let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
-    let mix = |heel: V<F>, ball: V<F>| heel * (one - share) + ball * share;
-    let was = mix(t.place.point_to_model(load(&foot.heel)), t.place.point_to_model(load(&foot.ball)));
-    let holding = was - (ankle + mix(heel, ball));
+    let (zero, half) = (F::splat(0.0), F::splat(0.5));
+    let was = t.place.point_to_model(load(&foot.heel)).mix(t.place.point_to_model(load(&foot.ball)), share);
+    let holding = was - (ankle + heel.mix(ball, share));
     let (before, rate) = (load::<F>(&foot.offset), load::<F>(&foot.offset_rate));
     let ((x, rate_x), (z, rate_z)) = (t.air.pull_lanes(before.x, rate.x), t.air.pull_lanes(before.z, rate.z));
     let offset = V::select_lt(half, held, t.place.vector_to_world(holding), V::new(x, zero, z));

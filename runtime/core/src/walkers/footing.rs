@@ -6,7 +6,7 @@
 
 use super::block::Foot;
 use super::body::LaneLeg;
-use super::feet::Bearing;
+use super::feet::{Bearing, over};
 use super::spring::Spring;
 use crate::blend::HeightField;
 use crate::planar::Planar;
@@ -76,12 +76,11 @@ pub(crate) fn follow<F: Lanes>(
 ) -> Footing<F> {
     let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
     let share = over.share;
-    let mix = |heel: V<F>, ball: V<F>| heel * (one - share) + ball * share;
     let offset = load::<F>(&foot.offset);
     let (was_heel, was_ball) = (load::<F>(&foot.heel), load::<F>(&foot.ball));
-    let was = mix(was_heel, was_ball);
+    let was = was_heel.mix(was_ball, share);
     let is_down = F::load(&foot.down);
-    let at = over.place.to_world(over.ankle + mix(over.heel, over.ball)) + offset;
+    let at = over.place.to_world(over.ankle + over.heel.mix(over.ball, share)) + offset;
     let at = V::select_lt(half, is_down, was, at);
     let along = V::select_lt(half, is_down, was_ball - was_heel, over.place.vector_to_world(over.ball - over.heel));
     let [dx, dz] = level_direction(along);
@@ -96,8 +95,10 @@ pub(crate) fn follow<F: Lanes>(
     let below = [heel, ball].map(|[x, z]| heights(ground, x, z));
     let mut wanted = below;
     for ahead in AHEAD_S.map(F::splat) {
-        let further = |[x, z]: [F; 2]| heights(ground, x + velocity[0] * ahead, z + velocity[1] * ahead);
-        wanted = [wanted[0].max(further(heel)), wanted[1].max(further(ball))];
+        let [dx, dz] = [velocity[0] * ahead, velocity[1] * ahead];
+        for (wanted, [x, z]) in wanted.iter_mut().zip([heel, ball]) {
+            *wanted = wanted.max(heights(ground, x + dx, z + dz));
+        }
     }
     // To the left of the foot's direction.
     let side = F::splat(0.5 * WIDTH_M);
@@ -164,9 +165,7 @@ pub(crate) fn standing(ground: &HeightField, leg: &LaneLeg, foot: &Foot, bearing
 #[inline(always)]
 fn level_direction<F: Lanes>(along: V<F>) -> [F; 2] {
     let length = (along.x * along.x + along.z * along.z).sqrt();
-    let tiny = F::splat(1e-4);
-    let of = |v: F, otherwise: f32| F::select_lt(tiny, length, v / length.max(tiny), F::splat(otherwise));
-    [of(along.x, 0.0), of(along.z, 1.0)]
+    [over(along.x, length, 1e-4, 0.0), over(along.z, length, 1e-4, 1.0)]
 }
 
 /// Horizontal distance of heel and ball of a flat foot (m).
