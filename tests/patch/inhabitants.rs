@@ -68,6 +68,23 @@ fn nobody_enters_a_held_unit_and_motion_ends_where_its_node_is() {
     assert_eq!(been.len(), 25, "they roam everywhere");
 }
 
+/// People of two worlds that are alike do the same where they have the same numbers, and else not.
+#[test]
+fn who_has_another_number_roams_elsewhere() {
+    let world = open(&PLAIN);
+    let starts = scatter(world.graph(), 3, 7);
+    let ends = |first_number| {
+        let characters = CharactersConfig { first_number, ..CharactersConfig::default() };
+        let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
+        let mut people = Inhabitants::new(&world, starts.len(), config).expect("room");
+        starts.iter().for_each(|&start| _ = people.spawn(start).expect("a start"));
+        (0..600).for_each(|_| _ = people.step(DT, &Inline).expect("a step"));
+        (0..3).map(|c| people.state(Id::first(c)).expect("is there").node).collect::<Vec<_>>()
+    };
+    assert_eq!(ends(0), ends(0));
+    assert_ne!(ends(0), ends(3));
+}
+
 #[test]
 fn nothing_jumps() {
     let world = open(&["###", "#b#", "###"]);

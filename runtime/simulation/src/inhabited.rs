@@ -115,7 +115,8 @@ impl Inhabited {
             choices.push((range, choices_of(compiled, g, world.graph(), &ranges)?));
         }
         let fault = |e: Error| scene.fault(&key, format!("{e}; correct the scene file, or stitch the world again"));
-        let config = InhabitantsConfig::default();
+        let mut config = InhabitantsConfig::default();
+        config.characters.first_number = compiled.first_number(first) as u64;
         let mut inhabitants = Inhabitants::new(world, num, config).map_err(fault)?;
         starts.into_iter().try_for_each(|start| inhabitants.spawn(start).map(|_| ())).map_err(fault)?;
         for (choices, (g, _)) in choices.iter().map(|(_, c)| c).zip(&ranges) {

@@ -459,7 +459,8 @@ impl Inhabitants {
     /// What random numbers of a character depend on, beside the seed and their number.
     pub(super) fn name(&self, c: usize) -> u64 {
         let id = self.roster.ids()[c];
-        u64::from(id.generation) << 32 | u64::from(id.index)
+        let name = u64::from(id.generation) << 32 | u64::from(id.index);
+        self.config.characters.first_number.wrapping_add(name)
     }
 }
 
