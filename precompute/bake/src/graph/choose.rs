@@ -2,9 +2,12 @@
 
 use super::config::GraphConfig;
 use super::matches::Link;
+use crate::share::dealt;
 use rayon::prelude::*;
+use throng_base::Comm;
 use throng_core::Planar;
 use throng_core::planar::wrap_angle;
+use throng_motion::error::BuildError;
 
 /// Turns beyond this within the horizon are turns to a side (rad).
 const TURN: f32 = 0.35;
@@ -13,25 +16,42 @@ const STAY: f32 = 0.25;
 /// Room left in each state's actions for what the component needs.
 const RESERVED: usize = 4;
 
+/// Where the motion after an event leads.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Outcome {
+    /// As seen from the event.
+    pub place: Planar,
+    pub kind: Kind,
+}
+
+/// Side that is turned to, and direction of travel as one of five.
+pub(super) type Kind = (i8, u8);
+
 /// The links of every event at a threshold, best first.
 ///
 /// - `matches`: all links up to `max_error`, best first.
 /// - `outcomes`: where the motion after each event leads.
+/// - `comm`: who else chooses, each of some of the events.
 ///
 /// Of every kind of outcome (turning left, right or not; staying, going forward, back or to a side) the best link
 /// is taken, whatever its error; then the rest up to the threshold, each unless a better one leads nearly to
 /// the same place.
+///
+/// # Errors
+/// As [`dealt`].
 pub(super) fn choose(
     matches: &[Vec<Link>],
-    outcomes: &[Planar],
+    outcomes: &[Outcome],
     threshold: f32,
     config: &GraphConfig,
-) -> Vec<Vec<Link>> {
-    matches.par_iter().map(|links| choose_of_one(links, outcomes, threshold, config)).collect()
+    comm: &dyn Comm,
+) -> Result<Vec<Vec<Link>>, BuildError> {
+    let of_one = |event: usize| choose_of_one(&matches[event], outcomes, threshold, config);
+    dealt(comm, matches.len(), |own| Ok(own.into_par_iter().map(of_one).collect()))
 }
 
 /// As [`choose`], of one event.
-fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, config: &GraphConfig) -> Vec<Link> {
+fn choose_of_one(all: &[Link], outcomes: &[Outcome], threshold: f32, config: &GraphConfig) -> Vec<Link> {
     let mut choice = Choice::new(all, outcomes, config);
     for link in all.iter().take_while(|l| l.error <= threshold) {
         if choice.takes(link.event()) {
@@ -47,7 +67,7 @@ fn choose_of_one(all: &[Link], outcomes: &[Planar], threshold: f32, config: &Gra
 pub(super) struct Choice<'a> {
     chosen: Vec<Link>,
     most: usize,
-    outcomes: &'a [Planar],
+    outcomes: &'a [Outcome],
     config: &'a GraphConfig,
 }
 
@@ -55,12 +75,12 @@ impl<'a> Choice<'a> {
     /// Takes the best of every kind of outcome.
     ///
     /// - `best_first`: those, at least.
-    pub fn new(best_first: &[Link], outcomes: &'a [Planar], config: &'a GraphConfig) -> Self {
+    pub fn new(best_first: &[Link], outcomes: &'a [Outcome], config: &'a GraphConfig) -> Self {
         let most = config.max_actions.saturating_sub(1 + RESERVED).max(1);
         let mut chosen: Vec<Link> = Vec::new();
         for link in best_first {
-            let kind = kind_of(&outcomes[link.event()]);
-            if chosen.len() < most && chosen.iter().all(|l| kind_of(&outcomes[l.event()]) != kind) {
+            let kind = outcomes[link.event()].kind;
+            if chosen.len() < most && chosen.iter().all(|l| outcomes[l.event()].kind != kind) {
                 chosen.push(*link);
             }
         }
@@ -91,8 +111,13 @@ impl<'a> Choice<'a> {
     }
 }
 
-/// Kind of an outcome: side turned to, and direction of travel as one of five.
-pub(super) fn kind_of(outcome: &Planar) -> (i8, u8) {
+impl Outcome {
+    pub fn new(place: Planar) -> Self {
+        Self { place, kind: kind_of(&place) }
+    }
+}
+
+fn kind_of(outcome: &Planar) -> Kind {
     let side = if outcome.heading > TURN {
         1
     } else if outcome.heading < -TURN {
@@ -117,14 +142,16 @@ pub(super) fn sort(links: &mut [Link]) {
     links.sort_unstable_by_key(Link::rank);
 }
 
-fn same_outcome(a: &Planar, b: &Planar, config: &GraphConfig) -> bool {
-    f64::from((a.x - b.x).hypot(a.z - b.z)) < config.outcome_distance
+fn same_outcome(Outcome { place: a, .. }: &Outcome, Outcome { place: b, .. }: &Outcome, config: &GraphConfig) -> bool {
+    let [x, z] = [a.x - b.x, a.z - b.z].map(f64::from);
+    x * x + z * z < config.outcome_distance * config.outcome_distance
         && f64::from(wrap_angle(a.heading - b.heading).abs()) < config.outcome_angle
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use throng_base::Alone;
 
     fn links(errors: &[(usize, f32)]) -> Vec<Link> {
         errors.iter().map(|&(event, error)| Link::new(event, error)).collect()
@@ -138,8 +165,8 @@ mod tests {
     fn of_equal_outcomes_the_better_stays() {
         let mut matches = vec![Vec::new(); 6];
         matches[0] = links(&[(1, 0.1), (2, 0.2), (3, 0.3), (4, 0.4), (5, 0.9)]);
-        let outcomes = [0.0, 1.0, 1.0, 1.02, 2.0, 3.0].map(|z| Planar::new(0.0, z, 0.0));
-        let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig::default());
+        let outcomes = [0.0, 1.0, 1.0, 1.02, 2.0, 3.0].map(|z| Outcome::new(Planar::new(0.0, z, 0.0)));
+        let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig::default(), &Alone).unwrap();
         assert_eq!(events(&chosen[0]), [1, 4]);
     }
 
@@ -155,8 +182,9 @@ mod tests {
             Planar::new(0.0, 1.0, 2.0),
             Planar::new(0.0, -1.0, -1.0),
             Planar::new(0.1, 0.1, 0.0),
-        ];
-        let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig::default());
+        ]
+        .map(Outcome::new);
+        let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig::default(), &Alone).unwrap();
         assert_eq!(events(&chosen[0]), [1, 3, 5, 6]);
     }
 
@@ -164,8 +192,9 @@ mod tests {
     fn leaves_room_below_the_most_actions() {
         let mut matches = vec![Vec::new(); 100];
         matches[0] = (1..100).map(|event| Link::new(event, 0.1)).collect();
-        let outcomes: Vec<Planar> = (0..100).map(|z| Planar::new(0.0, z as f32, 0.0)).collect();
-        let chosen = choose(&matches, &outcomes, 0.5, &GraphConfig { max_actions: 10, ..Default::default() });
+        let outcomes: Vec<Outcome> = (0..100).map(|z| Outcome::new(Planar::new(0.0, z as f32, 0.0))).collect();
+        let chosen =
+            choose(&matches, &outcomes, 0.5, &GraphConfig { max_actions: 10, ..Default::default() }, &Alone).unwrap();
         assert_eq!(chosen[0].len(), 9 - RESERVED);
     }
 }

@@ -1,6 +1,7 @@
 //! The stage: event frames, matches, threshold, component, collapse.
 
 use super::bridge::{self, Arrivals};
+use super::choose::Outcome;
 use super::component::{EventGraph, largest_component};
 use super::config::GraphConfig;
 use super::events::{self, Event};
@@ -9,7 +10,6 @@ use super::report::{self, GraphReport};
 use super::{MotionGraph, choose, collapse};
 use crate::features::{self, FeaturesConfig};
 use throng_base::Comm;
-use throng_core::Planar;
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
@@ -136,7 +136,7 @@ struct Search<'a> {
     clips: &'a ClipSet,
     config: &'a GraphConfig,
     events: &'a [Event],
-    outcomes: &'a [Planar],
+    outcomes: &'a [Outcome],
     finder: Finder<'a>,
     comm: &'a dyn Comm,
     /// All event frames; its links are those that the finder keeps, within the component.
@@ -154,7 +154,7 @@ impl<'a> Search<'a> {
         clips: &'a ClipSet,
         events: &'a [Event],
         features: &'a features::Features,
-        outcomes: &'a [Planar],
+        outcomes: &'a [Outcome],
         config: &'a GraphConfig,
         rate_hz: f64,
         (progress, comm): (&dyn Progress, &'a dyn Comm),
@@ -189,7 +189,7 @@ impl<'a> Search<'a> {
             }
             None => self.find_threshold()?,
         };
-        let (graph, alive) = self.events_at(threshold);
+        let (graph, alive) = self.events_at(threshold)?;
         Ok((collapse::collapse(&graph, &alive, self.events, self.clips), threshold))
     }
 
@@ -203,9 +203,9 @@ impl<'a> Search<'a> {
     }
 
     /// Actions of a state on average at a threshold, over those that are wanted.
-    fn share_of_branching(&self, threshold: f32) -> f64 {
-        let (graph, alive) = self.events_at(threshold);
-        collapse::branching(&graph, &alive) / self.config.branching
+    fn share_of_branching(&self, threshold: f32) -> Result<f64, BuildError> {
+        let (graph, alive) = self.events_at(threshold)?;
+        Ok(collapse::branching(&graph, &alive) / self.config.branching)
     }
 
     /// Much motion has enough choices among near frames: it is looked for nearby first.
@@ -214,7 +214,7 @@ impl<'a> Search<'a> {
         let first = self.finder.threshold_for(MORE * self.config.branching, self.comm)?;
         let (mut low, mut high) = (0.0, first.clamp(LEAST_SHARE * most, most));
         self.reach(high)?;
-        while self.share_of_branching(high) < 1.0 {
+        while self.share_of_branching(high)? < 1.0 {
             if high >= most {
                 return Ok(most);
             }
@@ -223,7 +223,7 @@ impl<'a> Search<'a> {
         }
         for _ in 0..SEARCH_STEPS {
             let middle = 0.5 * (low + high);
-            match self.share_of_branching(middle) {
+            match self.share_of_branching(middle)? {
                 share if share < 1.0 => low = middle,
                 share => {
                     high = middle;
@@ -237,8 +237,8 @@ impl<'a> Search<'a> {
     }
 
     /// The event graph with the links that are chosen at a threshold, and its component.
-    fn events_at(&self, threshold: f32) -> (EventGraph, Vec<bool>) {
-        let links = choose::choose(&self.whole.links, self.outcomes, threshold, self.config);
+    fn events_at(&self, threshold: f32) -> Result<(EventGraph, Vec<bool>), BuildError> {
+        let links = choose::choose(&self.whole.links, self.outcomes, threshold, self.config, self.comm)?;
         let whole = &self.whole;
         let (next, frames, worth) = (whole.next.clone(), whole.frames.clone(), whole.worth.clone());
         let mut graph = EventGraph { next, frames, worth, links };
@@ -246,6 +246,6 @@ impl<'a> Search<'a> {
         bridge::bridge(&mut graph, &self.whole.links, &self.arrivals, &self.alive, most);
         // Where max_actions left no room for a bridge, a part may still be lost.
         let alive = largest_component(&graph, self.most_frames);
-        (graph, alive)
+        Ok((graph, alive))
     }
 }

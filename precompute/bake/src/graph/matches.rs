@@ -1,6 +1,6 @@
 //! Which event frames are alike.
 
-use super::choose::{self, Choice};
+use super::choose::{self, Choice, Outcome};
 use super::config::GraphConfig;
 use super::events::{Event, EventKind};
 use super::tree::{Tree, Walk};
@@ -82,7 +82,7 @@ pub(super) struct Limits {
 pub(super) struct Finder<'a> {
     events: &'a [Event],
     features: &'a Features,
-    outcomes: &'a [Planar],
+    outcomes: &'a [Outcome],
     limits: Limits,
     config: &'a GraphConfig,
     points: Vec<Point>,
@@ -105,7 +105,7 @@ impl<'a> Finder<'a> {
     pub fn new(
         events: &'a [Event],
         features: &'a Features,
-        outcomes: &'a [Planar],
+        outcomes: &'a [Outcome],
         limits: Limits,
         config: &'a GraphConfig,
         progress: &dyn Progress,
@@ -115,7 +115,7 @@ impl<'a> Finder<'a> {
         let next = successors(events);
         let mut parts = BTreeMap::<_, Vec<(u32, Point)>>::new();
         for i in (0..events.len()).filter(|&i| next[i].is_some()) {
-            parts.entry((events[i].kind, choose::kind_of(&outcomes[i]))).or_default().push((i as u32, points[i]));
+            parts.entry((events[i].kind, outcomes[i].kind)).or_default().push((i as u32, points[i]));
         }
         let mut trees = BTreeMap::<EventKind, Vec<Tree>>::new();
         parts.into_iter().for_each(|((kind, _), part)| trees.entry(kind).or_default().push(Tree::new(part)));
@@ -296,13 +296,13 @@ struct Search {
 }
 
 /// Where the motion after an event leads, seen from the event.
-pub(super) fn outcomes(events: &[Event], clips: &ClipSet, horizon_s: f64) -> Vec<Planar> {
+pub(super) fn outcomes(events: &[Event], clips: &ClipSet, horizon_s: f64) -> Vec<Outcome> {
     let starts = clips.frame_starts();
     let of_event = |e: &Event| {
         let clip = &clips.clips[e.clip];
         let horizon = ((horizon_s * clip.rate_hz).round() as u32).max(1);
         let last = FrameId((e.frame.0 + horizon).min(e.run_end.0 - 1));
-        displacement(clips, &starts, e.clip, e.frame, last)
+        Outcome::new(displacement(clips, &starts, e.clip, e.frame, last))
     };
     events.par_iter().map(of_event).collect()
 }

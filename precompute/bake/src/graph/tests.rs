@@ -1,7 +1,7 @@
 //! Matches, component, bridges and collapse of random event graphs against brute force.
 
 use super::bridge::{Arrivals, bridge};
-use super::choose::{choose, sort};
+use super::choose::{Outcome, choose, sort};
 use super::collapse::collapse;
 use super::component::{EventGraph, components, largest_component};
 use super::events::{Event, EventKind};
@@ -144,7 +144,7 @@ fn ends_of(graph: &MotionGraph, state: usize) -> Vec<usize> {
 }
 
 /// Frames of poses that vary in a few ways and a little in all, events at every third one, and where each leads.
-fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<Event>, Vec<Planar>) {
+fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<Event>, Vec<Outcome>) {
     let mut rng = Pcg64::seed_from_u64(seed);
     let mut vector = |size: f32| Vec3::from_array([0; 3].map(|_| rng.random_range(-size..size)));
     let ways: Vec<Vec<Vec3>> = (0..3).map(|_| (0..NUM_JOINTS).map(|_| vector(0.5)).collect()).collect();
@@ -175,7 +175,7 @@ fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<E
     });
     let outcomes = (0..num_events).map(|_| {
         let [x, z, turn] = vector(variety).to_array();
-        Planar::new(x, 2.0 * z, turn)
+        Outcome::new(Planar::new(x, 2.0 * z, turn))
     });
     let (events, outcomes): (Vec<Event>, _) = (events.collect(), outcomes.collect());
     let frames: Vec<FrameId> = events.iter().map(|e| e.frame).collect();
@@ -253,7 +253,7 @@ proptest! {
         let all = all_links(&events, &features, limit, 9);
         let highest = share * limit;
         let found = Finder::new(&events, &features, &outcomes, limits(limit), &config, &Silent, &Alone).unwrap().links(highest, &Alone).unwrap();
-        let mut kept = choose(&all, &outcomes, highest, &config);
+        let mut kept = choose(&all, &outcomes, highest, &config, &Alone).unwrap();
         kept.iter_mut().zip(&all).for_each(|(kept, all)| kept.extend(all.iter().take(NEAREST)));
         let back: Vec<(usize, Link)> = kept
             .iter()
@@ -269,7 +269,7 @@ proptest! {
         prop_assert_eq!(&found, &kept);
         for share in [0.0, 0.2, 0.5, 0.8, 1.0] {
             let threshold = share * highest;
-            prop_assert_eq!(choose(&found, &outcomes, threshold, &config), choose(&all, &outcomes, threshold, &config));
+            prop_assert_eq!(choose(&found, &outcomes, threshold, &config, &Alone).unwrap(), choose(&all, &outcomes, threshold, &config, &Alone).unwrap());
         }
     }
 }
