@@ -2,6 +2,7 @@
 
 use crate::graph::MotionGraph;
 use glam::Vec2;
+use std::ops::Range;
 use throng_core::planar::{Planar, wrap_angle};
 use throng_core::policy::MAX_ACTIONS;
 use throng_motion::clip::ClipSet;
@@ -97,6 +98,11 @@ impl ActionModel {
     /// Number of states.
     pub fn num_states(&self) -> usize {
         self.action_offsets.len() - 1
+    }
+
+    /// Segments of the actions of some states (below num_states).
+    pub fn segments_of(&self, states: Range<usize>) -> &[u32] {
+        &self.action_segments[self.action_offsets[states.start] as usize..self.action_offsets[states.end] as usize]
     }
 
     /// Frames of the shortest segment.

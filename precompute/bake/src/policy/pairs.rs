@@ -1,4 +1,5 @@
-//! What every (segment, cell) pair needs of the backup, worked out once and laid out for the sweeps.
+//! What every (segment, cell) pair needs of the backup, worked out once and laid out for the sweeps: of the segments that are
+//! backed up here alone.
 
 use glam::{Mat4, Vec4};
 use rayon::prelude::*;
@@ -68,7 +69,9 @@ impl Shape {
 /// 16 bytes a pair: 2 + 2 + 4 + 4 for the geometry, 4 for the reward.
 pub(super) struct Pairs {
     pub shape: Shape,
-    /// Index of the lower corner in the values of one height (num_segments * row).
+    /// Row of each segment; [`UNUSED`] for those that are not backed up.
+    rows: Vec<u32>,
+    /// Index of the lower corner in the values of one height (num_rows * row).
     pub base: Vec<u16>,
     /// Ratio between the angles, in units of 1 / 65535.
     pub angle_ratio: Vec<u16>,
@@ -76,7 +79,7 @@ pub(super) struct Pairs {
     pub near: Vec<f32>,
     /// Weight of the farther ring, with the discount.
     pub far: Vec<f32>,
-    /// Rewards (num_segments * heights * row).
+    /// Rewards (num_rows * heights * row).
     pub reward: Vec<f32>,
     /// State at the end of each segment.
     pub end: Vec<u32>,
@@ -93,18 +96,27 @@ pub(super) struct Pair {
     pub reward: f32,
 }
 
+/// Row of a segment that is not backed up.
+const UNUSED: u32 = u32::MAX;
+
 /// A unit of [`Pairs::angle_ratio`].
 const RATIO_UNIT: f32 = 1.0 / 65535.0;
 
 impl Pairs {
-    /// Works out the pairs of all segments, in parallel.
+    /// Works out the pairs of some segments, in parallel.
     ///
     /// - `table`: for its grid and reward; its values are not read.
-    pub fn new(table: &PolicyTable, segments: &[SegmentRecord]) -> Self {
+    /// - `backed_up`: segments that are backed up; any of them may be there several times.
+    pub fn new(table: &PolicyTable, segments: &[SegmentRecord], backed_up: &[u32]) -> Self {
         let shape = Shape::new(table.grid());
-        let (row, num_pairs) = (shape.row(), segments.len() * shape.row());
+        let mut rows = vec![UNUSED; segments.len()];
+        backed_up.iter().for_each(|&s| rows[s as usize] = 0);
+        let used: Vec<&SegmentRecord> = rows.iter().zip(segments).filter(|(r, _)| **r == 0).map(|(_, s)| s).collect();
+        rows.iter_mut().filter(|r| **r == 0).zip(0..).for_each(|(r, row)| *r = row);
+        let (row, num_pairs) = (shape.row(), used.len() * shape.row());
         let mut pairs = Self {
             shape,
+            rows,
             base: vec![0; num_pairs],
             angle_ratio: vec![0; num_pairs],
             near: vec![0.0; num_pairs],
@@ -116,7 +128,7 @@ impl Pairs {
         let geometry = pairs.base.par_chunks_mut(row).zip(pairs.angle_ratio.par_chunks_mut(row));
         let weights = pairs.near.par_chunks_mut(row).zip(pairs.far.par_chunks_mut(row));
         let rewards = pairs.reward.par_chunks_mut(row * shape.heights);
-        geometry.zip(weights).zip(rewards).zip(segments).for_each_init(
+        geometry.zip(weights).zip(rewards).zip(used).for_each_init(
             || vec![Backups::default(); row / LANES],
             |backups, ((((base, ratio), (near, far)), reward), segment)| {
                 let rows = Rows { base, ratio, near, far, reward };
@@ -140,7 +152,7 @@ impl Pairs {
     /// - `out`: (row)
     #[inline(always)]
     pub fn back_up(&self, segment: usize, height: usize, values: &[f32], out: &mut [f32]) {
-        let row = self.shape.row();
+        let (row, segment) = (self.shape.row(), self.rows[segment] as usize);
         let at = segment * row..(segment + 1) * row;
         let (base, _) = self.base[at.clone()].as_chunks::<4>();
         let (ratio, _) = self.angle_ratio[at.clone()].as_chunks::<4>();
@@ -168,8 +180,9 @@ impl Pairs {
     /// Picks out one pair.
     pub fn pair(&self, segment: usize, height: usize, cell: usize) -> Pair {
         let row = self.shape.row();
-        let i = segment * row + cell;
         let values = self.end[segment] as usize * self.shape.value_row() + height * self.shape.value_plane();
+        let segment = self.rows[segment] as usize;
+        let i = segment * row + cell;
         Pair {
             base: values as u32 + u32::from(self.base[i]),
             angle_ratio: f32::from(self.angle_ratio[i]) * RATIO_UNIT,

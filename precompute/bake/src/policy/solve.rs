@@ -97,8 +97,9 @@ pub fn shared_value_iteration(
     }
     let shape = Shape::new(&behaviour.spec().grid);
     let best = vec![0; solution.values.len()];
-    let pairs = Pairs::new(&solution.table(model, &best)?, &solution.segments);
-    let mut sweeper = Sweeper::new(pairs, model, comm.share(model.num_states()));
+    let own = comm.share(model.num_states());
+    let pairs = Pairs::new(&solution.table(model, &best)?, &solution.segments, model.segments_of(own.clone()));
+    let mut sweeper = Sweeper::new(pairs, model, own);
     solution.bytes_per_sweep = sweeper.bytes_per_sweep();
     solution.setup_s = begin.elapsed().as_secs_f64();
     let begin = Instant::now();

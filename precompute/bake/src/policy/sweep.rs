@@ -36,8 +36,7 @@ struct Scratch {
 impl<'a> Sweeper<'a> {
     pub fn new(pairs: Pairs, model: &'a ActionModel, own: Range<usize>) -> Self {
         let mut uses = vec![0u32; model.segments.len()];
-        let actions = model.action_offsets[own.start] as usize..model.action_offsets[own.end] as usize;
-        model.action_segments[actions].iter().for_each(|&s| uses[s as usize] += 1);
+        model.segments_of(own.clone()).iter().for_each(|&s| uses[s as usize] += 1);
         let shared_segments: Vec<u32> = (0..uses.len() as u32).filter(|&s| uses[s as usize] > 1).collect();
         let mut shared_rows = vec![PRIVATE; uses.len()];
         shared_segments.iter().zip(0..).for_each(|(&s, row)| shared_rows[s as usize] = row);
@@ -141,8 +140,7 @@ impl View<'_> {
     fn state(&self, state: usize, next: &mut [f32], greedy: &mut [Pair], scratch: &mut Scratch) -> f32 {
         let shape = self.pairs.shape;
         let (row, plane) = (shape.row(), shape.value_plane());
-        let actions = self.model.action_offsets[state] as usize..self.model.action_offsets[state + 1] as usize;
-        let segments = &self.model.action_segments[actions];
+        let segments = self.model.segments_of(state..state + 1);
         scratch.backup.resize(row, 0.0);
         scratch.action.resize(row, 0);
         let old = &self.values[state * shape.value_row()..][..shape.value_row()];
