@@ -169,7 +169,11 @@ fn folders_without_motion_are_refused_with_the_way_out() {
             assert!(e.contains(name) && e.contains(say), "{args:?}: {e}");
         }
     }
-    assert!(done(&["inspect", &at(&folder, "bad")]).contains("0 good, 0 odd, 1 skipped"));
+    // The lines are printed, and programs are told that there is nothing to build.
+    let bad = throng(&["inspect", &at(&folder, "bad")]);
+    let [printed, told] = [bad.stdout, bad.stderr].map(|s| text(&s));
+    assert!(!bad.status.success() && printed.contains("0 good, 0 odd, 1 skipped"), "{printed}");
+    assert!(told.contains("none of 1 file(s) can be read"), "{told}");
     let (place, mixed) = (Place::shared(), at(&folder, "texts"));
     assert!(failed(&["build", &place.path("little.toml"), &mixed]).contains("one config alone"));
     assert!(failed(&["build", &mixed, "--input", &mixed]).contains("--input is for a config"));

@@ -15,6 +15,7 @@ use crate::write::{self, Baked};
 use crate::{activities, cluster, examples, features, graph, motion, policy, provenance, stops};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use throng_base::{Alone, Comm};
 use throng_core::format::ActivityMeta;
@@ -134,7 +135,7 @@ pub fn build_shared(
 
     let (groups, patches) = baked_patches.as_ref().map(|(g, p)| (&**g, &**p)).unzip();
     if graph.states.is_empty() && blends.spaces.is_empty() && patches.is_none() {
-        return Err(nothing(&attempts));
+        return Err(nothing(&attempts, clips));
     }
     let meta = from.meta(cfg, graph_report)?;
     let baked = Baked {
@@ -160,7 +161,7 @@ pub fn build_shared(
 }
 
 /// The fault of a build that has nothing to play.
-fn nothing(attempts: &Attempts) -> BuildError {
+fn nothing(attempts: &Attempts, clips: &ClipSet) -> BuildError {
     let parts: Vec<String> = attempts.not_made.iter().map(|n| format!("no {}: {}", n.part, n.why)).collect();
     let (message, help) = match parts.is_empty() {
         true => (
@@ -168,9 +169,41 @@ fn nothing(attempts: &Attempts) -> BuildError {
                 .into(),
             "Name `behaviours`, `[blend.NAME]` or `[patches]` in the config, or build the motion without a config",
         ),
-        false => (format!("nothing can be made of this motion: {}", parts.join("; ")), "`throng inspect` says more"),
+        false => (
+            format!("nothing can be made of this motion: {}; {}", there_is(clips), parts.join("; ")),
+            "`throng inspect` says more",
+        ),
     };
     BuildError::Stage { stage: "build", message, help: help.into() }
+}
+
+/// What some motion shows, where that is too little: how much of it there is, what is left out, and whether anybody walks.
+fn there_is(clips: &ClipSet) -> String {
+    /// Slower than this over a second, nobody walks (m/s).
+    const WALKING_MPS: f32 = 0.3;
+    let (mut all_s, mut usable_s, mut walks) = (0.0, 0.0, false);
+    let mut left_out = BTreeMap::<String, f64>::new();
+    for clip in clips.clips.iter().filter(|c| !c.mirrored) {
+        let seconds = |frames: usize| frames as f64 / clip.rate_hz;
+        let second = clip.rate_hz.round().max(1.0) as usize;
+        all_s += seconds(clip.num_frames());
+        for e in &clip.excluded {
+            *left_out.entry(e.reason.to_string()).or_default() += seconds(e.range.len());
+        }
+        for r in clip.usable_ranges() {
+            usable_s += seconds(r.len());
+            let mut way = clip.root_positions[r].windows(second + 1).map(|w| w[second] - w[0]);
+            walks |= way.any(|by| by.with_y(0.0).length() > WALKING_MPS);
+        }
+    }
+    let left_out: Vec<String> = left_out.iter().map(|(why, s)| format!("{why} {s:.1} s")).collect();
+    let left_out = if left_out.is_empty() { String::new() } else { format!(" (left out: {})", left_out.join(", ")) };
+    let what = if walks {
+        "somebody walks in it, but too little or too seldom"
+    } else {
+        "nobody walks in it, so that there are no ways to go; add walks that start, turn and stop"
+    };
+    format!("it has {all_s:.1} s, of which {usable_s:.1} s can be used{left_out}, and {what}")
 }
 
 /// The motion patches of a config; tiles that cannot be made are left out where they may be missing.
