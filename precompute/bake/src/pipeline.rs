@@ -7,12 +7,13 @@ use crate::examples::BlendSpaces;
 pub use crate::motion::{Shard, ShardReport};
 use crate::parts::{Attempts, Parts};
 use crate::patch::{self, PatchConfig, Patches, TileConfig};
-use crate::policy::Policy;
+use crate::policy::{BehaviourConfig, BehaviourKind, Policy};
 use crate::report::{self, BuildReport, Built};
 use crate::share::{by_owners, owners};
 use crate::stages::{Motion, Output, Stages};
 use crate::write::{self, Baked};
 use crate::{activities, cluster, examples, features, graph, motion, policy, provenance, stops};
+use glam::Vec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
@@ -179,31 +180,34 @@ fn nothing(attempts: &Attempts, clips: &ClipSet) -> BuildError {
 
 /// What some motion shows, where that is too little: how much of it there is, what is left out, and whether anybody walks.
 fn there_is(clips: &ClipSet) -> String {
-    /// Slower than this over a second, nobody walks (m/s).
-    const WALKING_MPS: f32 = 0.3;
-    let (mut all_s, mut usable_s, mut walks) = (0.0, 0.0, false);
+    let (mut all_s, mut usable_s) = (0.0, 0.0);
     let mut left_out = BTreeMap::<String, f64>::new();
     for clip in clips.clips.iter().filter(|c| !c.mirrored) {
         let seconds = |frames: usize| frames as f64 / clip.rate_hz;
-        let second = clip.rate_hz.round().max(1.0) as usize;
         all_s += seconds(clip.num_frames());
+        usable_s += clip.usable_ranges().into_iter().map(|r| seconds(r.len())).sum::<f64>();
         for e in &clip.excluded {
             *left_out.entry(e.reason.to_string()).or_default() += seconds(e.range.len());
-        }
-        for r in clip.usable_ranges() {
-            usable_s += seconds(r.len());
-            let mut way = clip.root_positions[r].windows(second + 1).map(|w| w[second] - w[0]);
-            walks |= way.any(|by| by.with_y(0.0).length() > WALKING_MPS);
         }
     }
     let left_out: Vec<String> = left_out.iter().map(|(why, s)| format!("{why} {s:.1} s")).collect();
     let left_out = if left_out.is_empty() { String::new() } else { format!(" (left out: {})", left_out.join(", ")) };
-    let what = if walks {
-        "somebody walks in it, but too little or too seldom"
-    } else {
-        "nobody walks in it, so that there are no ways to go; add walks that start, turn and stop"
+    let what = match walks(clips) {
+        true => "somebody walks in it, but too little or too seldom",
+        false => "nobody walks in it: add walks that start, turn and stop, with root motion",
     };
     format!("it has {all_s:.1} s, of which {usable_s:.1} s can be used{left_out}, and {what}")
+}
+
+/// True where somebody goes somewhere.
+fn walks(clips: &ClipSet) -> bool {
+    /// Slower than this over a second, nobody walks (m/s).
+    const WALKING_MPS: f32 = 0.3;
+    clips.clips.iter().filter(|c| !c.mirrored).any(|clip| {
+        let second = clip.rate_hz.round().max(1.0) as usize;
+        let goes = |w: &[Vec3]| (w[second] - w[0]).with_y(0.0).length() > WALKING_MPS;
+        clip.usable_ranges().into_iter().any(|r| clip.root_positions[r].windows(second + 1).any(goes))
+    })
 }
 
 /// The motion patches of a config; tiles that cannot be made are left out where they may be missing.
@@ -280,7 +284,14 @@ fn policies(
     if graph.states.is_empty() {
         return Ok(all);
     }
+    let stays = |b: &BehaviourConfig| b.kind == BehaviourKind::Approach && !walks(clips);
     for some in attempts.pieces(&cfg.behaviours) {
+        if attempts.parts == Parts::Possible && some.iter().any(stays) {
+            let why = "nobody walks in this motion, so that characters would stay where they are. Add walks that start, turn \
+                       and stop, with root motion";
+            attempts.made::<()>(format!("policy {}", some[0].name), Err(BuildError::Config { message: why.into() }))?;
+            continue;
+        }
         let solved = s.stage("policy", &[key], &(&cfg.policy, some, cfg.seed), |p| {
             policy::solve(clips, graph, some, &cfg.policy, &mut Pcg64::seed_from_u64(cfg.seed), p, s.comm())
         });

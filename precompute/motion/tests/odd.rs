@@ -226,3 +226,12 @@ fn bodies_that_are_no_persons_are_refused_with_the_unit_that_makes_one() {
     assert!((of_height(660.0, None, &meant).unwrap().height - 0.66).abs() < 0.01);
     assert!(of_height(200.0, None, &meant).is_err());
 }
+
+#[test]
+fn bodies_are_as_tall_as_they_are_whatever_their_hips_hang_on() {
+    for (name, table) in tables::RIGS {
+        let text = rig::bvh(&rig::parse(table), &rig::Style::default());
+        let i = read(bvh::parse(text.as_bytes(), Path::new("a.bvh")).unwrap(), &[]);
+        assert!((1.55..1.95).contains(&i.height), "{name}: {} m", i.height);
+    }
+}

@@ -51,8 +51,11 @@ pub struct Verdict {
 /// # Errors
 /// As [`trial::run`].
 pub fn try_out(tables: &Bundle, blends: &[BlendReport]) -> Result<Option<(TrialReport, Verdict)>, BuildError> {
-    let is_approach = |c: BuildConfig| c.behaviours.first().is_some_and(|b| b.kind == BehaviourKind::Approach);
     let config = BuildConfig::parse(&tables.meta().config, "bundle".as_ref());
+    // Behaviours that the motion does not allow are not in the bundle.
+    let first = tables.meta().behaviours.first();
+    let is_approach =
+        |c: BuildConfig| c.behaviours.iter().any(|b| Some(&b.name) == first && b.kind == BehaviourKind::Approach);
     if tables.policies().is_empty() || !config.is_ok_and(is_approach) {
         return Ok(None);
     }
