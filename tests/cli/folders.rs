@@ -198,9 +198,161 @@ fn folders_in_which_nobody_goes_anywhere_are_told_as_such() {
         row.join(" ")
     });
     put(&folder, "treadmill/walk.bvh", &on_the_spot);
+    // Stands still, and stands and sways.
     let first = std::fs::read_to_string(clip).expect("a clip");
     let first = first.lines().skip_while(|l| !l.starts_with("Frame Time")).nth(1).expect("a frame").to_owned();
     put(&folder, "statue/stand.bvh", &edited(clip, |_, _| first.clone()));
+    let sway = |f: usize| {
+        let value = |(c, v): (usize, &str)| {
+            let by = if c < 6 { 0.0 } else { 4.0 * (0.05 * f as f64 + c as f64).sin() };
+            (v.parse::<f64>().expect("a number") + by).to_string()
+        };
+        first.split_whitespace().enumerate().map(value).collect::<Vec<_>>().join(" ")
+    };
+    put(&folder, "idle/idle.bvh", &edited(clip, |f, _| sway(f)));
+
+    let (out, treadmill) = (at(&folder, "a.throng"), at(&folder, "treadmill"));
+    let printed = done(&["inspect", &treadmill]);
+    assert!(printed.contains("odd: walks on the spot") && printed.contains("with root motion"), "{printed}");
+    let e = failed(&["build", &treadmill, "--out", &out, "--no-cache"]);
+    assert!(e.contains("nobody walks in it") && e.contains("walks on the spot"), "{e}");
+
+    let (report, _) = build(&[&at(&folder, "idle")], &out);
+    assert_eq!(report["policies"].as_array().map(Vec::len), Some(0), "{report}");
+    assert!(report["verdict"].is_null(), "{report}");
+    let not_made = report["not_made"].as_array().expect("a list");
+    let blows = not_made.iter().find(|n| n["part"] == "policy throw-punches").expect("told");
+    assert!(blows["why"].as_str().is_some_and(|why| why.contains("Add clips with punches")), "{blows}");
+    assert_eq!(report["skipped"], serde_json::json!([]));
+    assert_eq!(report["performers"].as_array().map(Vec::len), Some(1));
+    let names = |report: &Value| report["performers"][0]["clips"].clone();
+    let shown = names(&report).to_string();
+    for name in ["Day 1/take 1", "Day 2/morning/walk", "Day 2/evening/walk", "more/3"] {
+        assert!(shown.contains(&format!("\"{name}\"")), "{shown}");
+    }
+    has_keys(&report["verdict"], &["word", "sentences", "advice", "motion", "source_slip_mean_mps"]);
+    assert!(report["trial"]["reached_fraction"].as_f64() > Some(0.5), "{}", report["trial"]);
+
+    let (packed, _) = build(&[&zip], &b);
+    assert_eq!(names(&packed), names(&report));
+    assert_eq!(
+        (&packed["graph"], &packed["trial"]["reached_fraction"]),
+        (&report["graph"], &report["trial"]["reached_fraction"])
+    );
+    let pattern = at(&folder, "Day*/**/*alk.*");
+    let (some, _) = build(&[&pattern, &at(&folder, "more")], &b);
+    assert!(names(&some).to_string().contains("Day 2/evening/walk"), "{some}");
+}
+
+#[test]
+fn what_is_wrong_in_a_folder_is_told_and_the_rest_is_built() {
+    let (place, elsewhere) = (Place::shared(), folder());
+    let folder = lying_around(&place);
+    copy(&place.clips()[0], &folder, "copies/once more.bvh");
+    put(&folder, "broken.bvh", "HIERARCHY\nROOT\n");
+    put(&folder, "torn.zip", "not an archive");
+    put(&folder, "lonely.amc", ":FULLY-SPECIFIED\n1\n");
+    let root = folder.path().to_str().expect("a name").to_owned();
+    let out = at(&elsewhere, "a.throng");
+    let (report, told) = build(&[&root], &out);
+    let skipped = report["skipped"].to_string();
+    for (file, why) in [
+        ("broken.bvh", "expected"),
+        ("torn.zip", "no archive"),
+        ("lonely.amc", "ASF"),
+        ("once more.bvh", "the same motion as"),
+    ] {
+        assert!(skipped.contains(file) && skipped.contains(why), "{skipped}");
+    }
+    assert!(told.contains("4 file(s) skipped"), "{told}");
+
+    let seen = json(&["inspect", &root, "--json"], &["files", "performers", "repeated", "motion", "missing"]);
+    let line = |name: &str| {
+        let files = seen["files"].as_array().expect("a list");
+        files
+            .iter()
+            .find(|f| f["file"].as_str().is_some_and(|f| f.ends_with(name)))
+            .unwrap_or_else(|| panic!("{name}"))
+            .clone()
+    };
+    assert_eq!(
+        (line("take 1.BVH")["verdict"].as_str(), line("once more.bvh")["verdict"].as_str()),
+        (Some("good"), Some("odd"))
+    );
+    assert_eq!(
+        (line("broken.bvh")["verdict"].as_str(), line("torn.zip")["verdict"].as_str()),
+        (Some("skipped"), Some("skipped"))
+    );
+    assert_eq!(seen["repeated"].as_array().map(Vec::len), Some(1));
+    let printed = done(&["inspect", &root]);
+    for part in ["performer   ", "turns       ", "30.0 Hz", "Y up", "skipped: ", "missing     no blows", "twice       "]
+    {
+        assert!(printed.contains(part), "no `{part}` in {printed}");
+    }
+}
+
+#[test]
+fn folders_without_motion_are_refused_with_the_way_out() {
+    let folder = folder();
+    std::fs::create_dir(folder.path().join("empty")).expect("a folder");
+    put(&folder, "texts/a.txt", "not motion");
+    put(&folder, "bad/a.bvh", "not motion");
+    let out = at(&folder, "a.throng");
+    for (name, say) in [
+        ("empty", "no motion file is there"),
+        ("texts", ".bvh, .amc, .npz, .glb, .gltf or .fbx"),
+        ("bad", "a.bvh"),
+        ("absent", "absent"),
+    ] {
+        let path = at(&folder, name);
+        let commands: [&[&str]; 3] =
+            [&["build", &path, "--out", &out, "--no-cache"], &["run", &path, "--no-cache"], &["inspect", &path]];
+        for args in commands.into_iter().filter(|a| !(name == "bad" && a[0] == "inspect")) {
+            let e = failed(args);
+            assert!(e.contains(name) && e.contains(say), "{args:?}: {e}");
+        }
+    }
+    // The lines are printed, and programs are told that there is nothing to build.
+    let bad = throng(&["inspect", &at(&folder, "bad")]);
+    let [printed, told] = [bad.stdout, bad.stderr].map(|s| text(&s));
+    assert!(!bad.status.success() && printed.contains("0 good, 0 odd, 1 skipped"), "{printed}");
+    assert!(told.contains("none of 1 file(s) can be read"), "{told}");
+    let (place, mixed) = (Place::shared(), at(&folder, "texts"));
+    assert!(failed(&["build", &place.path("little.toml"), &mixed]).contains("one config alone"));
+    assert!(failed(&["build", &mixed, "--input", &mixed]).contains("--input is for a config"));
+    assert!(failed(&["run", &mixed, &place.bundle()]).contains("motion alone"));
+}
+
+/// A clip whose rows of numbers were edited.
+fn edited(clip: &Path, edit: impl Fn(usize, Vec<&str>) -> String) -> String {
+    let text = std::fs::read_to_string(clip).expect("a clip");
+    let head = text.find("Frame Time").map(|i| i + text[i..].find('\n').expect("a line") + 1).expect("a rate");
+    let rows = text[head..].lines().enumerate().map(|(f, l)| edit(f, l.split_whitespace().collect()) + "\n");
+    text[..head].to_owned() + &rows.collect::<String>()
+}
+
+#[test]
+fn folders_in_which_nobody_goes_anywhere_are_told_as_such() {
+    let (place, folder) = (Place::shared(), folder());
+    let clip = &place.clips()[0];
+    // Exported "in place".
+    let on_the_spot = edited(clip, |_, mut row| {
+        (row[0], row[2]) = ("0", "0");
+        row.join(" ")
+    });
+    put(&folder, "treadmill/walk.bvh", &on_the_spot);
+    // Stands still, and stands and sways.
+    let first = std::fs::read_to_string(clip).expect("a clip");
+    let first = first.lines().skip_while(|l| !l.starts_with("Frame Time")).nth(1).expect("a frame").to_owned();
+    put(&folder, "statue/stand.bvh", &edited(clip, |_, _| first.clone()));
+    let sway = |f: usize| {
+        let value = |(c, v): (usize, &str)| {
+            let by = if c < 6 { 0.0 } else { 4.0 * (0.05 * f as f64 + c as f64).sin() };
+            (v.parse::<f64>().expect("a number") + by).to_string()
+        };
+        first.split_whitespace().enumerate().map(value).collect::<Vec<_>>().join(" ")
+    };
+    put(&folder, "idle/idle.bvh", &edited(clip, |f, _| sway(f)));
 
     let (out, treadmill) = (at(&folder, "a.throng"), at(&folder, "treadmill"));
     let printed = done(&["inspect", &treadmill]);

@@ -136,7 +136,7 @@ pub fn build_shared(
 
     let (groups, patches) = baked_patches.as_ref().map(|(g, p)| (&**g, &**p)).unzip();
     if graph.states.is_empty() && blends.spaces.is_empty() && patches.is_none() {
-        return Err(nothing(&attempts, clips));
+        return Err(nothing(&attempts, &motion));
     }
     let meta = from.meta(cfg, graph_report)?;
     let baked = Baked {
@@ -162,7 +162,7 @@ pub fn build_shared(
 }
 
 /// The fault of a build that has nothing to play.
-fn nothing(attempts: &Attempts, clips: &ClipSet) -> BuildError {
+fn nothing(attempts: &Attempts, motion: &Motion) -> BuildError {
     let parts: Vec<String> = attempts.not_made.iter().map(|n| format!("no {}: {}", n.part, n.why)).collect();
     let (message, help) = match parts.is_empty() {
         true => (
@@ -170,10 +170,13 @@ fn nothing(attempts: &Attempts, clips: &ClipSet) -> BuildError {
                 .into(),
             "Name `behaviours`, `[blend.NAME]` or `[patches]` in the config, or build the motion without a config",
         ),
-        false => (
-            format!("nothing can be made of this motion: {}; {}", there_is(clips), parts.join("; ")),
-            "`throng inspect` says more",
-        ),
+        false => {
+            // The report, which has them, is not made.
+            let told = motion.warnings.messages.iter().take(1).map(|w| format!("; {}", w.trim_end_matches('.')));
+            let there_is = there_is(&motion.clips) + &told.collect::<String>();
+            let parts = parts.join("; ");
+            (format!("nothing can be made of this motion: {there_is}; {parts}"), "`throng inspect` says more")
+        }
     };
     BuildError::Stage { stage: "build", message, help: help.into() }
 }
