@@ -18,7 +18,7 @@ const BEHIND: f64 = 0.1;
 /// Feet that slip less are still, whatever the clips' do (m/s).
 const STILL_FEET_MPS: f64 = 0.03;
 /// Low toes that are slower do not catch the eye, whatever the clips' do (m/s).
-const SLOW_TOES_MPS: f64 = 0.5;
+const SLOW_TOES_MPS: f64 = 0.6;
 /// Clips that are named.
 const NAMED: usize = 3;
 
@@ -84,6 +84,7 @@ impl Longest {
 pub(super) fn all(facts: &Facts<'_>) -> Vec<Measure> {
     let mut all = vec![reached(facts)];
     all.extend(worst_targets(facts.trial));
+    all.extend(staying(facts));
     all.extend(standing(facts));
     all.push(stopped(facts.trial));
     all.push(wait(facts));
@@ -163,7 +164,18 @@ fn worst_targets(trial: &TrialReport) -> impl Iterator<Item = Measure> {
     })
 }
 
-/// Whether those who have come stand.
+/// Whether those who have come stay.
+fn staying(facts: &Facts<'_>) -> Option<Measure> {
+    let (trial, advice) = (facts.trial, || stops(facts));
+    if trial.reached_fraction * (trial.characters as f64) < FEW as f64 {
+        return None;
+    }
+    let share = (trial.stayed_fraction / trial.reached_fraction).min(1.0);
+    let told = format!("only {} of those who came are still there at the end", percent(share));
+    Some(measure("staying at targets", share, [0.7, 0.2], told).advised(advice))
+}
+
+/// Whether those who have stayed stand.
 fn standing(facts: &Facts<'_>) -> Option<Measure> {
     let (trial, share) = (facts.trial, facts.trial.standing_fraction);
     if trial.stayed_fraction * (trial.characters as f64) < FEW as f64 {
@@ -175,7 +187,16 @@ fn standing(facts: &Facts<'_>) -> Option<Measure> {
     };
     // They have come all the same.
     let m = measure("standing at targets", share, [0.5, 0.0], told).told();
-    Some(m.advised(|| facts.motion.missing(facts.mirrored)))
+    Some(m.advised(|| stops(facts)))
+}
+
+/// What lets characters stay and stand.
+fn stops(facts: &Facts<'_>) -> Vec<String> {
+    let missing = facts.motion.missing(facts.mirrored);
+    match missing.is_empty() {
+        true => vec!["add clips that come to stand, with both feet on the ground for some seconds".into()],
+        false => missing,
+    }
 }
 
 fn stopped(trial: &TrialReport) -> Measure {
@@ -410,7 +431,14 @@ mod tests {
         check(verdict(|t, _, _| t.reached_fraction = 0.85), "fair", "targets reached", "85 %", "lead to each other");
         let behind = |t: &mut TrialReport| t.reached_by_direction = vec![share("behind", 0.4)];
         check(verdict(|t, _, _| behind(t)), "poor", "targets of the worst direction", "behind: 40 %", "");
-        check(verdict(|t, _, _| t.standing_fraction = 0.0), "fair", "standing at targets", "only 0 %", "");
+        check(verdict(|t, _, _| t.standing_fraction = 0.0), "fair", "standing at targets", "only 0 %", "come to stand");
+        check(
+            verdict(|t, _, _| t.stayed_fraction = 0.01),
+            "poor",
+            "staying at targets",
+            "only 1 % of those who came",
+            "stand",
+        );
         check(verdict(|t, _, _| t.stopped_share = 0.5), "fair", "standing on the way", "50 % of the time", "");
         let wait = "longest wait for a choice (s)";
         check(

@@ -95,7 +95,7 @@ impl Verdict {
             blends,
         };
         let mut verdict = Self { walking_unused_s: unused_s, ..Self::of(&facts) };
-        if trial.reached_fraction < GOOD_REACH && unused_s > verdict.motion.walking_s {
+        if trial.reached_fraction < GOOD_REACH && unused_s > verdict.motion.walking_s.max(1.0) {
             verdict.advice = of_unused(unused_s, &unused_clips(tables), &all, mirrored);
         }
         verdict
