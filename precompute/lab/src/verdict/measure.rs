@@ -18,7 +18,7 @@ const BEHIND: f64 = 0.1;
 /// Feet that slip less are still, whatever the clips' do (m/s).
 const STILL_FEET_MPS: f64 = 0.03;
 /// Low toes that are slower do not catch the eye, whatever the clips' do (m/s).
-const SLOW_TOES_MPS: f64 = 0.6;
+const SLOW_TOES_MPS: f64 = 0.8;
 /// Clips that are named.
 const NAMED: usize = 3;
 
@@ -458,7 +458,7 @@ mod tests {
         let source = "foot slip in the clips (m/s)";
         check(verdict(|_, _, r| r.source_slip_mps = 0.7), "poor", source, "700 mm/s", "`slider` 500, `walker` 10 mm/s");
         let low = "low toes, 95th percentile (m/s)";
-        check(verdict(|t, _, _| t.quality = toes(0.8)), "fair", low, "up to 0.80 m/s (0.10", "alike");
+        check(verdict(|t, _, _| t.quality = toes(1.2)), "fair", low, "up to 1.20 m/s (0.10", "alike");
         let kept = |p| verdict(|_, _, r| r.promises = vec![("ok", promise(1.0, 0.9)), ("punch", p)]);
         check(kept(promise(0.3, 0.2)), "poor", "promises kept", "`punch` collects 30 %", "`punch`: set more rings");
         let p05 = "promises kept, 5th percentile";
