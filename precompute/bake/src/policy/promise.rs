@@ -18,7 +18,7 @@ const LEAST_SHARE: f64 = 0.05;
 const LEAST_ROLLOUTS: usize = 20;
 /// Kept share from which on a policy is trusted.
 pub const ENOUGH_KEPT: f64 = 0.8;
-/// Kept share of single roll-outs below which next to nothing is kept, at the 5th percentile.
+/// Kept share of single roll-outs below which next to nothing is kept, at the 5th percentile: told by verdicts.
 pub const LEAST_KEPT: f64 = 0.1;
 /// Parts of the grid's distances.
 const RINGS: usize = 3;
@@ -138,26 +138,17 @@ fn kept(rollouts: &[Rollout]) -> Option<(f64, f64)> {
 
 impl Promise {
     fn warning(&self, name: &str, table: &PolicyTable) -> Option<String> {
-        let at = |of: fn(&PromisePart) -> f64| {
-            let worst = self.parts.iter().min_by(|a, b| of(a).total_cmp(&of(b)));
-            worst.map_or(String::new(), |p| {
-                let [from, to] = p.distance_m;
-                let share = 100.0 * of(p).max(0.0);
-                format!(", least for targets {from:.1} to {to:.1} m away, {}: {share:.0} %", p.direction)
-            })
-        };
-        let what = match (self.kept?, self.kept_p05?) {
-            (kept, _) if kept < ENOUGH_KEPT => {
-                let at = at(|p| p.kept);
-                format!("what it collects is {:.0} % of what its values promise{at}", 100.0 * kept)
-            }
-            (_, p05) if p05 < LEAST_KEPT => {
-                let (share, at) = (100.0 * p05.max(0.0), at(|p| p.kept_p05));
-                format!("for one target in twenty it collects {share:.0} % of what its values promise, or less{at}")
-            }
-            _ => return None,
-        };
-        Some(format!("policy \"{name}\": {what}; {}", help(table)))
+        let kept = self.kept.filter(|&kept| kept < ENOUGH_KEPT)?;
+        let worst = self.parts.iter().min_by(|a, b| a.kept.total_cmp(&b.kept));
+        let at = worst.map_or(String::new(), |p| {
+            let [from, to] = p.distance_m;
+            format!(", least for targets {from:.1} to {to:.1} m away, {}: {:.0} %", p.direction, 100.0 * p.kept)
+        });
+        Some(format!(
+            "policy \"{name}\": what it collects is {:.0} % of what its values promise{at}; {}",
+            100.0 * kept,
+            help(table)
+        ))
     }
 }
 
