@@ -132,7 +132,7 @@ pub fn run(args: &Args) -> Outcome {
     drop(bar);
     let report = report.map_err(|e| plan.error(e))?;
     output::warnings(&report.skipped, &report.warnings);
-    let (trial, verdict) = verdict::try_out(&crate::args::open(&out)?)?.unzip();
+    let (trial, verdict) = verdict::try_out(&crate::args::open(&out)?, &report.blend_spaces)?.unzip();
     if let Some(path) = &args.report {
         let text = report::markdown(&report);
         files::write_atomically(path, |w| w.write_all(text.as_bytes()))?;

@@ -89,7 +89,12 @@ fn many(args: &Args) -> Outcome {
     if let Some(bundle) = args.files.iter().find(|f| is_bundle(f)) {
         return fail(format!("{}: expected a bundle alone, or motion alone", bundle.display()));
     }
-    print(args, &inspect::inspect_all(&args.files, &args.read.config()?, &progress::Bar::default())?)
+    let report = inspect::inspect_all(&args.files, &args.read.config()?, &progress::Bar::default())?;
+    print(args, &report)?;
+    match report.files.iter().all(|f| f.verdict == "skipped") {
+        true => fail(format!("none of {} file(s) can be read: a build would make nothing of them", report.files.len())),
+        false => Ok(()),
+    }
 }
 
 fn print(args: &Args, report: &(impl serde::Serialize + std::fmt::Display)) -> Outcome {

@@ -115,12 +115,12 @@ fn print(r: &PlanReport) -> Outcome {
     rows.push((
         "motion",
         format!(
-            "{:.2} rad, jerk {:.0} rad/s^3 ({:.0} before smoothing); {} m clear, {} rad within limits",
+            "{:.2} rad, jerk {:.0} rad/s^3 ({:.0} before smoothing); {} m clear, {}",
             r.path_length_rad,
             r.jerk_after,
             r.jerk_before,
             number(r.clearance_min_m),
-            number(r.limit_margin_rad)
+            r.limits()
         ),
     ));
     rows.push(("check", format!("{} violations, {:.4} m deep at most", r.recheck_violations, r.penetration_max_m)));

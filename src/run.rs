@@ -116,7 +116,7 @@ pub fn run(args: &Args) -> Outcome {
     if let Some(png) = &args.png {
         draw(&tables, &config, &report, &record, png)?;
     }
-    let verdict = Verdict::new(&tables, &report);
+    let verdict = Verdict::new(&tables, &report, &[]);
     if args.json {
         return output::json(&Report { trial: report, verdict });
     }

@@ -169,11 +169,64 @@ fn folders_without_motion_are_refused_with_the_way_out() {
             assert!(e.contains(name) && e.contains(say), "{args:?}: {e}");
         }
     }
-    assert!(done(&["inspect", &at(&folder, "bad")]).contains("0 good, 0 odd, 1 skipped"));
+    // The lines are printed, and programs are told that there is nothing to build.
+    let bad = throng(&["inspect", &at(&folder, "bad")]);
+    let [printed, told] = [bad.stdout, bad.stderr].map(|s| text(&s));
+    assert!(!bad.status.success() && printed.contains("0 good, 0 odd, 1 skipped"), "{printed}");
+    assert!(told.contains("none of 1 file(s) can be read"), "{told}");
     let (place, mixed) = (Place::shared(), at(&folder, "texts"));
     assert!(failed(&["build", &place.path("little.toml"), &mixed]).contains("one config alone"));
     assert!(failed(&["build", &mixed, "--input", &mixed]).contains("--input is for a config"));
     assert!(failed(&["run", &mixed, &place.bundle()]).contains("motion alone"));
+}
+
+/// A clip whose rows of numbers were edited.
+fn edited(clip: &Path, edit: impl Fn(usize, Vec<&str>) -> String) -> String {
+    let text = std::fs::read_to_string(clip).expect("a clip");
+    let head = text.find("Frame Time").map(|i| i + text[i..].find('\n').expect("a line") + 1).expect("a rate");
+    let rows = text[head..].lines().enumerate().map(|(f, l)| edit(f, l.split_whitespace().collect()) + "\n");
+    text[..head].to_owned() + &rows.collect::<String>()
+}
+
+#[test]
+fn folders_in_which_nobody_goes_anywhere_are_told_as_such() {
+    let (place, folder) = (Place::shared(), folder());
+    let clip = &place.clips()[0];
+    // Exported "in place".
+    let on_the_spot = edited(clip, |_, mut row| {
+        (row[0], row[2]) = ("0", "0");
+        row.join(" ")
+    });
+    put(&folder, "treadmill/walk.bvh", &on_the_spot);
+    // Stands still, and stands and sways.
+    let first = std::fs::read_to_string(clip).expect("a clip");
+    let first = first.lines().skip_while(|l| !l.starts_with("Frame Time")).nth(1).expect("a frame").to_owned();
+    put(&folder, "statue/stand.bvh", &edited(clip, |_, _| first.clone()));
+    let sway = |f: usize| {
+        let value = |(c, v): (usize, &str)| {
+            let by = if c < 6 { 0.0 } else { 4.0 * (0.15 * f as f64 + c as f64).sin() };
+            (v.parse::<f64>().expect("a number") + by).to_string()
+        };
+        first.split_whitespace().enumerate().map(value).collect::<Vec<_>>().join(" ")
+    };
+    put(&folder, "idle/idle.bvh", &edited(clip, |f, _| sway(f)));
+
+    let (out, treadmill) = (at(&folder, "a.throng"), at(&folder, "treadmill"));
+    let printed = done(&["inspect", &treadmill]);
+    assert!(printed.contains("odd: walks on the spot") && printed.contains("with root motion"), "{printed}");
+    let e = failed(&["build", &treadmill, "--out", &out, "--no-cache"]);
+    assert!(e.contains("nobody walks in it") && e.contains("walks on the spot"), "{e}");
+
+    let (report, _) = build(&[&at(&folder, "idle")], &out);
+    assert_eq!(report["policies"].as_array().map(Vec::len), Some(0), "{report}");
+    assert!(report["verdict"].is_null(), "{report}");
+    let not_made = report["not_made"].to_string();
+    assert!(not_made.contains("policy approach") && not_made.contains("nobody walks in this motion"), "{not_made}");
+    assert!(failed(&["run", &out]).contains("no behaviour"));
+    let e = failed(&["build", &at(&folder, "statue"), "--out", &out, "--no-cache"]);
+    for part in ["nothing can be made of this motion", "left out: still", "nobody walks in it: add walks"] {
+        assert!(e.contains(part), "{e}");
+    }
 }
 
 #[test]

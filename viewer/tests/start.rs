@@ -54,7 +54,8 @@ fn a_dropped_folder_is_built_told_judged_and_run() {
     let made = built.told.news.iter().any(|n| matches!(n, News::Made(what) if what.contains("policies")));
     assert!(made, "{:?}", built.told.news);
     let verdict = built.told.verdict.expect("characters go to targets");
-    assert!(verdict.sentences[0].contains("of the targets were reached"), "{verdict:?}");
+    let is_reach = |s: &String| s.contains("of the targets were reached");
+    assert!(verdict.sentences.iter().any(is_reach), "{verdict:?}");
     v.harness.run_steps(3);
     v.harness.get_by_label("Built walks");
     v.harness.get_by_label_contains("of the targets were reached");

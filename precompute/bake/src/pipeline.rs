@@ -7,14 +7,16 @@ use crate::examples::BlendSpaces;
 pub use crate::motion::{Shard, ShardReport};
 use crate::parts::{Attempts, Parts};
 use crate::patch::{self, PatchConfig, Patches, TileConfig};
-use crate::policy::Policy;
+use crate::policy::{BehaviourConfig, BehaviourKind, Policy};
 use crate::report::{self, BuildReport, Built};
 use crate::share::{by_owners, owners};
 use crate::stages::{Motion, Output, Stages};
 use crate::write::{self, Baked};
 use crate::{activities, cluster, examples, features, graph, motion, policy, provenance, stops};
+use glam::Vec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use throng_base::{Alone, Comm};
 use throng_core::format::ActivityMeta;
@@ -134,7 +136,7 @@ pub fn build_shared(
 
     let (groups, patches) = baked_patches.as_ref().map(|(g, p)| (&**g, &**p)).unzip();
     if graph.states.is_empty() && blends.spaces.is_empty() && patches.is_none() {
-        return Err(nothing(&attempts));
+        return Err(nothing(&attempts, &motion));
     }
     let meta = from.meta(cfg, graph_report)?;
     let baked = Baked {
@@ -160,7 +162,7 @@ pub fn build_shared(
 }
 
 /// The fault of a build that has nothing to play.
-fn nothing(attempts: &Attempts) -> BuildError {
+fn nothing(attempts: &Attempts, motion: &Motion) -> BuildError {
     let parts: Vec<String> = attempts.not_made.iter().map(|n| format!("no {}: {}", n.part, n.why)).collect();
     let (message, help) = match parts.is_empty() {
         true => (
@@ -168,9 +170,47 @@ fn nothing(attempts: &Attempts) -> BuildError {
                 .into(),
             "Name `behaviours`, `[blend.NAME]` or `[patches]` in the config, or build the motion without a config",
         ),
-        false => (format!("nothing can be made of this motion: {}", parts.join("; ")), "`throng inspect` says more"),
+        false => {
+            // The report, which has them, is not made.
+            let told = motion.warnings.messages.iter().take(1).map(|w| format!("; {}", w.trim_end_matches('.')));
+            let there_is = there_is(&motion.clips) + &told.collect::<String>();
+            let parts = parts.join("; ");
+            (format!("nothing can be made of this motion: {there_is}; {parts}"), "`throng inspect` says more")
+        }
     };
     BuildError::Stage { stage: "build", message, help: help.into() }
+}
+
+/// What some motion shows, where that is too little: how much of it there is, what is left out, and whether anybody walks.
+fn there_is(clips: &ClipSet) -> String {
+    let (mut all_s, mut usable_s) = (0.0, 0.0);
+    let mut left_out = BTreeMap::<String, f64>::new();
+    for clip in clips.clips.iter().filter(|c| !c.mirrored) {
+        let seconds = |frames: usize| frames as f64 / clip.rate_hz;
+        all_s += seconds(clip.num_frames());
+        usable_s += clip.usable_ranges().into_iter().map(|r| seconds(r.len())).sum::<f64>();
+        for e in &clip.excluded {
+            *left_out.entry(e.reason.to_string()).or_default() += seconds(e.range.len());
+        }
+    }
+    let left_out: Vec<String> = left_out.iter().map(|(why, s)| format!("{why} {s:.1} s")).collect();
+    let left_out = if left_out.is_empty() { String::new() } else { format!(" (left out: {})", left_out.join(", ")) };
+    let what = match walks(clips) {
+        true => "somebody walks in it, but too little or too seldom",
+        false => "nobody walks in it: add walks that start, turn and stop, with root motion",
+    };
+    format!("it has {all_s:.1} s, of which {usable_s:.1} s can be used{left_out}, and {what}")
+}
+
+/// True where somebody goes somewhere.
+fn walks(clips: &ClipSet) -> bool {
+    /// Slower than this over a second, nobody walks (m/s).
+    const WALKING_MPS: f32 = 0.3;
+    clips.clips.iter().filter(|c| !c.mirrored).any(|clip| {
+        let second = clip.rate_hz.round().max(1.0) as usize;
+        let goes = |w: &[Vec3]| (w[second] - w[0]).with_y(0.0).length() > WALKING_MPS;
+        clip.usable_ranges().into_iter().any(|r| clip.root_positions[r].windows(second + 1).any(goes))
+    })
 }
 
 /// The motion patches of a config; tiles that cannot be made are left out where they may be missing.
@@ -247,7 +287,14 @@ fn policies(
     if graph.states.is_empty() {
         return Ok(all);
     }
+    let stays = |b: &BehaviourConfig| b.kind == BehaviourKind::Approach && !walks(clips);
     for some in attempts.pieces(&cfg.behaviours) {
+        if attempts.parts == Parts::Possible && some.iter().any(stays) {
+            let why = "nobody walks in this motion, so that characters would stay where they are. Add walks that start, turn \
+                       and stop, with root motion";
+            attempts.made::<()>(format!("policy {}", some[0].name), Err(BuildError::Config { message: why.into() }))?;
+            continue;
+        }
         let solved = s.stage("policy", &[key], &(&cfg.policy, some, cfg.seed), |p| {
             policy::solve(clips, graph, some, &cfg.policy, &mut Pcg64::seed_from_u64(cfg.seed), p, s.comm())
         });

@@ -125,7 +125,10 @@ impl Abilities {
     pub fn missing(&self, mirrored: bool) -> Vec<String> {
         let mut out = Vec::new();
         if self.walking_s < 1.0 {
-            out.push("no walking: characters cannot go to a target; add walks of at least a minute".to_owned());
+            out.push(
+                "no walking: characters cannot go to a target; add walks of at least a minute, with root motion"
+                    .to_owned(),
+            );
             return out;
         }
         if self.walking_s < LITTLE_WALKING_S {

@@ -160,7 +160,8 @@ fn every_rig_stands_and_turns_as_it_was_written() {
         {
             let text = rig::bvh(&parts, &Style { rest, moves, ..Style::default() });
             let source = bvh::parse(text.as_bytes(), Path::new("a.bvh")).unwrap();
-            let imported = interpret(source, &ImportConfig::default(), &[]).unwrap();
+            let imported = interpret(source, &ImportConfig::default(), &[])
+                .unwrap_or_else(|e| panic!("{name} {rest:?} {moves}: {e}"));
             let has = |j: Joint| imported.roles.get(j).is_some();
             let set =
                 onto(std::slice::from_ref(&imported), &RetargetConfig::default(), &mut Default::default()).unwrap();

@@ -291,3 +291,22 @@ fn a_pop_is_bridged_by_what_the_clip_was() {
         }
     }
 }
+
+#[test]
+fn a_frame_in_which_an_elbow_is_turned_by_40_degrees_is_found_and_mended() {
+    let source = walking();
+    let clean = read(&source, Glitches::Keep, &[]);
+    let n = source.clip.joints.len();
+    for role in [Joint::LeftForearm, Joint::RightForearm, Joint::LeftUpperArm, Joint::RightShin, Joint::LeftThigh] {
+        let j = clean.roles.get(role).unwrap();
+        for f in [9, 23, 40, 51] {
+            let mut faulty = source.clone();
+            faulty.clip.rotations[f * n + j] *= Quat::from_rotation_x(40f32.to_radians());
+            let mended = read(&faulty, Glitches::Bridge, &[]);
+            let found: Vec<_> = mended.glitches.iter().map(|g| (g.frames.clone(), g.treated)).collect();
+            assert_eq!(found, [(f..f + 1, Treated::Bridged)], "{} {f}", role.name());
+            let apart = mended.clip.rotations[f * n + j].angle_between(clean.clip.rotations[f * n + j]);
+            assert!(apart < 0.05, "{} {f}: {apart}", role.name());
+        }
+    }
+}

@@ -163,7 +163,8 @@ pub struct FindConfig {
     pub mirror: bool,
     /// Most examples from these clips: those that are farthest from one another (>= 1).
     pub most: Option<usize>,
-    /// Cycles whose ends differ by more, as the mean turn of a joint, are not taken (deg, > 0, <= 180).
+    /// Cycles whose ends differ by more, as the mean turn of a joint, are not taken (deg, > 0, <= 180); 6 where absent. Nor are
+    /// those whose hips are more than 0.1 m apart.
     pub closing_deg: Option<f64>,
 }
 

@@ -124,6 +124,17 @@ pub struct ExampleReport {
     pub closing_m: f64,
 }
 
+/// Cycles that are farther apart at their seam are not found, and are told where a config names them: hips (m), and the mean
+/// turn of a joint (deg).
+pub const WIDEST_SEAM: (f64, f64) = (0.1, 6.0);
+
+impl ExampleReport {
+    /// How wide the seam is, over the widest that is let through unnamed.
+    pub fn seam(&self) -> f64 {
+        (self.closing_m / WIDEST_SEAM.0).max(self.closing_rad.to_degrees() / WIDEST_SEAM.1)
+    }
+}
+
 /// Makes all blend spaces of a config.
 ///
 /// - `clips`: annotated; mirrored copies among them are not used, as entries ask for mirrored examples of their own.
@@ -221,6 +232,15 @@ fn space(
         ));
     }
     let report = report(name, config, &chosen, left_out, &table, &postures);
+    for e in report.examples.iter().zip(&chosen).filter(|(e, c)| c.named && e.seam() > 1.0).map(|(e, _)| e) {
+        warnings.push(format!(
+            "blend.{name}: `{}` is {:.0} cm and {:.0} deg a joint apart at the seam of its cycle: it will sway there. Name other \
+             `frames` of it.",
+            e.name,
+            100.0 * e.closing_m,
+            e.closing_rad.to_degrees()
+        ));
+    }
     let space = BlendSpace {
         name: name.to_owned(),
         axes: config.axis_names(),

@@ -1,5 +1,6 @@
 //! Which motion becomes an example: what a config names, and what is found.
 
+use super::WIDEST_SEAM;
 use super::config::{AxisKind, BlendConfig, ExampleConfig, FindConfig};
 use super::cycle::Cycle;
 use super::steady::{self, Tolerance};
@@ -12,8 +13,6 @@ use throng_motion::error::{BuildError, Warnings};
 use throng_motion::import::matches;
 use throng_motion::mirror;
 
-/// Ends of found cycles that differ by more are not taken, unless a config says otherwise (deg).
-const CLOSING_DEG: f64 = 6.0;
 /// A still example's feet stand for at least this share of its frames.
 const STANDING: f64 = 0.8;
 
@@ -207,10 +206,11 @@ fn search<'a>(
         return Err(wish.fault(".clips", &what, "Name clips as `throng inspect` lists them; `*` stands for any text"));
     }
     let mut warn = |clip: &Clip, why: &str| without.push((clip.name.clone(), why.to_owned()));
-    let most = find.closing_deg.unwrap_or(CLOSING_DEG).to_radians();
+    let most = find.closing_deg.unwrap_or(WIDEST_SEAM.1).to_radians();
+    let closes = |cycle: &Cycle<'_>| cycle.closing <= most && cycle.closing_m <= WIDEST_SEAM.0;
     for pair in clips().filter(|_| find.symmetric) {
         match halved(pair, find.tag.as_deref(), None) {
-            Ok(Some((source, cycle))) if cycle.closing <= most => out.push(wish.candidate(source, cycle, false)?),
+            Ok(Some((source, cycle))) if closes(&cycle) => out.push(wish.candidate(source, cycle, false)?),
             Ok(Some(_)) => warn(&pair[0].clip, "none of its steps meets its mirrored image"),
             Ok(None) => warn(&pair[0].clip, "it has no such frames"),
             Err(what) => warn(&pair[0].clip, &what),
@@ -227,7 +227,7 @@ fn search<'a>(
                 out.push(wish.candidate(source, Cycle::best(track.clone(), &piece), false)?);
             }
         }
-        out.retain(|c: &Candidate<'_>| c.cycle.closing <= most);
+        out.retain(|c: &Candidate<'_>| closes(&c.cycle));
         if out.len() == before && !source.clip.mirrored {
             warn(&source.clip, faults.first().map_or("none of its cycles closes", |f| &f.what));
         }

@@ -27,6 +27,6 @@ pub use config::{
 pub use export::write_csv;
 pub use model::{ActionModel, SegmentMotion};
 pub use policies::{Policy, PolicyReport, PolicyTables, solve, solve_behaviours};
-pub use promise::{Promise, PromisePart, promise};
+pub use promise::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart, help, promise};
 pub use quality::{Quality, QualityConfig, TemperatureQuality, quality};
 pub use solve::{Solution, shared_value_iteration, tolerance, value_iteration};

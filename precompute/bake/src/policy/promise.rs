@@ -17,7 +17,9 @@ const LEAST_SHARE: f64 = 0.05;
 /// Fewest roll-outs of a part.
 const LEAST_ROLLOUTS: usize = 20;
 /// Kept share from which on a policy is trusted.
-const ENOUGH: f64 = 0.8;
+pub const ENOUGH_KEPT: f64 = 0.8;
+/// Kept share of single roll-outs below which next to nothing is kept, at the 5th percentile: told by verdicts.
+pub const LEAST_KEPT: f64 = 0.1;
 /// Parts of the grid's distances.
 const RINGS: usize = 3;
 
@@ -136,7 +138,7 @@ fn kept(rollouts: &[Rollout]) -> Option<(f64, f64)> {
 
 impl Promise {
     fn warning(&self, name: &str, table: &PolicyTable) -> Option<String> {
-        let kept = self.kept.filter(|&kept| kept < ENOUGH)?;
+        let kept = self.kept.filter(|&kept| kept < ENOUGH_KEPT)?;
         let worst = self.parts.iter().min_by(|a, b| a.kept.total_cmp(&b.kept));
         let at = worst.map_or(String::new(), |p| {
             let [from, to] = p.distance_m;
@@ -145,13 +147,14 @@ impl Promise {
         Some(format!(
             "policy \"{name}\": what it collects is {:.0} % of what its values promise{at}; {}",
             100.0 * kept,
-            why(table)
+            help(table)
         ))
     }
 }
 
-/// The widest step between cells beside the width of the reward, which tells what to refine.
-fn why(table: &PolicyTable) -> String {
+/// What would make a policy keep more of its promises: the widest step between cells beside the width of the reward tells
+/// what to refine.
+pub fn help(table: &PolicyTable) -> String {
     let (r, reward) = (table.grid().record(), table.reward().record());
     let rings = table.grid().radius() - r.ring_start;
     let middle = r.ring_start + 0.5 * rings;
@@ -204,7 +207,7 @@ mod tests {
             c.reward = Some(crate::policy::RewardForm::Max);
         });
         let text = promise.warning.as_deref().expect("little is kept");
-        assert!(promise.kept.is_some_and(|k| k < ENOUGH) && text.contains("grid."), "{promise:?}");
+        assert!(promise.kept.is_some_and(|k| k < ENOUGH_KEPT) && text.contains("grid."), "{promise:?}");
     }
 
     #[test]

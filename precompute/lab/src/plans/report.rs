@@ -7,7 +7,7 @@ use throng_planner::correct::Span;
 use throng_planner::task::{Done, Task, TaskOutcome};
 
 /// What a plan came to.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct PlanReport {
     /// True where every task was done.
     pub solved: bool,
@@ -47,6 +47,17 @@ pub struct PlanReport {
     /// Motions that were made, where several were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub variants: Vec<Variant>,
+}
+
+impl PlanReport {
+    /// How far joints stay within their limits, or go beyond them, in words.
+    pub fn limits(&self) -> String {
+        match self.limit_margin_rad {
+            None => "- within limits".into(),
+            Some(margin) if margin < 0.0 => format!("{:.3} rad beyond limits", -margin),
+            Some(margin) => format!("{margin:.3} rad within limits"),
+        }
+    }
 }
 
 /// What came of a task.
@@ -156,4 +167,16 @@ fn distances(found: &[(u64, TaskOutcome)]) -> Vec<Variant> {
         others.map(|(_, (_, o))| o.distance_rad(&found[i].1)).reduce(f64::min).unwrap_or(0.0)
     };
     found.iter().enumerate().map(|(i, (seed, _))| Variant { seed: *seed, distance_rad: distance(i) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_beyond_their_limits_are_not_said_to_be_within() {
+        let of = |limit_margin_rad| PlanReport { limit_margin_rad, ..PlanReport::default() }.limits();
+        let told = [Some(0.12), Some(-0.001), None].map(of);
+        assert_eq!(told, ["0.120 rad within limits", "0.001 rad beyond limits", "- within limits"]);
+    }
 }

@@ -12,7 +12,7 @@ pub const EXTENSIONS: [&str; 6] = ["bvh", "amc", "npz", "glb", "gltf", "fbx"];
 /// The same in words.
 pub const FORMATS: &str = ".bvh, .amc, .npz, .glb, .gltf or .fbx";
 /// Those that may hold several clips.
-const OF_SEVERAL: [&str; 3] = ["glb", "gltf", "fbx"];
+const OF_SEVERAL: [&str; 4] = ["bvh", "fbx", "glb", "gltf"];
 /// Folders within folders that are searched; more is a loop.
 const MAX_DEPTH: usize = 64;
 /// Stands for any number of folders in a pattern.

@@ -16,6 +16,8 @@ mod glitches;
 pub mod gltf;
 pub(crate) mod nodes;
 pub mod npz;
+mod odd;
+mod performers;
 mod person;
 pub mod profile;
 mod rest;
@@ -261,7 +263,7 @@ pub fn read_source(path: &Path, asf: Option<&Path>) -> Result<Vec<SourceClip>, I
 fn read_file(path: &Path, asf: Option<&Path>) -> Result<Vec<SourceClip>, ImportError> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
-        "bvh" => Ok(vec![bvh::parse(&load(path)?, path)?]),
+        "bvh" => Ok(performers::apart(bvh::parse(&load(path)?, path)?)),
         "amc" => {
             let asf_path = asf.map_or_else(|| files::find_asf(path), |p| Ok(p.to_owned()))?;
             let skeleton = asf::parse(&load(&asf_path)?, &asf_path)?;
@@ -315,9 +317,10 @@ pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Prof
     }
     let SourceClip { mut clip, mut findings, mut warnings, .. } = source;
     units::normalise(&mut clip, metres_per_unit, up);
-    person::check_size(&clip, &roles, metres_per_unit)?;
+    person::check_size(&clip, &roles, metres_per_unit, config.metres_per_unit.is_some())?;
     person::check_place(&clip, &roles)?;
     let glitches = glitches::treat(&mut clip, &roles, config.glitches, &mut warnings);
+    odd::tell(&clip, &roles, &mut warnings);
     let (rest_pose, facing) = rest::find_rest_pose(&clip, &roles, config.forward);
     findings.push(rest_pose.sentence.clone());
     let height = units::body_height(&clip, &roles);

@@ -10,8 +10,10 @@ use throng_core::Joint;
 
 /// Frames looked at.
 const MAX_FRAMES: usize = 48;
-/// Heights of people, small children and giants of legends included (m).
-const HEIGHTS: std::ops::RangeInclusive<f32> = 0.6..=3.5;
+/// Heights of people, small children included (m).
+pub(super) const HEIGHTS: std::ops::RangeInclusive<f32> = 0.85..=2.5;
+/// Heights that a config may ask for by naming the unit (m).
+const MEANT: std::ops::RangeInclusive<f32> = 0.4..=3.5;
 /// Legs shorter than this are none (m).
 const SHORTEST_LEG_M: f32 = 0.1;
 /// A height that the offered unit would make (m).
@@ -71,9 +73,16 @@ fn stands_on_fours(at: impl Fn(Joint) -> Option<Vec3>) -> Option<bool> {
 
 /// Refuses a clip in metres that is no person by its size, and offers the unit that would make it one.
 ///
+/// - `is_meant`: a config names the unit, so that small and large bodies are as they should be.
+///
 /// # Errors
 /// [`ImportError::Content`] naming the height or the joint.
-pub(super) fn check_size(clip: &RawClip, roles: &RoleMap, metres_per_unit: f64) -> Result<(), ImportError> {
+pub(super) fn check_size(
+    clip: &RawClip,
+    roles: &RoleMap,
+    metres_per_unit: f64,
+    is_meant: bool,
+) -> Result<(), ImportError> {
     use Joint::*;
     let world = clip.world(0);
     for (thigh, shin, foot) in [(LeftThigh, LeftShin, LeftFoot), (RightThigh, RightShin, RightFoot)] {
@@ -87,15 +96,16 @@ pub(super) fn check_size(clip: &RawClip, roles: &RoleMap, metres_per_unit: f64) 
         }
     }
     let height = body_height(clip, roles);
-    if HEIGHTS.contains(&height) {
+    if HEIGHTS.contains(&height) || (is_meant && MEANT.contains(&height)) {
         return Ok(());
     }
     let unit = metres_per_unit * f64::from(TYPICAL_HEIGHT / height);
     let message = format!("at {metres_per_unit} m a unit the body is {height:.2} m tall, which no person is");
     let help = format!(
-        "With `metres_per_unit = {}` in `import` of the config it is {TYPICAL_HEIGHT} m tall; for a pet or a giant, leave \
-         the file out",
-        rounded(unit)
+        "With `metres_per_unit = {}` in `import` of the config it is {TYPICAL_HEIGHT} m tall, with `{}` as \
+         it is; leave out what is no person",
+        rounded(unit),
+        rounded(metres_per_unit)
     );
     Err(content_error(&clip.path, message, &help))
 }

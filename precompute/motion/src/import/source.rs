@@ -128,15 +128,22 @@ impl FrameSink {
     }
 }
 
+/// Names that a warning lists.
+const LISTED: usize = 3;
+
 /// Warns of joints of one name.
 pub(crate) fn duplicate_names(joints: &[RawJoint], path: &Path) -> Warnings {
     let mut names: Vec<&str> = joints.iter().map(|j| j.name.as_str()).collect();
     names.sort_unstable();
+    let mut twice: Vec<&str> = names.windows(2).filter(|w| w[0] == w[1]).map(|w| w[0]).collect();
+    twice.dedup();
     let mut warnings = Warnings::default();
-    for pair in names.windows(2).filter(|w| w[0] == w[1]) {
-        warnings.push(format!("{}: more than one joint is called `{}`; the first counts.", path.display(), pair[0]));
+    if !twice.is_empty() {
+        let some: Vec<String> = twice.iter().take(LISTED).map(|n| format!("`{n}`")).collect();
+        let more = if twice.len() > LISTED { format!(" and {} more", twice.len() - LISTED) } else { String::new() };
+        let some = some.join(", ");
+        warnings.push(format!("{}: more than one joint is called {some}{more}; the first counts.", path.display()));
     }
-    warnings.messages.dedup();
     warnings
 }
 

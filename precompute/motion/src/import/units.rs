@@ -1,6 +1,7 @@
 //! Finds the length of a unit and the up axis of a source from the size and pose of its body.
 
 use super::config::{ImportConfig, UpAxis};
+use super::person::HEIGHTS;
 use super::roles::RoleMap;
 use super::source::{SourceClip, content_error};
 use crate::ImportError;
@@ -20,8 +21,6 @@ const UNITS: [(f64, &str); 7] = [
 ];
 /// Height that the candidates are compared with (m).
 const TYPICAL_HEIGHT: f64 = 1.7;
-/// Heights that a unit must give to be believed (m).
-const BELIEVABLE: std::ops::RangeInclusive<f64> = 1.0..=2.4;
 /// Ankle height as a fraction of body height (Winter, *Biomechanics and Motor Control of Human Movement*).
 const ANKLE: f32 = 0.039;
 /// From the head joint to the crown as a fraction of body height; the proportions of the default skeleton.
@@ -58,11 +57,15 @@ pub(super) fn body_height(clip: &RawClip, roles: &RoleMap) -> f32 {
     guessed.max((known + head) / (1.0 - ANKLE))
 }
 
-/// Length along the joints from a role up to an ancestor's, in the first frame.
-fn path_length(clip: &RawClip, roles: &RoleMap, ancestor: Joint, role: Joint) -> f32 {
-    let (Some(top), Some(start)) = (roles.get(ancestor), roles.get(role)) else { return 0.0 };
-    let up = std::iter::successors(Some(start), |&j| clip.joints[j].parent);
-    up.take_while(|&j| j != top).map(|j| clip.translations[j].length()).sum()
+/// Length along the joints from a role to another one, by way of the nearest joint above both, in the first frame.
+fn path_length(clip: &RawClip, roles: &RoleMap, from: Joint, to: Joint) -> f32 {
+    let (Some(from), Some(to)) = (roles.get(from), roles.get(to)) else { return 0.0 };
+    let up = |j: usize| std::iter::successors(Some(j), |&j| clip.joints[j].parent);
+    let is_above = |j: &usize, other: usize| up(other).any(|k| k == *j);
+    let length = |j: usize, other: usize| -> f32 {
+        up(j).take_while(|k| !is_above(k, other)).map(|k| clip.translations[k].length()).sum()
+    };
+    length(from, to) + length(to, from)
 }
 
 /// Length of the longest end of a chain that hangs on a joint.
@@ -71,7 +74,7 @@ fn longest_end(clip: &RawClip, joint: usize) -> f32 {
     ends.map(|(i, _)| clip.translations[i].length()).fold(0.0, f32::max)
 }
 
-/// The length of a unit and a sentence that says why; implausible answers are warned about.
+/// The length of a unit and a sentence that says why.
 ///
 /// # Errors
 /// [`ImportError::Content`] for a skeleton without size and for an override that is not above 0.
@@ -90,7 +93,7 @@ pub(super) fn find_unit(source: &mut SourceClip, roles: &RoleMap, config: &Impor
         return Ok(unit);
     }
     if let Some(unit) = source.declared_metres_per_unit {
-        if BELIEVABLE.contains(&(height * unit)) {
+        if HEIGHTS.contains(&((height * unit) as f32)) {
             source.findings.push(format!("{unit:.6} m a unit: the file says so, and {}.", in_metres(unit)));
             return Ok(unit);
         }
@@ -99,10 +102,6 @@ pub(super) fn find_unit(source: &mut SourceClip, roles: &RoleMap, config: &Impor
     let distance = |unit: f64| (height * unit / TYPICAL_HEIGHT).ln().abs();
     let (unit, name) = UNITS.into_iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0))).unwrap_or(UNITS[0]);
     source.findings.push(format!("{unit:.6} m a unit ({name}): then {}.", in_metres(unit)));
-    if !BELIEVABLE.contains(&(height * unit)) {
-        let message = "no known unit makes that a person; set `metres_per_unit` in the config";
-        source.warnings.push(format!("{}: {}: {message}.", path.display(), in_metres(unit)));
-    }
     Ok(unit)
 }
 

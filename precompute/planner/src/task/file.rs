@@ -372,7 +372,7 @@ impl PlannerEntry {
         ];
         for (key, value, least, most) in ranges {
             if !(least..=most).contains(&value) {
-                return Err((key, format!("expected {least} to {most}, found {value}")));
+                return Err((key, format!("planner.{key}: expected {least} to {most}, found {value}")));
             }
         }
         let mut config = CorrectConfig::default();

@@ -40,9 +40,9 @@ fn figures(ui: &mut Ui, motion: &PlannedMotion) {
     let r = &motion.report;
     let number = |x: Option<f64>, unit: &str| x.map_or_else(|| "-".into(), |x| format!("{x:.3}\u{a0}{unit}"));
     let clear = format!(
-        "{} clear, {} within limits; jerk {:.0} rad/s³ ({:.0} before smoothing); {} nodes",
+        "{} clear, {}; jerk {:.0} rad/s³ ({:.0} before smoothing); {} nodes",
         number(r.clearance_min_m, "m"),
-        number(r.limit_margin_rad, "rad"),
+        r.limits(),
         r.jerk_after,
         r.jerk_before,
         r.nodes

@@ -1,6 +1,6 @@
 //! Looks for glitches in the tracks of a body: place of the hips, turns of all joints, lengths of segments.
 
-use super::signal::{Away, Value, spikes, steps};
+use super::signal::{Away, Value, sharp, spikes, steps};
 use super::{Glitch, GlitchKind, Treated};
 use crate::clip::runs;
 use crate::import::roles::RoleMap;
@@ -16,6 +16,8 @@ const MAX_FLIP: f64 = 1.0;
 const MAX_EDGE: f64 = 0.25;
 /// A body that stops dead for at least so long is frozen (s).
 const MIN_FREEZE: f64 = 0.08;
+/// A single frame that is turned by so much between even ones is a fault (degrees).
+const SHARP_TURN: f32 = 25.0;
 /// No joint of a frozen body moves or turns more from frame to frame (m, rad).
 const FROZEN: (f32, f32) = (1e-5, 3e-4);
 /// A body that moves this fast does not stop within a frame (m/s, rad/s).
@@ -221,7 +223,11 @@ impl Tracks {
             for away in spikes(places, longest, far) {
                 add(GlitchKind::Pop, away, format!("`{name}` is {:.2} m away and back again", away.by));
             }
-            for away in spikes(turns, longest, least_turn(*j, turned)) {
+            let mut flips = spikes(turns, longest, least_turn(*j, turned));
+            if !carries_nothing(*j) {
+                flips.extend(sharp(turns, SHARP_TURN.to_radians()));
+            }
+            for away in flips {
                 add(GlitchKind::Flip, away, format!("`{name}` turns by {:.0} degrees and back", away.by.to_degrees()));
             }
         }

@@ -36,6 +36,10 @@ impl Value for Quat {
 const AROUND: usize = 12;
 /// What leaves its path does so by this much more than is common around it.
 const CONTRAST: f32 = 6.0;
+/// Frames on either side that are even around a sharp move.
+const CALM: usize = 6;
+/// A sharp move is this much farther than any around it.
+const SHARP: f32 = 3.0;
 /// What jumps does so this much farther than the frames next to it.
 const STEP_CONTRAST: f32 = 3.0;
 /// What comes back, does so to within this share of how far it was away.
@@ -68,6 +72,29 @@ pub fn spikes<V: Value>(track: &mut [V], max_frames: usize, limit: f32) -> Vec<A
                 }
                 None => f += 1,
             }
+        }
+    }
+    out
+}
+
+/// Single frames that are farther than `limit` from the way between their neighbours, in a stretch where nothing else is: what
+/// is around goes on evenly, as no body does next to so sharp a move. They are laid onto that way.
+pub fn sharp<V: Value>(track: &mut [V], limit: f32) -> Vec<Away> {
+    let n = track.len();
+    let mut out = Vec::new();
+    for f in 1..n.saturating_sub(1) {
+        let by = residual(track, f, 1);
+        if by.is_nan() || by < limit {
+            continue;
+        }
+        let step = |k: usize| if k == 0 || k >= n { 0.0 } else { track[k].apart(track[k - 1]) };
+        let (low, high) = (f.saturating_sub(CALM).max(1), (f + CALM + 1).min(n - 1));
+        let around = (low..high).filter(|&k| k + 1 < f || k > f + 1).map(|k| residual(track, k, 1)).fold(0.0, f32::max);
+        let pace = (low..=high.min(n - 1)).filter(|&k| k != f && k != f + 1).map(step).fold(0.0, f32::max);
+        let gap = track[f - 1].apart(track[f + 1]);
+        if by > SHARP * around && by > SHARP * pace && gap < 2.0 * pace + 0.1 * by {
+            track[f] = track[f - 1].towards(track[f + 1], 0.5);
+            out.push(Away { start: f, end: f + 1, by });
         }
     }
     out

@@ -15,7 +15,7 @@ pub(super) fn explain(tree: &Tree, pairs: &[Pair]) -> NoPerson {
     let Some(pair) = longest else {
         return no_person(
             tree,
-            "no two limbs of equal length hang on one joint, so it is no body: a prop or a camera?",
+            "no two limbs of equal length hang on one joint, so it is no body; it may be a prop or a camera",
         );
     };
     if pairs.iter().filter(|p| p.parent == pair.parent).count() > 3 || is_hand(tree, pair.parent) {

@@ -15,7 +15,7 @@ fn faults_name_their_line() {
         ("name = \"ball\"", "name = \"cup\"", "two of `cup`"),
         ("{ ball = { radius = 0.06 } }", "{ mesh = { file = \"a.obj\" } }", "a.obj"),
         ("{ ball = { radius = 0.06 } }", "{ mesh = { file = \"a.stl\" } }", "expected a mesh as OBJ, glTF or GLB"),
-        ("seed = 3", "epsilon_m = 0.0", "expected 0.01 to 10"),
+        ("seed = 3", "epsilon_m = 0.0", "planner.epsilon_m: expected 0.01 to 10"),
         ("seed = 3", "sed = 3", "Did you mean `seed`?"),
         ("clip = \"stand.bvh\"", "clip = {}", "expected `file`, or `synth`"),
         ("clip = \"stand.bvh\"", "clip = { synth = \"walk\", from_s = 2.0, to_s = 1.0 }", "0 <= from_s < to_s"),

@@ -1,0 +1,479 @@
+//! What a verdict weighs: each measure with its limits, its word, its sentence, and what would mend it.
+
+use crate::abilities::Abilities;
+use crate::trial::{Share, TrialReport};
+use serde::Serialize;
+use throng_bake::examples::{BlendReport, ExampleReport, WIDEST_SEAM};
+use throng_bake::policy::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart};
+use throng_runtime::Bundle;
+
+/// Words of a measure, from the best.
+pub(super) const WORDS: [&str; 3] = ["good", "fair", "poor"];
+/// Targets are well within reach where as many are reached.
+pub(super) const GOOD_REACH: f64 = 0.95;
+/// Groups of fewer characters say little.
+const FEW: usize = 10;
+/// A group of targets that falls behind the mean by this is named.
+const BEHIND: f64 = 0.1;
+/// Feet that slip less are still, whatever the clips' do (m/s).
+const STILL_FEET_MPS: f64 = 0.03;
+/// Low toes that are slower do not catch the eye, whatever the clips' do (m/s).
+const SLOW_TOES_MPS: f64 = 0.8;
+/// Clips that are named.
+const NAMED: usize = 3;
+
+/// One thing that a verdict weighs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Measure {
+    /// What is measured.
+    pub name: &'static str,
+    /// What was measured.
+    pub value: f64,
+    /// Where good ends, and where fair ends.
+    pub limits: [f64; 2],
+    /// `good`, `fair` or `poor`.
+    pub word: &'static str,
+    /// What was measured, in words.
+    pub told: String,
+    /// What would mend it; empty where it is good.
+    pub advice: Vec<String>,
+    /// Worth a sentence even where it is good.
+    #[serde(skip)]
+    pub(super) is_told: bool,
+}
+
+/// What a verdict is made from.
+pub(super) struct Facts<'a> {
+    pub trial: &'a TrialReport,
+    pub motion: &'a Abilities,
+    /// Mirrored copies are made.
+    pub mirrored: bool,
+    pub source_slip: SourceSlip,
+    pub longest: Option<Longest>,
+    /// Names of policies, what each promises and keeps, and what would mend that.
+    pub promises: Vec<(&'a str, Promise, String)>,
+    pub blends: &'a [BlendReport],
+}
+
+/// How fast planted heels and toes move in the clips.
+#[derive(Default)]
+pub(super) struct SourceSlip {
+    /// (m/s)
+    pub mean_mps: f64,
+    /// Clip by clip, the fastest first (m/s).
+    pub of_clips: Vec<(String, f64)>,
+}
+
+/// The longest stretch without a choice.
+pub(super) struct Longest {
+    pub clip: String,
+    pub seconds: f64,
+}
+
+impl Longest {
+    /// Of all actions of a bundle.
+    pub fn of(tables: &Bundle) -> Option<Self> {
+        let longest = tables.graph().segments.iter().max_by_key(|s| s.num_frames)?;
+        let clip = tables.clips().partition_point(|c| c.first_frame <= longest.start).saturating_sub(1);
+        let seconds = f64::from(longest.num_frames) / tables.meta().rate_hz;
+        Some(Self { clip: tables.meta().clips.get(clip)?.name.clone(), seconds })
+    }
+}
+
+/// Everything that is known, in the order in which it is told.
+pub(super) fn all(facts: &Facts<'_>) -> Vec<Measure> {
+    let mut all = vec![reached(facts)];
+    all.extend(worst_targets(facts.trial));
+    all.extend(staying(facts));
+    all.extend(standing(facts));
+    all.push(stopped(facts.trial));
+    all.push(wait(facts));
+    all.extend(slip(facts));
+    all.extend(source_slip(&facts.source_slip));
+    all.push(toes(facts.trial));
+    all.extend(promises(facts));
+    all.extend(seam(facts.blends));
+    all
+}
+
+/// A measure of which more is better where the first limit is above the second, otherwise less.
+fn measure(name: &'static str, value: f64, limits: [f64; 2], told: String) -> Measure {
+    let [good, fair] = limits;
+    let within = |limit: f64| if good > fair { value >= limit } else { value <= limit };
+    let word = WORDS[if within(good) {
+        0
+    } else if within(fair) {
+        1
+    } else {
+        2
+    }];
+    Measure { name, value, limits, word, told, advice: Vec::new(), is_told: word != WORDS[0] }
+}
+
+impl Measure {
+    fn told(self) -> Self {
+        Self { is_told: true, ..self }
+    }
+
+    /// With what would mend it, where it is not good.
+    fn advised(mut self, advice: impl FnOnce() -> Vec<String>) -> Self {
+        if self.word != WORDS[0] {
+            self.advice = advice();
+        }
+        self
+    }
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
+}
+
+fn reached(facts: &Facts<'_>) -> Measure {
+    let trial = facts.trial;
+    let after = trial.mean_arrival_s.map_or(String::new(), |s| format!(", {s:.1} s on average"));
+    let share = percent(trial.reached_fraction);
+    let told = format!("{share} of the targets were reached within {:.0} s{after}", trial.simulated_s);
+    measure("targets reached", trial.reached_fraction, [GOOD_REACH, 0.8], told).told().advised(|| {
+        let missing = facts.motion.missing(facts.mirrored);
+        if missing.is_empty() {
+            let out = "add clips that walk, turn and stop in one take, so that all of them hang together";
+            return vec![format!(
+                "the motion shows all that is needed, in clips that do not lead to each other: {out}"
+            )];
+        }
+        missing
+    })
+}
+
+/// The group of targets of which fewest are reached, by direction and by distance.
+fn worst_targets(trial: &TrialReport) -> impl Iterator<Item = Measure> {
+    let worst = |shares: &[Share]| {
+        let enough = shares.iter().filter(|s| s.characters >= FEW);
+        enough.min_by(|a, b| a.reached_fraction.total_cmp(&b.reached_fraction)).cloned()
+    };
+    let groups = [
+        ("targets of the worst direction", worst(&trial.reached_by_direction)),
+        ("targets of the worst distance", worst(&trial.reached_by_distance)),
+    ];
+    let reached = trial.reached_fraction;
+    groups.into_iter().filter_map(move |(name, share)| {
+        let s = share?;
+        let told = format!("of those {}: {}", s.targets, percent(s.reached_fraction));
+        let m = measure(name, s.reached_fraction, [0.8, 0.5], told);
+        Some(Measure { is_told: m.value < reached - BEHIND, ..m })
+    })
+}
+
+/// Whether those who have come stay.
+fn staying(facts: &Facts<'_>) -> Option<Measure> {
+    let (trial, advice) = (facts.trial, || stops(facts));
+    if trial.reached_fraction * (trial.characters as f64) < FEW as f64 {
+        return None;
+    }
+    let share = (trial.stayed_fraction / trial.reached_fraction).min(1.0);
+    let told = format!("only {} of those who came are still there at the end", percent(share));
+    Some(measure("staying at targets", share, [0.7, 0.2], told).advised(advice))
+}
+
+/// Whether those who have stayed stand.
+fn standing(facts: &Facts<'_>) -> Option<Measure> {
+    let (trial, share) = (facts.trial, facts.trial.standing_fraction);
+    if trial.stayed_fraction * (trial.characters as f64) < FEW as f64 {
+        return None;
+    }
+    let told = match share {
+        0.5.. => format!("{} of those who stayed there stand still", percent(share)),
+        _ => format!("only {} of those who stayed there stand still; the others go on moving", percent(share)),
+    };
+    // They have come all the same.
+    let m = measure("standing at targets", share, [0.5, 0.0], told).told();
+    Some(m.advised(|| stops(facts)))
+}
+
+/// What lets characters stay and stand.
+fn stops(facts: &Facts<'_>) -> Vec<String> {
+    let missing = facts.motion.missing(facts.mirrored);
+    match missing.is_empty() {
+        true => vec!["add clips that come to stand, with both feet on the ground for some seconds".into()],
+        false => missing,
+    }
+}
+
+fn stopped(trial: &TrialReport) -> Measure {
+    let told = format!("on their way they stand for {} of the time", percent(trial.stopped_share));
+    // Others may be in the way, which is no fault of the motion.
+    measure("standing on the way", trial.stopped_share, [0.25, 1.0], told)
+}
+
+fn wait(facts: &Facts<'_>) -> Measure {
+    let wait = facts.trial.longest_wait_s;
+    let told = format!("a character waits {wait:.1} s for its next choice at the longest");
+    measure("longest wait for a choice (s)", wait, [4.0, 8.0], told).told().advised(|| {
+        let longest = facts.longest.as_ref().map_or(String::new(), |l| {
+            format!("; the longest stretch without one is {:.1} s of `{}`", l.seconds, l.clip)
+        });
+        let out = "lower `graph.max_action_s`, or add clips of walking that are short, or that begin and end as the \
+                   others do";
+        vec![format!("for {wait:.0} s a character heeds nothing{longest}: {out}")]
+    })
+}
+
+/// Slip of characters, beside that of the clips.
+fn slip(facts: &Facts<'_>) -> Vec<Measure> {
+    let (here, there) = (facts.trial.foot_slip_mean_mps, facts.source_slip.mean_mps);
+    if there <= 0.0 {
+        return Vec::new();
+    }
+    let ratio = here / there.max(1e-6);
+    let [mm, source_mm] = [here, there].map(|mps| 1000.0 * mps);
+    let told = format!("planted feet slip {mm:.0} mm/s, {ratio:.1} times as fast as in the clips ({source_mm:.0})");
+    // Times what the clips do, or what nobody sees.
+    let limit = |times: f64| (times * there).max(STILL_FEET_MPS);
+    let m = measure("foot slip (m/s)", here, [limit(1.5), limit(2.5)], told).told();
+    vec![m.advised(|| {
+        let out = "add clips that lie between the poses of the others, so that nearer ones can follow each other, or \
+                   lower `graph.max_error`";
+        vec![format!("feet slip where clips are joined: {out}")]
+    })]
+}
+
+/// Slip of the clips themselves.
+fn source_slip(slip: &SourceSlip) -> Option<Measure> {
+    let mps = slip.mean_mps;
+    if mps <= 0.0 {
+        return None;
+    }
+    let told = format!("feet that should be planted slip {:.0} mm/s in the clips themselves", 1000.0 * mps);
+    let m = measure("foot slip in the clips (m/s)", mps, [0.15, 0.3], told);
+    Some(m.advised(|| {
+        let most: Vec<String> =
+            slip.of_clips.iter().take(NAMED).map(|(clip, mps)| format!("`{clip}` {:.0}", 1000.0 * mps)).collect();
+        vec![format!(
+            "most in {} mm/s: capture them again, smooth them, or leave them out; in-place walks need their root's motion",
+            most.join(", ")
+        )]
+    }))
+}
+
+fn toes(trial: &TrialReport) -> Measure {
+    let (here, there) = (trial.quality.toe_speed_low_p95_mps, trial.quality.source_toe_speed_low_p95_mps);
+    let told = format!("toes near the ground move at up to {here:.2} m/s ({there:.2} in the clips)");
+    let limit = |times: f64| (times * there).max(times / 1.5 * SLOW_TOES_MPS);
+    let m = measure("low toes, 95th percentile (m/s)", here, [limit(1.5), limit(3.0)], told);
+    m.advised(|| vec!["add walks whose steps are alike, or lower `graph.max_error`".into()])
+}
+
+/// What policies keep of their promises, altogether and at the 5th percentile, each of the policy that keeps least.
+fn promises(facts: &Facts<'_>) -> Vec<Measure> {
+    let least = |of: fn(&Promise) -> Option<f64>, of_part: fn(&PromisePart) -> f64| {
+        let all = facts.promises.iter().filter_map(move |(name, p, help)| Some((*name, of(p)?, p, help)));
+        let (name, kept, promise, help) = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let worst = promise.parts.iter().min_by(|a, b| of_part(a).total_cmp(&of_part(b)));
+        let where_least = worst.map_or(String::new(), |p| {
+            format!(" (least {:.1} to {:.1} m away, {})", p.distance_m[0], p.distance_m[1], p.direction)
+        });
+        Some((name, kept, format!("policy `{name}`{where_least}: {help}")))
+    };
+    let mut out = Vec::new();
+    if let Some((name, kept, advice)) = least(|p| p.kept, |p| p.kept) {
+        let told = format!("policy `{name}` collects {} of what its values promise", percent(kept));
+        out.push(measure("promises kept", kept, [ENOUGH_KEPT, 0.5], told).advised(|| vec![advice]));
+    }
+    if let Some((name, kept, advice)) = least(|p| p.kept_p05, |p| p.kept_p05) {
+        let share = percent(kept.max(0.0));
+        let told = format!("for one target in twenty, policy `{name}` collects {share} of what it promises, or less");
+        // What is not to be had for a few targets makes no policy poor.
+        let m = measure("promises kept, 5th percentile", kept, [LEAST_KEPT, f64::MIN], told);
+        out.push(m.advised(|| vec![advice]));
+    }
+    out
+}
+
+/// The widest seam of all blend spaces, over the widest that is let through without being named in a config.
+fn seam(blends: &[BlendReport]) -> Option<Measure> {
+    let all = blends.iter().flat_map(|b| b.examples.iter().map(move |e| (b, e)));
+    let (b, e) = all.max_by(|x, y| x.1.seam().total_cmp(&y.1.seam()))?;
+    let ExampleReport { name, closing_m, closing_rad, .. } = e;
+    let told = format!(
+        "the cycle of `{name}` in blend space `{}` is {:.0} cm and {:.0} deg a joint apart at its seam",
+        b.name,
+        100.0 * closing_m,
+        closing_rad.to_degrees()
+    );
+    let m = measure("widest seam of a blend", e.seam(), [1.0, 2.0], told);
+    let (widest_m, widest_deg) = WIDEST_SEAM;
+    Some(m.advised(|| {
+        vec![format!(
+            "name other `frames` of `{name}`, or leave it out: steady cycles are within {:.0} cm and {widest_deg:.0} deg",
+            100.0 * widest_m
+        )]
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Verdict;
+    use super::*;
+    use crate::quality::MotionQuality;
+
+    fn share(targets: &str, reached_fraction: f64) -> Share {
+        Share { targets: targets.into(), characters: 50, reached_fraction }
+    }
+
+    /// Motion that lacks nothing.
+    fn able() -> Abilities {
+        let [turn_left_deg_per_s, turn_right_deg_per_s] = [90.0; 2];
+        Abilities {
+            walking_s: 60.0,
+            stops: 3,
+            starts: 3,
+            turn_left_deg_per_s,
+            turn_right_deg_per_s,
+            ..Abilities::default()
+        }
+    }
+
+    /// A trial in which all is well.
+    fn fine() -> TrialReport {
+        TrialReport {
+            characters: 200,
+            simulated_s: 15.0,
+            reached_fraction: 0.99,
+            stayed_fraction: 0.98,
+            standing_fraction: 0.9,
+            longest_wait_s: 1.0,
+            foot_slip_mean_mps: 0.02,
+            ..TrialReport::default()
+        }
+    }
+
+    /// The verdict on a fine trial of able motion, but for what `edit` makes of it.
+    fn verdict(edit: impl FnOnce(&mut TrialReport, &mut Abilities, &mut Rest)) -> Verdict {
+        let (mut trial, mut motion, mut rest) = (fine(), able(), Rest { source_slip_mps: 0.03, ..Rest::default() });
+        edit(&mut trial, &mut motion, &mut rest);
+        let of_clips = vec![("slider".to_owned(), 0.5), ("walker".to_owned(), 0.01)];
+        let promises = rest.promises.iter().map(|(name, p)| (*name, p.clone(), "set more rings".to_owned())).collect();
+        Verdict::of(&Facts {
+            trial: &trial,
+            motion: &motion,
+            mirrored: false,
+            source_slip: SourceSlip { mean_mps: rest.source_slip_mps, of_clips },
+            longest: Some(Longest { clip: "long".into(), seconds: 8.0 }),
+            promises,
+            blends: &rest.blends,
+        })
+    }
+
+    /// What else is known.
+    #[derive(Default)]
+    struct Rest {
+        source_slip_mps: f64,
+        promises: Vec<(&'static str, Promise)>,
+        blends: Vec<BlendReport>,
+    }
+
+    #[test]
+    fn a_poor_trial_says_where_and_why_and_what_would_mend_it() {
+        let verdict = verdict(|trial, motion, rest| {
+            trial.reached_fraction = 0.6;
+            trial.standing_fraction = 0.1;
+            trial.longest_wait_s = 8.2;
+            trial.foot_slip_mean_mps = 0.3;
+            trial.reached_by_direction = vec![share("ahead", 0.9), share("behind", 0.3)];
+            trial.reached_by_distance = vec![share("2 to 3 m", 0.55)];
+            (motion.stops, motion.starts, rest.source_slip_mps) = (0, 0, 0.1);
+        });
+        assert_eq!((verdict.word, verdict.worst), ("poor", "targets reached"));
+        let (told, advice) = (verdict.sentences.join("\n"), verdict.advice.join("\n"));
+        assert!(told.starts_with("poor: 60 % of the targets were reached within 15 s"), "{told}");
+        assert!(told.contains("of those behind: 30 % (poor)") && !told.contains("2 to 3 m"), "{told}");
+        assert!(told.contains("3.0 times as fast as in the clips (100) (poor)"), "{told}");
+        for part in ["no stop", "for 8 s a character heeds nothing", "feet slip where clips are joined"] {
+            assert!(advice.contains(part), "{advice}");
+        }
+    }
+
+    #[test]
+    fn a_good_trial_is_good_and_needs_no_advice() {
+        let good = verdict(|_, _, _| {});
+        assert!((good.word, good.worst) == ("good", "") && good.advice.is_empty(), "{good:?}");
+        assert!(good.sentences[0].starts_with("good: 99 % of the targets"), "{good:?}");
+        // Slow feet are still, however still those of the clips are.
+        assert_eq!(verdict(|t, _, r| (t.foot_slip_mean_mps, r.source_slip_mps) = (0.029, 0.002)).word, "good");
+    }
+
+    /// Each measure by itself makes the verdict, is named by it, comes first, and has advice where there is any.
+    #[test]
+    fn the_verdict_is_that_of_the_worst_measure() {
+        let promise = |kept, kept_p05| Promise { kept: Some(kept), kept_p05: Some(kept_p05), ..Promise::default() };
+        let seam = |closing_m, closing_deg: f64| {
+            let e = ExampleReport {
+                name: "trot".into(),
+                closing_m,
+                closing_rad: closing_deg.to_radians(),
+                ..Default::default()
+            };
+            vec![BlendReport {
+                name: "ahead".into(),
+                examples: vec![ExampleReport::default(), e],
+                ..Default::default()
+            }]
+        };
+        let toes =
+            |mps| MotionQuality { toe_speed_low_p95_mps: mps, source_toe_speed_low_p95_mps: 0.1, ..Default::default() };
+        let check = |v: Verdict, word: &str, worst: &str, told: &str, advice: &str| {
+            assert_eq!((v.word, v.worst), (word, worst), "{v:?}");
+            let first = &v.sentences[0];
+            assert!(first.starts_with(&format!("{word}: ")) && first.contains(told), "{first}");
+            assert!(advice.is_empty() || v.advice.iter().any(|a| a.contains(advice)), "{:?}", v.advice);
+            assert!(v.sentences.iter().any(|s| s.contains("% of the targets were")), "{v:?}");
+        };
+        check(verdict(|t, _, _| t.reached_fraction = 0.85), "fair", "targets reached", "85 %", "lead to each other");
+        let behind = |t: &mut TrialReport| t.reached_by_direction = vec![share("behind", 0.4)];
+        check(verdict(|t, _, _| behind(t)), "poor", "targets of the worst direction", "behind: 40 %", "");
+        check(verdict(|t, _, _| t.standing_fraction = 0.0), "fair", "standing at targets", "only 0 %", "come to stand");
+        check(
+            verdict(|t, _, _| t.stayed_fraction = 0.01),
+            "poor",
+            "staying at targets",
+            "only 1 % of those who came",
+            "stand",
+        );
+        check(verdict(|t, _, _| t.stopped_share = 0.5), "fair", "standing on the way", "50 % of the time", "");
+        let wait = "longest wait for a choice (s)";
+        check(
+            verdict(|t, _, _| t.longest_wait_s = 9.0),
+            "poor",
+            wait,
+            "waits 9.0 s",
+            "8.0 s of `long`: lower `graph.max",
+        );
+        check(
+            verdict(|t, _, _| t.foot_slip_mean_mps = 0.06),
+            "fair",
+            "foot slip (m/s)",
+            "2.0 times",
+            "between the poses",
+        );
+        let source = "foot slip in the clips (m/s)";
+        check(verdict(|_, _, r| r.source_slip_mps = 0.7), "poor", source, "700 mm/s", "`slider` 500, `walker` 10 mm/s");
+        let low = "low toes, 95th percentile (m/s)";
+        check(verdict(|t, _, _| t.quality = toes(1.2)), "fair", low, "up to 1.20 m/s (0.10", "alike");
+        let kept = |p| verdict(|_, _, r| r.promises = vec![("ok", promise(1.0, 0.9)), ("punch", p)]);
+        check(kept(promise(0.3, 0.2)), "poor", "promises kept", "`punch` collects 30 %", "`punch`: set more rings");
+        let p05 = "promises kept, 5th percentile";
+        check(kept(promise(1.2, 0.02)), "fair", p05, "`punch` collects 2 %", "`punch`: set more rings");
+        assert_eq!(kept(promise(1.2, 0.2)).word, "good");
+        let widest = "widest seam of a blend";
+        let of = |blends| verdict(|_, _, r| r.blends = blends);
+        check(
+            of(seam(0.17, 1.0)),
+            "fair",
+            widest,
+            "`trot` in blend space `ahead` is 17 cm",
+            "other `frames` of `trot`",
+        );
+        check(of(seam(0.01, 20.0)), "poor", widest, "20 deg", "leave it out");
+        assert_eq!(of(seam(0.09, 5.0)).word, "good");
+    }
+}

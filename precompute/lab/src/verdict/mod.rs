@@ -1,0 +1,206 @@
+//! What a bundle is worth, in words: how many targets characters reach, what keeps them from it, and what would mend it.
+
+mod measure;
+
+use crate::abilities::{Abilities, LITTLE_WALKING_S, unused_clips};
+use crate::matching::runs;
+use crate::quality::clip_joints;
+use crate::slip::{Feet, SlipMeter};
+use crate::trial::{self, TrialConfig, TrialReport};
+pub use measure::Measure;
+use measure::{Facts, GOOD_REACH, Longest, SourceSlip};
+use serde::Serialize;
+use throng_bake::config::BuildConfig;
+use throng_bake::examples::BlendReport;
+use throng_bake::policy::{self, BehaviourKind, promise};
+use throng_motion::error::BuildError;
+use throng_runtime::Bundle;
+use throng_runtime::characters::CharactersConfig;
+
+/// Unused clips that are named.
+const NAMED: usize = 4;
+/// Characters of the short trial that a build ends with.
+const CHARACTERS: usize = 200;
+
+/// A verdict on a trial.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Verdict {
+    /// `good`, `fair` or `poor`: that of the worst measure.
+    pub word: &'static str,
+    /// Name of the worst measure; empty where all are good.
+    pub worst: &'static str,
+    /// The verdict and what was measured, one sentence each, the worst measure first.
+    pub sentences: Vec<String>,
+    /// What would mend it.
+    pub advice: Vec<String>,
+    /// What was measured, each judged by limits of its own.
+    pub measures: Vec<Measure>,
+    /// What the motion shows that actions play.
+    pub motion: Abilities,
+    /// Walking that no action plays, as it does not hang together with the rest (s).
+    pub walking_unused_s: f64,
+    /// Mean speed of planted heels and toes in the clips themselves (m/s).
+    pub source_slip_mean_mps: f64,
+}
+
+/// Tries the first behaviour of a bundle for a moment, and judges it.
+///
+/// - `blends`: what its build says of blend spaces.
+/// - returns nothing for a bundle whose first behaviour goes to no target.
+///
+/// # Errors
+/// As [`trial::run`].
+pub fn try_out(tables: &Bundle, blends: &[BlendReport]) -> Result<Option<(TrialReport, Verdict)>, BuildError> {
+    let config = BuildConfig::parse(&tables.meta().config, "bundle".as_ref());
+    // Behaviours that the motion does not allow are not in the bundle.
+    let first = tables.meta().behaviours.first();
+    let is_approach =
+        |c: BuildConfig| c.behaviours.iter().any(|b| Some(&b.name) == first && b.kind == BehaviourKind::Approach);
+    if tables.policies().is_empty() || !config.is_ok_and(is_approach) {
+        return Ok(None);
+    }
+    // What the motion can do shows where nobody is in the way.
+    let motion = CharactersConfig::default();
+    let config = TrialConfig {
+        characters: CHARACTERS,
+        seconds: 15.0,
+        step_hz: 30.0,
+        recorded: None,
+        motion,
+        ..TrialConfig::default()
+    };
+    let (report, _) = trial::run(tables, &config)?;
+    let verdict = Verdict::new(tables, &report, blends);
+    Ok(Some((report, verdict)))
+}
+
+impl Verdict {
+    /// Judges a trial of a bundle, and what its policies promise.
+    ///
+    /// - `blends`: what its build says of blend spaces; a bundle does not keep their seams.
+    pub fn new(tables: &Bundle, trial: &TrialReport, blends: &[BlendReport]) -> Self {
+        let mirrored = tables.clips().iter().any(|c| c.mirrored != 0);
+        let (motion, all) = (Abilities::of_played(tables), Abilities::of_bundle(tables));
+        let unused_s = all.walking_s - motion.walking_s;
+        let policies = tables.meta().behaviours.iter().zip(tables.policies().iter());
+        let facts = Facts {
+            trial,
+            motion: &motion,
+            mirrored,
+            source_slip: source_slip(tables),
+            longest: Longest::of(tables),
+            promises: policies
+                .map(|(name, table)| (name.as_str(), promise(table, name), policy::help(table)))
+                .collect(),
+            blends,
+        };
+        let mut verdict = Self { walking_unused_s: unused_s, ..Self::of(&facts) };
+        if trial.reached_fraction < GOOD_REACH && unused_s > verdict.motion.walking_s.max(1.0) {
+            verdict.advice = of_unused(unused_s, &unused_clips(tables), &all, mirrored);
+        }
+        verdict
+    }
+
+    fn of(facts: &Facts<'_>) -> Self {
+        let measures = measure::all(facts);
+        let rank = |m: &Measure| measure::WORDS.iter().position(|w| *w == m.word).unwrap_or(0);
+        // The first of the worst ones.
+        let worst = (0..measures.len()).rev().max_by_key(|&i| rank(&measures[i])).unwrap_or(0);
+        let (word, name) = (measures[worst].word, measures[worst].name);
+        let told = |(i, m): (usize, &Measure)| match m.word {
+            _ if i == worst => format!("{word}: {}", m.told),
+            "good" => m.told.clone(),
+            other => format!("{} ({other})", m.told),
+        };
+        let mut sentences: Vec<String> = measures.iter().enumerate().filter(|(_, m)| m.is_told).map(told).collect();
+        let at = measures[..worst].iter().filter(|m| m.is_told).count();
+        sentences[..=at].rotate_right(1);
+        let mut advice: Vec<String> = Vec::new();
+        for a in measures.iter().flat_map(|m| &m.advice) {
+            if !advice.contains(a) {
+                advice.push(a.clone());
+            }
+        }
+        Self {
+            word,
+            worst: if word == "good" { "" } else { name },
+            sentences,
+            advice,
+            motion: facts.motion.clone(),
+            walking_unused_s: 0.0,
+            source_slip_mean_mps: facts.source_slip.mean_mps,
+            measures,
+        }
+    }
+}
+
+/// What would mend a set most of whose walking no action plays, for that leads to nothing else.
+///
+/// - `all`: what its clips show together: what they lack, the unused ones do not mend.
+fn of_unused(unused_s: f64, clips: &[&str], all: &Abilities, mirrored: bool) -> Vec<String> {
+    let named = named(clips);
+    let alone = if unused_s < LITTLE_WALKING_S { "" } else { "build them alone, or " };
+    let way = format!(
+        "{unused_s:.0} s of walking lead to nothing else and are not used ({named}): {alone}add clips that go from \
+         them to the others and back"
+    );
+    std::iter::once(way).chain(all.missing(mirrored)).collect()
+}
+
+/// Names of a few clips.
+fn named(clips: &[&str]) -> String {
+    let more = if clips.len() > NAMED { ", ..." } else { "" };
+    clips.iter().take(NAMED).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ") + more
+}
+
+/// How fast planted heels and toes move in the clips.
+fn source_slip(tables: &Bundle) -> SourceSlip {
+    let (clips, dt_s) = (tables.clips(), 1.0 / tables.meta().rate_hz as f32);
+    let mut all = SlipMeter::new(1);
+    let mut each = vec![(0.0, 0u64); clips.len()];
+    for run in runs(tables) {
+        let clip = clips.partition_point(|c| c.first_frame <= run.start).saturating_sub(1);
+        if clips[clip].mirrored != 0 {
+            continue;
+        }
+        let mut one = SlipMeter::new(1);
+        all.forget_step();
+        for f in run {
+            let joints = clip_joints(tables, f);
+            let feet = Feet::joints(|j| joints[j.index()].0);
+            all.observe(0, dt_s, tables.contacts()[f as usize], feet);
+            one.observe(0, dt_s, tables.contacts()[f as usize], feet);
+        }
+        let (sum, samples) = &mut each[clip];
+        *sum += one.mean_mps() * one.samples() as f64;
+        *samples += one.samples();
+    }
+    let mut of_clips: Vec<(String, f64)> = each
+        .iter()
+        .zip(&tables.meta().clips)
+        .filter(|(e, _)| e.1 > 0)
+        .map(|(&(sum, samples), meta)| (meta.name.clone(), sum / samples as f64))
+        .collect();
+    of_clips.sort_by(|a, b| b.1.total_cmp(&a.1));
+    SourceSlip { mean_mps: all.mean_mps(), of_clips }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn walking_that_is_not_used_is_named_with_what_all_clips_lack() {
+        let all = Abilities { walking_s: 7.0, stops: 2, turn_left_deg_per_s: 12.0, ..Default::default() };
+        let advice = of_unused(7.0, &["a", "b", "c", "d", "e"], &all, false);
+        assert!(advice[0].starts_with("7 s of walking lead to nothing else") && advice[0].contains("`d`, ..."));
+        assert!(!advice[0].contains("alone"), "so little makes no set of its own: {}", advice[0]);
+        for (advice, what) in advice[1..].iter().zip(["only 7 s of walking", "no start", "turns left", "turns right"]) {
+            assert!(advice.starts_with(what), "{advice}");
+        }
+        let enough = Abilities { walking_s: 70.0, starts: 2, turn_left_deg_per_s: 90.0, ..all };
+        let advice = of_unused(65.0, &["a"], &enough, true);
+        assert!(advice[0].contains("build them alone") && advice[1].contains("make up for it"), "{advice:?}");
+        assert_eq!(advice.len(), 2);
+    }
+}

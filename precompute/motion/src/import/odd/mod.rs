@@ -1,0 +1,16 @@
+//! What is odd about a person's motion as a whole, and worth a word before anything is built of it.
+
+mod in_place;
+mod noise;
+
+use super::roles::RoleMap;
+use crate::error::Warnings;
+use crate::raw::RawClip;
+
+/// Warns of walks on the spot and of noise.
+///
+/// - `clip`: in metres, Y up, its glitches mended.
+pub(super) fn tell(clip: &RawClip, roles: &RoleMap, warnings: &mut Warnings) {
+    let told = [in_place::find(clip, roles).map(|f| f.to_string()), noise::find(clip, roles).map(|f| f.to_string())];
+    told.into_iter().flatten().for_each(|what| warnings.push(format!("{}: {what}", clip.path.display())));
+}
