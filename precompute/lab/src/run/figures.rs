@@ -116,7 +116,10 @@ pub struct ThingFigures {
     pub things_taken: u32,
     /// Things that were put down.
     pub things_put: u32,
-    /// How far palms were from things as they closed around them, 95th percentile, rounded up to 10 mm (m).
+    /// Times that somebody could not reach a thing, or where it was to be put, and gave up.
+    pub things_out_of_reach: u32,
+    /// How far palms were from things as they closed around them, and from where they put them down, 95th percentile, rounded
+    /// up to 10 mm (m).
     pub hand_off_p95_m: f32,
     /// The same at worst, 0.32 for all that is farther (m).
     pub hand_off_max_m: f32,

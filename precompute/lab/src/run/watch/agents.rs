@@ -251,6 +251,7 @@ fn things(handled: &Handled) -> ThingFigures {
     ThingFigures {
         things_taken: handled.taken,
         things_put: handled.put,
+        things_out_of_reach: handled.missed,
         hand_off_p95_m: handled.off_m(0.95),
         hand_off_max_m: handled.off_m(1.0),
     }
