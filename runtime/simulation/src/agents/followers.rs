@@ -1,7 +1,7 @@
 //! Bodies of the agents of a scene, blended from example motions.
 
 use super::stage::{Outside, Shown};
-use super::things::{Grasps, grasps};
+use super::things::{BodyGrasps, grasps};
 use super::troop::{SavedTroop, Troop};
 use super::{Agents, plan};
 use crate::compile::CompiledScene;
@@ -160,7 +160,7 @@ impl Followers {
     }
 
     /// Of each body, each troop and each tag of motion: how hands take things and put them down.
-    pub fn grasps(&self) -> Vec<Vec<Vec<Grasps>>> {
+    pub fn grasps(&self) -> Vec<BodyGrasps> {
         let of_body = |body: &Skeleton| {
             let of_troop = |(troop, tags): (&Troop, &Vec<Vec<ActivityId>>)| {
                 let set = troop.walkers().space().activities();

@@ -148,6 +148,9 @@ impl Handled {
 /// Motion of a tag by which a body of a troop takes things and puts them down: (takes or puts, motion).
 pub(super) type Grasps = Vec<(bool, Grasp)>;
 
+/// What one body can do, by troop and tag of motion.
+pub(super) type BodyGrasps = Vec<Vec<Grasps>>;
+
 /// Of each activity that says when a hand holds a thing: the moment and place of the grasp, and of letting go, on a body.
 pub(super) fn grasps(set: &ActivitySet, activities: &[ActivityId], body: &Skeleton) -> Grasps {
     let mut out = Vec::new();
@@ -183,7 +186,7 @@ pub(crate) struct Things {
     /// How high each is (m).
     heights: Vec<f32>,
     /// Of each group with bodies: its agents, and of each of its bodies, troops and tags of motion, the grasps.
-    bodies: Vec<(Range<usize>, Vec<Vec<Vec<Grasps>>>)>,
+    bodies: Vec<(Range<usize>, Vec<BodyGrasps>)>,
     /// Hands were told last to reach for something.
     pub reaches: bool,
 }

@@ -22,7 +22,7 @@ pub struct AgentsNow {
     pub progress_mps: f64,
     /// Agents that have reached their goal.
     pub arrived: usize,
-    /// Agents that stayed within half a metre for 10 s on their way.
+    /// Agents that stayed within half a metre for 10 s on their way, or came no nearer to their goal by as much for 20 s.
     pub stuck: usize,
 }
 
@@ -147,6 +147,7 @@ impl<V: Space> AgentWatch<V> {
             at: at(m),
             way: &layout.ways[m],
             way_number: agents.times_sent(m),
+            left_m: agents.id(m).and_then(|id| agents.crowd().way_left(id)).unwrap_or(0.0),
             arrival_m: layout.arrivals[m],
             again: agents.times_sent(m) == 0 && layout.at_end(m) == Some(AtEnd::Again),
         };
