@@ -344,7 +344,11 @@ pub fn figures(r: &Figures) -> Vec<(&'static str, String)> {
                 1e3 * t.hand_off_p95_m,
                 1e3 * t.hand_off_max_m
             );
-            rows.push(("things", format!("{} taken, {} put down; {off}", t.things_taken, t.things_put)));
+            let missed = match t.things_out_of_reach {
+                0 => String::new(),
+                n => format!(", {n} times out of reach"),
+            };
+            rows.push(("things", format!("{} taken, {} put down{missed}; {off}", t.things_taken, t.things_put)));
         }
         if let Some(informed) = c.informed {
             rows.push(("news", format!("{informed} know")));

@@ -103,6 +103,7 @@ fn draw(set: &ClipSet, inferred: &Inferred) -> Result<Picture, BuildError> {
             size: SIZE,
             figures: &figures,
             units: &units,
+            solids: &[],
             trails,
             names,
             look,

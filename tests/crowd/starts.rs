@@ -54,9 +54,15 @@ fn starts_in_obstacles_and_goals_behind_walls_are_told() {
     assert!(message.contains("starts in `environment.obstacles[0]`"), "{message}");
     let room = "[[environment.obstacles]]\nwall = { points = [[3.0, -3.0], [8.0, -3.0], [8.0, 3.0], [3.0, 3.0], [3.0, -3.0]] }\n";
     let message = refused(&(group(3, PLACE, goal) + room));
-    for part in ["no way leads agent 0 of \"guests\"", "[5.00, 0.00]", "gap", "routes = false"] {
+    for part in ["no way leads agent 0 of \"guests\"", "[5.00, 0.00]", "there is no gap", "routes = false"] {
         assert!(message.contains(part), "{message}");
     }
+    // A gap of 0.8 m is too narrow with the usual radius of 0.3 m and what ways keep from walls.
+    let narrow = room.replace("[3.0, -3.0]] }", "[3.0, 2.0]] }").replace("[[3.0, -3.0]", "[[3.0, 1.2], [3.0, -3.0]");
+    let message = refused(&(group(3, PLACE, goal) + &narrow));
+    let width = message.split("the widest gap is about ").nth(1).and_then(|m| m.split(' ').next()).expect(&message);
+    assert!((width.parse::<f32>().expect("a number") - 0.8).abs() < 0.03, "{message}");
+    assert!(message.contains("and 0.90 m are needed"), "{message}");
     let door = room.replace("[3.0, -3.0]] }", "[3.0, -0.6]] }");
     Simulation::new(&scene(&(group(3, PLACE, goal) + &door))).expect("there is a door");
 }

@@ -99,6 +99,21 @@ fn two_are_to_each_other_as_in_capture_at_every_step_of_what_they_do_together() 
 }
 
 #[test]
+fn two_who_are_near_but_far_to_walk_meet_halfway() {
+    let world = open(&["#.#", "#.#", "#.#", "#.#", "###"]);
+    let mut people = Inhabitants::new(&world, 2, InhabitantsConfig::default()).expect("room");
+    let at = |x: f32| world.view().instances.iter().position(|i| i.placement.x == x && i.placement.z == 0.0);
+    for x in [0.0, 2.0 * SIDE] {
+        let tile = at(x).expect("a tile there") as u32;
+        people.spawn(world.graph().rest_cells(tile).next().expect("a place to stand")).expect("a start");
+    }
+    let two = [Id::first(0), Id::first(1)];
+    people.meet(two, GIVE, 1.0).unwrap();
+    let seconds = until_begun(&mut people, two) as f32 * DT;
+    assert!(seconds < 20.0, "begun after {seconds} s");
+}
+
+#[test]
 fn everyone_holds_ground_of_their_own_while_two_do_something_together() {
     let world = open(&PLAIN);
     let mut people = people(&world, 3, 8);

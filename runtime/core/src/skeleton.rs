@@ -161,6 +161,19 @@ impl Skeleton {
         [LeftShin, LeftFoot, RightShin, RightFoot].iter().map(|j| self.offsets[j.index()].length()).sum::<f32>() * 0.5
     }
 
+    /// How the hips of motion of a database are put on this body: their height is scaled, then something is added, so that both
+    /// stand on the ground (factor, m).
+    pub fn hips_over(&self, database: &Self) -> [f32; 2] {
+        let scale = self.leg_length() / database.leg_length();
+        let rise = |s: &Self| {
+            let rest = s.rest_positions();
+            let feet = 0.5 * (rest[Joint::LeftFoot.index()].y + rest[Joint::RightFoot.index()].y);
+            let hips = 0.5 * (s.offsets[Joint::LeftThigh.index()].y + s.offsets[Joint::RightThigh.index()].y);
+            feet - hips
+        };
+        [scale, rise(self) - scale * rise(database)]
+    }
+
     /// Rest positions of all joints in model space (m).
     pub fn rest_positions(&self) -> [Vec3; NUM_JOINTS] {
         let mut p = [Vec3::ZERO; NUM_JOINTS];

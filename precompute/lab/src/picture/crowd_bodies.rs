@@ -1,32 +1,38 @@
 //! The picture of a crowd with bodies.
 
 use super::canvas::Picture;
+use super::colour::Colour;
 use super::discs::{SOLID, WIDTH, group_colour};
 use super::figure::{BodyColours, Figure};
 use super::world::{WorldFigure, WorldLook, WorldView, world_sheet};
 use crate::run::{AgentsRecord, Pose, SeenObstacle};
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
+use throng_bake::environment::{Solid, Triangles};
 use throng_runtime::Joint;
 
 /// Width of the picture of bodies (m).
 const BODIES_M: f32 = 24.0;
+/// Of things that lie or are carried.
+const THING: Colour = Colour::hex(0xd62728);
+
 /// Draws the bodies of a crowd at the end of its run.
 ///
 /// - `poses`: world positions of all joints of each agent, `None` where one has left (m).
-pub(super) fn bodies_sheet(record: &AgentsRecord, poses: &[Option<Pose>]) -> Picture {
+/// - `heights`: of what stands, in the order of the record (m).
+pub(super) fn bodies_sheet(
+    record: &AgentsRecord,
+    poses: &[Option<Pose>],
+    heights: impl Iterator<Item = f32>,
+    things: &[SeenThing],
+) -> Picture {
     let one = |(m, p): (usize, &Option<Pose>)| {
         let tint = group_colour(record.groups.get(m).copied().unwrap_or(0));
         Some(WorldFigure { figure: Figure::from_positions(p.as_ref()?), colours: BodyColours::plain(tint) })
     };
     let figures: Vec<WorldFigure> = poses.iter().enumerate().filter_map(one).collect();
-    let lines = |o: &SeenObstacle| match o {
-        SeenObstacle::Wall { from, to, .. } => Some(vec![*from, *to]),
-        SeenObstacle::Polygon(corners) => Some(corners.iter().chain(corners.first()).copied().collect()),
-        SeenObstacle::Ball { centre, radius } => Some(circle(*centre, *radius)),
-        _ => None,
-    };
-    let trails: Vec<_> = record.obstacles.iter().filter_map(lines).map(|l| (l, SOLID)).collect();
+    let standing = record.obstacles.iter().zip(heights).filter_map(|(o, height)| Some((standing(o, height)?, SOLID)));
+    let solids: Vec<(Solid, Colour)> = standing.chain(things.iter().map(|t| (t.solid(), THING))).collect();
     let places: Vec<Vec3> = figures.iter().map(|f| f.figure.joint(Joint::Hips)).collect();
     let focus = most_crowded(&places).map(|at| (at, BODIES_M));
     world_sheet(&WorldView {
@@ -35,7 +41,8 @@ pub(super) fn bodies_sheet(record: &AgentsRecord, poses: &[Option<Pose>]) -> Pic
         size: (WIDTH as u32, 900),
         figures: &figures,
         units: &[],
-        trails: &trails,
+        solids: &solids,
+        trails: &[],
         names: &[],
         look: WorldLook { heading: 0.8 * PI, elevation: 0.6, focus },
     })
@@ -51,10 +58,53 @@ fn most_crowded(places: &[Vec3]) -> Option<Vec3> {
     Some(near(*at).sum::<Vec3>() / near(*at).count() as f32)
 }
 
+/// A thing that lies or is carried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SeenThing {
+    /// Its middle, how it is turned, and its lengths (m).
+    pub at: Vec3,
+    pub turn: Quat,
+    pub size: Vec3,
+}
+
+impl SeenThing {
+    fn solid(&self) -> Solid {
+        Solid::Box { centre: self.at, rotation: self.turn, half: 0.5 * self.size }
+    }
+}
+
+/// What stands on the ground, so high (m).
+fn standing(obstacle: &SeenObstacle, height: f32) -> Option<Solid> {
+    let up = 0.5 * height * Vec3::Y;
+    Some(match obstacle {
+        SeenObstacle::Wall { from, to, radius } => {
+            let way = *to - *from;
+            let half = Vec3::new(*radius, 0.5 * height, 0.5 * way.length() + radius);
+            Solid::Box { centre: 0.5 * (*from + *to) + up, rotation: Quat::from_rotation_y(way.x.atan2(way.z)), half }
+        }
+        SeenObstacle::Box(low, high) => {
+            let half = (0.5 * (*high - *low)).with_y(0.5 * height);
+            Solid::Box { centre: 0.5 * (*low + *high) + up, rotation: Quat::IDENTITY, half }
+        }
+        SeenObstacle::Polygon(corners) => prism(corners, height)?,
+        SeenObstacle::Ball { centre, radius } => prism(&circle(*centre, *radius), height)?,
+        SeenObstacle::Mover { .. } => return None,
+    })
+}
+
+/// What stands over a polygon that bulges nowhere inwards.
+fn prism(corners: &[Vec3], height: f32) -> Option<Solid> {
+    let (&first, up) = (corners.first()?, height * Vec3::Y);
+    let next = corners.iter().skip(1).chain([&first]);
+    let sides = corners.iter().zip(next).flat_map(|(&a, &b)| [[a, b, b + up], [a, b + up, a + up]]);
+    let top = corners.windows(2).map(|w| [first + up, w[0] + up, w[1] + up]);
+    Some(Solid::Mesh(Triangles::new(sides.chain(top).collect())))
+}
+
 /// A circle on the ground.
 fn circle(centre: Vec3, radius: f32) -> Vec<Vec3> {
     let at = |i: u8| Vec2::from_angle(TAU * f32::from(i) / 40.0) * radius;
-    (0..=40).map(|i| centre + Vec3::new(at(i).x, 0.0, at(i).y)).collect()
+    (0..40).map(|i| centre + Vec3::new(at(i).x, 0.0, at(i).y)).collect()
 }
 
 #[cfg(test)]
@@ -72,8 +122,14 @@ mod tests {
             ..AgentsRecord::default()
         };
         let pose = Skeleton::default().rest_positions();
-        let one = bodies_sheet(&record, &[Some(pose), None]);
-        assert_ne!(one, bodies_sheet(&record, &[None, None]));
-        assert_eq!(one, bodies_sheet(&record, &[Some(pose), None]));
+        let draw = |poses: &[Option<Pose>], height: f32, things: &[SeenThing]| {
+            bodies_sheet(&record, poses, [height].into_iter(), things)
+        };
+        let cup = SeenThing { at: Vec3::new(-1.0, 0.5, 0.0), turn: Quat::IDENTITY, size: Vec3::splat(0.3) };
+        let one = draw(&[Some(pose), None], 0.5, &[]);
+        assert_ne!(one, draw(&[None, None], 0.5, &[]));
+        assert_eq!(one, draw(&[Some(pose), None], 0.5, &[]));
+        assert_ne!(one, draw(&[Some(pose), None], 1.5, &[]), "it is as high as it says");
+        assert_ne!(one, draw(&[Some(pose), None], 0.5, &[cup]), "things are drawn");
     }
 }

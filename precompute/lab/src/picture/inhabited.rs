@@ -1,7 +1,9 @@
 //! The picture of a world: all characters at its end, and moments of a lively one.
 
-use super::canvas::Picture;
+use super::canvas::{Area, Picture};
+use super::discs::group_colour;
 use super::figure::{BodyColours, Figure};
+use super::furniture::legend;
 use super::sheet::sheet;
 use super::world::{WorldFigure, WorldLook, WorldMoment, WorldStrip, WorldView, world_sheet, world_strip, world_units};
 use crate::run::{Figures, Pose, WorldRecord};
@@ -23,17 +25,21 @@ const FROM: (f32, f32) = (0.8 * PI, 0.6);
 
 /// Draws a world: all characters in it at the end, and moments of a followed one.
 ///
-/// - `poses`: of all characters in the world at the end.
+/// - `groups`: names and characters of the groups in the world, at the end; where there are several, each has a colour.
 pub(super) fn inhabited_sheet(
     title: &str,
     figures: &Figures,
     (picture, record): (&PictureConfig, &WorldRecord),
-    poses: &[Pose],
+    groups: &[(String, Vec<Pose>)],
     geometry: &PlacedGeometry,
 ) -> Picture {
     let units = world_units(geometry);
-    let one = |p: &Pose| WorldFigure { figure: Figure::from_positions(p), colours: BodyColours::default() };
-    let bodies: Vec<WorldFigure> = poses.iter().map(one).collect();
+    let tint = |g: usize| if groups.len() > 1 { BodyColours::plain(group_colour(g)) } else { BodyColours::default() };
+    let of_group = |(g, (_, poses)): (usize, &(String, Vec<Pose>))| -> Vec<WorldFigure> {
+        let one = |p: &Pose| WorldFigure { figure: Figure::from_positions(p), colours: tint(g) };
+        poses.iter().map(one).collect()
+    };
+    let bodies: Vec<WorldFigure> = groups.iter().enumerate().flat_map(of_group).collect();
     let f = figures.world.clone().unwrap_or_default();
     let subtitle = format!(
         "{:.0} s: {} overlap(s) of people, {} penetration(s), {} stuck; {:.1} wishes fulfilled and {:.0} m travelled a \
@@ -54,11 +60,16 @@ pub(super) fn inhabited_sheet(
         size: (1600, 1100),
         figures: &bodies,
         units: &units,
+        solids: &[],
         trails: &[],
         names: &[],
         look,
     };
-    let overview = world_sheet(&overview);
+    let mut overview = world_sheet(&overview);
+    if groups.len() > 1 {
+        let entries: Vec<_> = groups.iter().enumerate().map(|(g, (name, _))| (group_colour(g), name.clone())).collect();
+        legend(&mut overview, Area::new(0.0, 0.0, 1584.0, 84.0), 1.0, &entries, "");
+    }
     let Some((who, from)) = liveliest(record) else {
         return overview;
     };
@@ -66,7 +77,7 @@ pub(super) fn inhabited_sheet(
     let moments: Vec<WorldMoment> = looks.map(|(t, p)| WorldMoment::of(*t, Figure::from_positions(&p[who]))).collect();
     let strip = WorldStrip {
         title: &format!("Character {}", record.followed[who]),
-        subtitle: "one moment every half a second",
+        subtitle: "one moment every half a second; what stands before the person is left out",
         moments: &moments,
         units: &units,
         columns: COLUMNS,

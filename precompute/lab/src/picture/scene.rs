@@ -1,15 +1,15 @@
 //! The picture of a scene: a sheet for each group with policies, each group on paths, each world, and all agents.
 
 use super::canvas::Picture;
-use super::crowd_bodies::bodies_sheet;
+use super::crowd_bodies::{SeenThing, bodies_sheet};
 use super::discs::crowd_sheet;
 use super::fights::fight_sheet;
 use super::inhabited::inhabited_sheet;
 use super::sheet::sheet;
 use super::walkers::walkers_sheet;
-use crate::run::{GroupReport, Pose, Record, SceneReport, geometry, walk_styles};
+use crate::run::{GroupReport, Pose, Record, SceneReport, WorldRecord, geometry, walk_styles};
 use throng_motion::error::BuildError;
-use throng_runtime::simulation::{CompiledScene, Simulation};
+use throng_runtime::simulation::{CompiledScene, Group, Simulation};
 
 /// Length of the path that styles are shown on, and how far figures on it stand apart (m).
 const PATH_M: f32 = 16.0;
@@ -39,14 +39,18 @@ pub fn scene_sheet(
         let title = title(g, all.len());
         sheets.push(fight_sheet(&title, &g.figures, &scene.groups[group.number], fight, &poses(all)));
     }
+    let groups_of = |world: &WorldRecord| sim.groups().iter().filter(|g| g.cast == world.cast).count();
     for world in &record.worlds {
         let mut groups = sim.groups().iter().enumerate().filter(|(_, g)| g.cast == world.cast);
         let Some((number, first)) = groups.next() else { continue };
         let end = groups.next_back().map_or(first.characters.end, |(_, last)| last.characters.end);
         let all = first.characters.start..end;
         let stands = geometry(compiled, world.group)?;
-        let (g, title) = (&report.groups[number], title(&report.groups[number], all.len()));
-        sheets.push(inhabited_sheet(&title, &g.figures, (&scene.picture, world), &poses(all), &stands));
+        let (g, num) = (&report.groups[number], all.len());
+        let title = if groups_of(world) > 1 { format!("{}: {num} characters", report.scene) } else { title(g, num) };
+        let of = |g: &Group| (scene.groups[g.number].name.clone(), poses(g.characters.clone()));
+        let groups: Vec<_> = sim.groups().iter().filter(|g| g.cast == world.cast).map(of).collect();
+        sheets.push(inhabited_sheet(&title, &g.figures, (&scene.picture, world), &groups, &stands));
     }
     for paths in &record.paths {
         let (g, group) = (&report.groups[paths.group], &sim.groups()[paths.group]);
@@ -62,7 +66,9 @@ pub fn scene_sheet(
         let all: Vec<Option<Pose>> =
             of_agents.iter().flat_map(|g| record.poses[g.characters.clone()].to_vec()).collect();
         if all.iter().any(Option::is_some) {
-            sheets.push(bodies_sheet(agents, &all));
+            let things = sim.things().map(|t| SeenThing { at: t.at, turn: t.turn, size: t.size });
+            let things: Vec<SeenThing> = things.collect();
+            sheets.push(bodies_sheet(agents, &all, scene.environment.heights_m(), &things));
         }
     }
     Ok(sheet(&sheets.iter().collect::<Vec<_>>()))

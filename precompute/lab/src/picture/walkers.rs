@@ -62,6 +62,7 @@ fn overview(title: &str, centre: [f32; 2], figures: &Figures, poses: &[Pose]) ->
         size: (1600, 900),
         figures: &bodies,
         units: &[],
+        solids: &[],
         trails: &[],
         names: &[],
         look: WorldLook {
@@ -93,6 +94,7 @@ fn styles_sheet(styles: &[StyleWalk], length_m: f32) -> Picture {
         size: (1600, 1000),
         figures: &figures,
         units: &[],
+        solids: &[],
         trails: &trails,
         names: &names,
         look: WorldLook { heading: 0.5 * PI, elevation: 0.7, focus: Some((centre, 1.25 * length_m)) },

@@ -16,6 +16,10 @@ use throng_runtime::patch::Placement;
 /// Colours of units, by their number in the set.
 const UNIT_COLOURS: [u32; 8] = [0xb9a58a, 0x8fa3ad, 0xa8b39a, 0xb59a9a, 0x9a9cb8, 0xc0b27e, 0x86a8a0, 0xa79aaf];
 
+/// What is left out of a strip: nearer than the hips by this much, and not so far below them (m).
+const BEFORE_M: f32 = 0.4;
+const BELOW_HIPS_M: f32 = 0.5;
+
 /// A body in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldFigure {
@@ -75,6 +79,8 @@ pub struct WorldView<'a> {
     pub figures: &'a [WorldFigure],
     /// All that stands around.
     pub units: &'a [WorldUnit<'a>],
+    /// What else is there, in the world.
+    pub solids: &'a [(Solid, Colour)],
     /// Where roots were or will be, and in which colour (m).
     pub trails: &'a [(Vec<Vec3>, Colour)],
     /// Names above points.
@@ -87,7 +93,8 @@ pub struct WorldView<'a> {
 pub fn world_sheet(view: &WorldView<'_>) -> Picture {
     let (mut page, mut panel, at) = page_with_panel(view.size, view.title, view.subtitle);
     let unit = page.width() as f32 / 1600.0;
-    let pieces = pieces(view.units, view.figures);
+    let mut pieces = pieces(view.units, view.figures);
+    view.solids.iter().for_each(|(solid, tint)| add_solid(solid, |p| p, *tint, &mut pieces));
     let extent = Vec2::new(panel.width() as f32, panel.height() as f32);
     let camera = camera(&view.look, extent, &pieces);
     grid(&mut panel, &camera, nice_step(extent.x / camera.px_per_m / 16.0), unit);
@@ -142,7 +149,8 @@ pub struct WorldStrip<'a> {
     pub from: (f32, f32),
 }
 
-/// Draws moments of one person's motion among units and others, row by row, the hips in the middle of each.
+/// Draws moments of one person's motion among units and others, row by row, the hips in the middle of each. What stands before
+/// the person, higher than the knees, is left out.
 pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
     let (width, edge, top, label) = (1600.0, 16.0, 84.0, 28.0);
     let columns = strip.columns.clamp(1, 40);
@@ -158,7 +166,15 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
         let mut panel = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
         let focus = moment.figures.first().map(|f| (f.figure.joint(Joint::Hips), strip.width_m));
         let look = WorldLook { heading: strip.from.0, elevation: strip.from.1, focus };
-        let mut pieces = [&units[..], &super::world::pieces(&[], &moment.figures)].concat();
+        let around = camera(&look, area.size, &[]);
+        let hips = focus.map_or(Vec3::ZERO, |f| f.0);
+        let hides = |p: &&Piece| {
+            let bounds = p.bounds();
+            let far = bounds.corners().map(|c| around.depth(c)).into_iter().fold(f32::NEG_INFINITY, f32::max);
+            bounds.max.y > hips.y - BELOW_HIPS_M && far < around.depth(hips) - BEFORE_M
+        };
+        let mut pieces: Vec<Piece> = units.iter().filter(|p| !hides(p)).copied().collect();
+        pieces.extend(super::world::pieces(&[], &moment.figures));
         moment.solids.iter().for_each(|(solid, tint)| add_solid(solid, |p| p, *tint, &mut pieces));
         let camera = camera(&look, area.size, &pieces);
         grid(&mut panel, &camera, 1.0, 0.7);

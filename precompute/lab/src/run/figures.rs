@@ -47,7 +47,8 @@ pub struct Figures {
     /// Of agents.
     #[serde(flatten)]
     pub crowd: Option<AgentFigures>,
-    /// Agents that ever stayed within half a metre for 10 s on their way, and characters in worlds for 30 s.
+    /// Agents that ever stayed within half a metre for 10 s on their way, or came no nearer to their goal by as much for 20 s,
+    /// and characters in worlds that stayed for 30 s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stuck: Option<usize>,
     /// Mean speed of planted heels and toes (m/s).
@@ -116,7 +117,10 @@ pub struct ThingFigures {
     pub things_taken: u32,
     /// Things that were put down.
     pub things_put: u32,
-    /// How far palms were from things as they closed around them, 95th percentile, rounded up to 10 mm (m).
+    /// Times that somebody could not reach a thing, or where it was to be put, and gave up.
+    pub things_out_of_reach: u32,
+    /// How far palms were from things as they closed around them, and from where they put them down, 95th percentile, rounded
+    /// up to 10 mm (m).
     pub hand_off_p95_m: f32,
     /// The same at worst, 0.32 for all that is farther (m).
     pub hand_off_max_m: f32,
@@ -157,7 +161,8 @@ pub struct AgentFigures {
     pub progress_mps: f64,
     /// The same in each ten seconds in which there were any (m/s).
     pub progress_by_10s_mps: Vec<f64>,
-    /// Agents that stay within half a metre at the end, for 10 s or longer, on their way.
+    /// Agents that stay within half a metre at the end, for 10 s or longer, on their way, or have come no nearer to their goal
+    /// by as much for 20 s.
     pub stuck_at_end: usize,
     /// Mean desired speed, for comparison (m/s).
     pub desired_mps: f64,

@@ -60,6 +60,17 @@ pub(crate) struct Sample {
     pub contacts: [f32; 2],
 }
 
+/// Where an arm is (m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArmPlaces {
+    /// Its upper end.
+    pub shoulder: Vec3,
+    /// Its lower end.
+    pub wrist: Vec3,
+    /// Beyond the wrist along the forearm.
+    pub palm: Vec3,
+}
+
 impl ActivitySet {
     /// Activities of checked tables.
     pub(crate) fn of(
@@ -119,19 +130,26 @@ impl ActivitySet {
         found.map(|(id, _)| id).ok_or_else(|| Error::Unknown { what: "activity", name: name.into(), known: known() })
     }
 
-    /// Where a hand is at a time of an activity, as seen from where the root stood when it began: the palm, beyond the wrist
-    /// along the forearm (m).
+    /// Where an arm of a body is at a time of an activity, as seen from where the root stood when it began.
     ///
     /// - `side`: 0 left, 1 right.
-    pub fn hand(&self, activity: &Activity, side: usize, seconds: f32) -> Vec3 {
+    pub fn arm(&self, activity: &Activity, side: usize, seconds: f32, body: &Skeleton) -> ArmPlaces {
         let sample = self.sample(activity, seconds);
-        let mut joint = [Joint::LeftHand, Joint::RightHand][side];
-        let mut point = striking_offset(&self.skeleton, joint);
-        while let Some(parent) = joint.parent() {
-            point = maths::rotate(sample.rotations[joint.index()], point) + self.skeleton.offsets[joint.index()];
-            joint = parent;
+        let [scale, lift] = body.hips_over(&self.skeleton);
+        let place = |joint: Joint, mut point: Vec3| {
+            let mut joint = joint;
+            while let Some(parent) = joint.parent() {
+                point = maths::rotate(sample.rotations[joint.index()], point) + body.offsets[joint.index()];
+                joint = parent;
+            }
+            maths::rotate(sample.rotations[0], point) + sample.hips * scale + Vec3::Y * lift
+        };
+        let [shoulder, hand] = [[Joint::LeftUpperArm, Joint::LeftHand], [Joint::RightUpperArm, Joint::RightHand]][side];
+        ArmPlaces {
+            shoulder: place(shoulder, Vec3::ZERO),
+            wrist: place(hand, Vec3::ZERO),
+            palm: place(hand, striking_offset(body, hand)),
         }
-        maths::rotate(sample.rotations[0], point) + sample.hips
     }
 
     /// The body of an activity at a time (s, clamped to it).

@@ -11,7 +11,7 @@ mod space;
 mod warp;
 
 pub(crate) use activity::Sample;
-pub use activity::{Activity, ActivityId, ActivitySet};
+pub use activity::{Activity, ActivityId, ActivitySet, ArmPlaces};
 pub use grid::{MAX_KNOTS, WeightGrid};
 pub use ground::{Ground, HeightField};
 pub use posture::Posture;

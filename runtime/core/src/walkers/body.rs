@@ -75,19 +75,13 @@ impl LaneBody {
 
     /// Puts a body in one lane.
     pub fn put(&mut self, lane: usize, body: &Skeleton, database: &Skeleton) {
-        let scale = body.leg_length() / database.leg_length();
+        let [scale, lift] = body.hips_over(database);
         for (offset, &v) in self.offsets.iter_mut().zip(&body.offsets) {
             set(offset, lane, v);
         }
         self.scale[lane] = scale;
         self.pace[lane] = scale.sqrt();
-        let rise = |s: &Skeleton| {
-            let rest = s.rest_positions();
-            let feet = 0.5 * (rest[Joint::LeftFoot.index()].y + rest[Joint::RightFoot.index()].y);
-            let hips = 0.5 * (s.offsets[Joint::LeftThigh.index()].y + s.offsets[Joint::RightThigh.index()].y);
-            feet - hips
-        };
-        self.lift[lane] = rise(body) - scale * rise(database);
+        self.lift[lane] = lift;
         for (side, leg) in self.legs.iter_mut().enumerate() {
             leg.put(lane, side, scale, body, database);
         }

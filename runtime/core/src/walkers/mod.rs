@@ -7,6 +7,7 @@ mod config;
 mod feet;
 mod footing;
 mod gaze;
+mod lean;
 mod perform;
 mod reach;
 mod spring;

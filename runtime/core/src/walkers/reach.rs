@@ -4,6 +4,7 @@ use super::Control;
 use super::block::{Block, Foot};
 use super::body::{ARMS, LEGS, LaneBody};
 use super::feet::{Bearing, Sole};
+use super::lean::{lean, sink};
 use super::spring::Spring;
 use crate::hits::FIST_PER_FOREARM;
 use crate::pose::{Lane, ModelPose, bend, load};
@@ -21,7 +22,7 @@ const STRETCH: f32 = 1.0;
 const TRAILING_M: f32 = 0.1;
 /// Rise of the heel up to which it still bears (m).
 const LIFTED_M: f32 = 0.002;
-/// Furthest that the hips are lowered (m, of the database skeleton).
+/// Furthest that the hips are lowered for legs (m, of the database skeleton).
 const LOWEST_M: f32 = 0.08;
 
 /// Lowers the whole body so that both legs reach their ankles softly, each as far as its foot's place matters.
@@ -29,12 +30,14 @@ const LOWEST_M: f32 = 0.08;
 /// - `drop`: how far it was lowered at the last step, and how fast that changed; then, how far it is now
 ///   (m, m/s).
 /// - `spring`: how a difference to what is needed fades.
+/// - `sunk`: how low hips are at least, for what hands reach for (m).
 #[inline(always)]
 pub(crate) fn lower<F: Lanes>(
     body: &LaneBody,
     soles: &[Sole<F>; 2],
     importance: [F; 2],
     ([drop_before, drop_rate], spring): ([&mut Lane; 2], &Spring),
+    sunk: F,
     pose: &mut ModelPose<F>,
 ) {
     let mut drop = F::splat(0.0);
@@ -47,7 +50,7 @@ pub(crate) fn lower<F: Lanes>(
         // Whole where the foot stands: half of the blend is enough for that.
         drop = drop.max((way.y - up) * (importance[side] + importance[side]).min(F::splat(1.0)));
     }
-    let drop = drop.min(F::splat(LOWEST_M) * F::load(&body.scale));
+    let drop = drop.min(F::splat(LOWEST_M) * F::load(&body.scale)).max(sunk);
     let (off, rate) = spring.pull_lanes(F::load(drop_before) - drop, F::load(drop_rate));
     let drop = drop + off;
     (*drop_before, *drop_rate) = (drop.to_array(), rate.to_array());
@@ -170,6 +173,8 @@ pub(crate) struct Hands {
     /// x, y, z of each palm, left and right, in model space (m).
     to: [[Lane; 3]; 2],
     share: [Lane; 2],
+    /// The same where the trunk leans for it: for a place in the world.
+    leans: [Lane; 2],
 }
 
 impl Hands {
@@ -178,7 +183,8 @@ impl Hands {
         if controls.iter().all(|c| c.hands == [None; 2]) {
             return None;
         }
-        let mut out = Self { to: [[[0.0; LANES]; 3]; 2], share: [[0.0; LANES]; 2] };
+        let none = [[0.0; LANES]; 2];
+        let mut out = Self { to: [[[0.0; LANES]; 3]; 2], share: none, leans: none };
         for (lane, control) in controls.iter().enumerate() {
             for (side, reach) in control.hands.iter().enumerate() {
                 let Some(reach) = reach else { continue };
@@ -188,6 +194,7 @@ impl Hands {
                 } else {
                     let flat = block.root(lane).inverse_transform_point(Vec2::new(to.x, to.z));
                     (to.x, to.z) = (flat.x, flat.y);
+                    out.leans[side][lane] = reach.share;
                 }
                 out.share[side][lane] = reach.share;
                 to.to_array().into_iter().zip(&mut out.to[side]).for_each(|(v, lanes)| lanes[lane] = v);
@@ -196,16 +203,45 @@ impl Hands {
         Some(out)
     }
 
-    /// Bends arms so that palms lie there.
+    /// How far hips sink so that hands come to what lies low (m).
+    #[inline(always)]
+    pub fn sink<F: Lanes>(&self, body: &LaneBody, pose: &ModelPose<F>) -> F {
+        let of = |side: usize| sink(body, side, self.wrist(body, side, pose), F::load(&self.leans[side]), pose);
+        of(0).max(of(1))
+    }
+
+    /// Bends arms so that palms lie there, and leans where they are too short.
     #[inline(always)]
     pub fn reach<F: Lanes>(&self, body: &LaneBody, pose: &mut ModelPose<F>) {
-        for side in 0..2 {
-            let hand = ARMS[side][2].index();
-            let palm = pose.rotations[hand].rotate(load(&body.offsets[hand]) * F::splat(FIST_PER_FOREARM));
-            let [x, y, z] = self.to[side].each_ref().map(|v| F::load(v));
-            reach_hand(body, side, V::new(x, y, z) - palm, F::load(&self.share[side]), pose);
+        let wrists = [0, 1].map(|side| self.wrist(body, side, pose));
+        let turned = ARMS.map(|arm| pose.rotations[arm[2].index()]);
+        for (side, &to) in wrists.iter().enumerate() {
+            lean(body, side, to, F::load(&self.leans[side]), pose);
+        }
+        for (side, &to) in wrists.iter().enumerate() {
+            let (share, hand) = (F::load(&self.share[side]), ARMS[side][2].index());
+            // A hand that reaches keeps its direction, however the trunk leans.
+            let (was, now, zero) = (turned[side], pose.rotations[hand], F::splat(0.0));
+            let w = F::select_lt(zero, share, was.w, now.w);
+            pose.rotations[hand] = Q::new(V::select_lt(zero, share, was.v, now.v), w);
+            reach_hand(body, side, to, share, pose);
         }
     }
+
+    /// Where a wrist goes.
+    #[inline(always)]
+    fn wrist<F: Lanes>(&self, body: &LaneBody, side: usize, pose: &ModelPose<F>) -> V<F> {
+        let hand = ARMS[side][2].index();
+        let palm = pose.rotations[hand].rotate(load(&body.offsets[hand]) * F::splat(FIST_PER_FOREARM));
+        let [x, y, z] = self.to[side].each_ref().map(|v| F::load(v));
+        V::new(x, y, z) - palm
+    }
+}
+
+/// Length of a limb up to which it stretches for anything (m).
+#[inline(always)]
+pub(super) fn soft_length<F: Lanes>([l1, l2]: &[Lane; 2]) -> F {
+    (F::load(l1) + F::load(l2)) * F::splat(SOFT)
 }
 
 #[inline(always)]

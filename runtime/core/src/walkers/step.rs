@@ -161,8 +161,9 @@ impl Work for Blend<'_, '_> {
                 let share = act.lay(self.tick, look_at, (block, body, lane), &mut postures[lane]);
                 [importance[0][lane], importance[1][lane]] = both.map(|of| of + (1.0 - of) * share);
             }
-            let mut model = retarget::<F>(block, body, &postures, &importance, self.tick);
-            if let Some(hands) = Hands::of(&controls[from..from + count], block) {
+            let hands = Hands::of(&controls[from..from + count], block);
+            let mut model = retarget::<F>(block, body, &postures, &importance, hands.as_ref(), self.tick);
+            if let Some(hands) = hands {
                 hands.reach(body, &mut model);
             }
             let joints = from * NUM_JOINTS..(from + count) * NUM_JOINTS;
@@ -261,6 +262,7 @@ fn retarget<F: Lanes>(
     body: &LaneBody,
     postures: &[Posture; LANES],
     importance: &[Lane; 2],
+    hands: Option<&Hands>,
     tick: &Tick<'_>,
 ) -> ModelPose<F> {
     let t = transpose::<F>(postures);
@@ -279,7 +281,8 @@ fn retarget<F: Lanes>(
     for (side, sole) in soles.iter_mut().enumerate() {
         tiptoe(body, side, sole, &mut bearing[side], &model);
     }
-    lower(body, &soles, importance, ([&mut block.drop, &mut block.drop_rate], &tick.drop), &mut model);
+    let sunk = hands.map_or(F::splat(0.0), |hands| hands.sink(body, &model));
+    lower(body, &soles, importance, ([&mut block.drop, &mut block.drop_rate], &tick.drop), sunk, &mut model);
     let pace = F::load(&body.pace);
     let knee_rate = F::splat(KNEE_RATE) / pace + F::load(&block.speed) * F::splat(KNEE_RATE_BY_SPEED) / (pace * pace);
     for (side, sole) in soles.iter_mut().enumerate() {

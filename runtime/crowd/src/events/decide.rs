@@ -322,7 +322,11 @@ impl<V: Space> Decider<'_, V> {
         );
         let half = between.filter(|b| b.at_hand).map(|b| if b.place < 0.0 { Half::Left } else { Half::Right });
         let blocked = Blocked { position: walker.position, ahead: walker.desired, waited, half };
-        let way = blocked.retreat(self.grid, steering);
+        let way = blocked.retreat(self.grid, steering).or_else(|| {
+            let path = &self.scenery.paths[state.route as usize];
+            let gate = self.guide().gate(path, &state.cursor, walker.position, walker.radius)?;
+            gate.retreat((walker.position, walker.radius), self.time, self.grid, steering)
+        });
         let yields = way.is_some();
         if let Some(way) = way.or_else(|| blocked.retreat_by_chance((agent, self.time), self.grid, steering)) {
             *walker = Walker { desired: way, speed: steering.retreat_speed * state.speed, retreats: true, ..*walker };

@@ -18,6 +18,7 @@ use crate::routes::streets::{Corner, MOST_CORNERS, Streets};
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::far_field::coming;
+use crate::steering::retreat::Gate;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 
 /// What an agent that looks for its way knows.
@@ -110,6 +111,23 @@ impl<V: Space> Guide<'_, V> {
             cursor.aim = V::from_world(Vec3::new(at.x, height, at.y));
             cursor.rest = left + rest;
         }
+    }
+
+    /// The narrow place near by through which the way of an agent at `x` leads next.
+    pub fn gate(&self, path: &Path<V>, cursor: &Cursor<V>, x: V, radius: f32) -> Option<Gate<V>> {
+        let (streets, costs) = self.streets.zip(path.goal_of(cursor.leg).map(|n| self.goals.costs(n)))?;
+        let (goal, _) = path.subgoal(cursor.leg);
+        let from = x.to_world().xz();
+        let mut corners = [None; MOST_CORNERS];
+        let ways = ((from, radius, self.steering.corner_m), (goal.to_world().xz(), costs, false));
+        let num = streets.corners_ahead(ways.0, ways.1, &mut corners);
+        let widest = 2.0 * radius * self.steering.gate_diameters;
+        let is_gate = |c: &&Corner| c.free < widest && from.distance(c.at) < self.steering.gate_near_m;
+        let corner = corners[..num].iter().flatten().find(is_gate)?;
+        let across = corner.out.perp();
+        let along = if (corner.next - from).dot(across) >= 0.0 { across } else { -across };
+        let at = corner.at + corner.out * (0.5 * corner.free);
+        Some(Gate { at: over_ground(at), along: over_ground(along) })
     }
 
     /// What those who are on the last metres of the way to a place, or come from there, cost (m).

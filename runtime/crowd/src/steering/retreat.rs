@@ -28,6 +28,39 @@ pub(crate) struct Blocked<V> {
     pub half: Option<Half>,
 }
 
+/// A narrow place that a way leads through: a door, a gap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Gate<V> {
+    /// Its middle (m).
+    pub at: V,
+    /// Unit vector along the way through it.
+    pub along: V,
+}
+
+impl<V: Space> Gate<V> {
+    /// Direction in which an agent that makes no progress steps back from it, where others want to come the other way and it is
+    /// their turn; who is in it already goes on.
+    ///
+    /// All at a place know the time: so one way waits as a whole, then the other one.
+    pub fn retreat(
+        &self,
+        (position, radius): (V, f32),
+        time: f64,
+        grid: &DensityGrid<V>,
+        steering: &SteeringConfig,
+    ) -> Option<V> {
+        let (off, at) = (position - self.at, self.at * grid.per_m());
+        let against: f32 = (0..=2).map(|k| grid.square(at + self.along * k as f32).opposed(self.along)).sum();
+        let [x, y, z] = self.along.coordinates();
+        let main = [x, y, z].into_iter().fold(0.0, |main: f32, c| if c.abs() > main.abs() { c } else { main });
+        let is_their_turn = (main > 0.0) == ((time / steering.gate_turn_s) as u64).is_multiple_of(2);
+        let waits = is_their_turn && against >= 1.0 && off.dot(self.along) < -radius;
+        // Away from the middle, each to its side.
+        let side = if off.dot(self.along.right()) < 0.0 { -1.0 } else { 1.0 };
+        waits.then(|| back(self.along, side, steering))
+    }
+}
+
 impl<V: Space> Blocked<V> {
     /// Direction in which it steps back, if more agents in front want to come than agents behind want to go on. So the few
     /// retreat before the many, in whole groups, as all of them see the same; equal groups stay and slide past to the
@@ -58,7 +91,7 @@ impl<V: Space> Blocked<V> {
         };
         // One who just stands counts as half, and nobody steps back from that one alone.
         let is_weaker = against >= 1.0 && against > stronger * along + more;
-        is_weaker.then(|| self.back(1.0, steering))
+        is_weaker.then(|| back(ahead, 1.0, steering))
     }
 
     /// The same by chance, for those that have waited for long in a dense crowd: of equal groups that block each other, or of
@@ -77,13 +110,14 @@ impl<V: Space> Blocked<V> {
         let lot = lot(agent, (time / steering.jam_turn_s) as u32);
         let side = if lot & 1 == 0 { 1.0 } else { -1.0 };
         let share = (lot >> 8) as f32 / (u32::MAX >> 8) as f32;
-        (share < steering.jam_share).then(|| self.back(side, steering))
+        (share < steering.jam_share).then(|| back(self.ahead, side, steering))
     }
+}
 
-    fn back(&self, side: f32, steering: &SteeringConfig) -> V {
-        let aside = self.ahead.right() * (side * steering.retreat_right);
-        (self.ahead * -steering.retreat_back + aside).unit_and_length().0
-    }
+/// Back from where one wants to go, and to the right (1) or to the left (-1).
+fn back<V: Space>(ahead: V, side: f32, steering: &SteeringConfig) -> V {
+    let aside = ahead.right() * (side * steering.retreat_right);
+    (ahead * -steering.retreat_back + aside).unit_and_length().0
 }
 
 /// A number by chance, the same at any time and in any order of agents (Steele, Lea and Flood 2014, SplitMix).
@@ -122,6 +156,28 @@ mod tests {
             "the twelve do not"
         );
         assert_eq!(blocked(Vec2::Y * 20.0, Vec2::X).retreat(&grid, &SteeringConfig::DEFAULT), None, "an empty place");
+    }
+
+    #[test]
+    fn those_who_meet_at_a_gate_take_turns() {
+        let (mut grid, steering) = (DensityGrid::new(1.2, Vec2::splat(60.0), 100), SteeringConfig::DEFAULT);
+        let (at, turn_s) = (Vec2::new(0.6, 0.6), steering.gate_turn_s);
+        let gate = |along| Gate { at, along };
+        let back = |along: Vec2, far: f32, time: f64, grid: &DensityGrid<Vec2>| {
+            gate(along).retreat((at - along * far, 0.3), time, grid, &steering)
+        };
+        grid.add(at - Vec2::X, Vec2::ZERO, Vec2::X);
+        for time in [0.0, turn_s] {
+            assert_eq!(back(Vec2::X, 1.0, time, &grid), None, "nobody comes");
+        }
+        grid.add(at + Vec2::X, Vec2::ZERO, Vec2::NEG_X);
+        for turn in 0..6 {
+            let time = turn_s * (f64::from(turn) + 0.5);
+            let [one, other] = [Vec2::X, Vec2::NEG_X].map(|along| back(along, 1.0, time, &grid));
+            assert_eq!([one.is_some(), other.is_some()], [turn % 2 == 0, turn % 2 == 1], "one of the two");
+            assert!(one.is_none_or(|w| w.x < -0.3) && other.is_none_or(|w| w.x > 0.3));
+            assert_eq!(back(Vec2::X, 0.0, time, &grid), None, "who is in it goes on");
+        }
     }
 
     #[test]

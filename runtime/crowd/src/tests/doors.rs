@@ -128,3 +128,27 @@ fn moving_obstacles_are_no_doors() {
     let mut crowd = Crowd::on_ground(Setup { obstacles, ..Setup::default() }).unwrap();
     assert!(crowd.set_open(0, true).is_err());
 }
+
+/// When the last of two crowds of twelve who meet at a door of twice their width is through; in the other's room (s).
+fn through_a_door(shift: f32) -> f64 {
+    let walls = vec![wall([0.0, -12.0], [0.0, -0.65]), wall([0.0, 0.65], [0.0, 12.0])];
+    let streets = Streets::with(&walls, None, 0.45, 0.3).unwrap();
+    let mut crowd = Crowd::on_ground(Setup::in_streets(&streets, 24)).unwrap();
+    for side in [-1.0, 1.0] {
+        for i in 0..12 {
+            let at = ground(side * (1.5 + shift + 1.1 * (i / 4) as f32), -1.8 + shift + 1.1 * (i % 4) as f32);
+            let id = crowd.spawn(Agent { radius: 0.3, ..Agent::at(at) }).unwrap();
+            crowd.order(id, Go::to(ground(-side * 8.0, at.z)).then(AtEnd::Leave)).unwrap();
+        }
+    }
+    while crowd.num_agents() > 0 && crowd.now() < 300.0 {
+        run(&mut crowd, 1.0);
+    }
+    crowd.now()
+}
+
+#[test]
+fn two_crowds_at_a_narrow_door_take_turns() {
+    let times = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35].map(through_a_door);
+    assert!(times.iter().sum::<f64>() < 8.0 * 66.0, "the last one is through after {times:?} s");
+}

@@ -1,7 +1,7 @@
 //! Bodies of the agents of a scene, blended from example motions.
 
 use super::stage::{Outside, Shown};
-use super::things::{Grasps, grasps};
+use super::things::{BodyGrasps, grasps};
 use super::troop::{SavedTroop, Troop};
 use super::{Agents, plan};
 use crate::compile::CompiledScene;
@@ -14,7 +14,7 @@ use throng_base::Result;
 use throng_base::maths;
 use throng_core::blend::ActivityId;
 use throng_core::walkers::{Performance, Performing, Reach, Walkers, WalkersConfig};
-use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
+use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 use throng_crowd::{Id, Space};
 
 /// Bodies of the agents of one group; those who have left stay where they were.
@@ -26,7 +26,8 @@ pub(super) struct Followers {
     /// Number of the first agent.
     first: usize,
     count: usize,
-    num_bodies: usize,
+    /// Agents take them in turn, by their numbers in the crowd.
+    bodies: Vec<Skeleton>,
     /// Of each troop and each tag of motion of the scenario: activities of its bundle.
     activities: Vec<Vec<Vec<ActivityId>>>,
     /// What each body does that it was told last (count).
@@ -71,7 +72,7 @@ impl Followers {
             scene: Arc::clone(scene),
             first,
             count: config.count,
-            num_bodies: bodies.len(),
+            bodies,
             activities,
             told: vec![Shown::default(); config.count],
             troops,
@@ -84,7 +85,7 @@ impl Followers {
         let num = self.troops.len();
         for &agent in &outside.newcomers {
             if let Some(id) = outside.ids[agent as usize].filter(|_| self.holds(agent as usize)) {
-                let entered = self.troops[agent as usize % num].enter(crowd, id, Vec2::Y, self.num_bodies);
+                let entered = self.troops[agent as usize % num].enter(crowd, id, Vec2::Y, self.bodies.len());
                 entered.map_err(|e| self.scene.fault(&self.key, e))?;
             }
         }
@@ -158,13 +159,16 @@ impl Followers {
         self.first..self.first + self.count
     }
 
-    /// Of each troop and each tag of motion: how hands take things and put them down.
-    pub fn grasps(&self) -> Vec<Vec<Grasps>> {
-        let of_troop = |(troop, tags): (&Troop, &Vec<Vec<ActivityId>>)| {
-            let set = troop.walkers().space().activities();
-            tags.iter().map(|activities| grasps(set, activities)).collect()
+    /// Of each body, each troop and each tag of motion: how hands take things and put them down.
+    pub fn grasps(&self) -> Vec<BodyGrasps> {
+        let of_body = |body: &Skeleton| {
+            let of_troop = |(troop, tags): (&Troop, &Vec<Vec<ActivityId>>)| {
+                let set = troop.walkers().space().activities();
+                tags.iter().map(|activities| grasps(set, activities, body)).collect()
+            };
+            self.troops.iter().zip(&self.activities).map(of_troop).collect()
         };
-        self.troops.iter().zip(&self.activities).map(of_troop).collect()
+        self.bodies.iter().map(of_body).collect()
     }
 
     /// True where an agent has entered: its body is there.

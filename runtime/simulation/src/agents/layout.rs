@@ -233,7 +233,7 @@ impl<V: Space> Layout<V> {
     }
 
     /// Lowest and highest that agents start.
-    fn heights(&self) -> [f32; 2] {
+    pub(super) fn heights(&self) -> [f32; 2] {
         let high = self.setup.agents.iter().map(|m| m.position.coordinates()[1]);
         high.fold([f32::INFINITY, f32::NEG_INFINITY], |[l, h], y| [l.min(y), h.max(y)])
     }

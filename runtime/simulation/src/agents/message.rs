@@ -16,7 +16,13 @@ impl<V: Space> Layout<V> {
                 let radius = self.scene.groups[self.groups[m]].radius_m[1];
                 format!("the goal {} of {who} is in `{}` or nearer than {radius:.2} m to it", place(to), key(s))
             }
-            NoWay::Separated => format!("no way leads {who} from {} to {}", place(from), place(to)),
+            NoWay::Separated => {
+                let gap = self.map.gap(self.walls_and_doors().0, self.heights(), from, to);
+                let gap = gap.map_or("there is no gap in the obstacles".to_owned(), |[wide, needed]| {
+                    format!("the widest gap is about {wide:.2} m, and {needed:.2} m are needed for the largest `radius_m` and 0.15 m at each side")
+                });
+                format!("no way leads {who} from {} to {}: {gap}", place(from), place(to))
+            }
         };
         let help = "move it, open a gap in the obstacles that is wide enough, or set `agents.routes = false`";
         self.fault(Some(m), message, help)

@@ -1,8 +1,8 @@
 //! The crowd as the minds of its agents see it, and how they act in it.
 
 use super::layout::Layout;
-use super::things::Things;
-use crate::scenario::{Handling, Signal, Stage};
+use super::things::{Things, Who};
+use crate::scenario::{Handling, NoStance, Signal, Stage};
 use crate::scene::GoalConfig;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -150,6 +150,10 @@ impl<V: Space> Outside<V> {
         self.crowd.position(self.ids[agent as usize]?, self.crowd.now()).map(V::from_world)
     }
 
+    fn who(&self, agent: u32) -> Who {
+        Who { agent, number: self.ids[agent as usize].map_or(0, |id| id.index()) }
+    }
+
     /// Name of an agent that is there: one may have left and hear of it later.
     fn here(&self, agent: u32) -> Option<Id> {
         self.ids[agent as usize].filter(|_| self.now(agent).is_some())
@@ -231,14 +235,20 @@ impl<V: Space> Stage for Outside<V> {
         self.things.all[usize::from(thing)].keeper == Some(agent)
     }
 
-    fn stance(&self, agent: u32, motion: Option<u16>, handling: Handling, side: u32) -> Option<(Vec3, f32)> {
+    fn stance(
+        &self,
+        agent: u32,
+        motion: Option<u16>,
+        handling: Handling,
+        side: u32,
+    ) -> std::result::Result<(Vec3, f32), NoStance> {
         let from = self.position(agent).unwrap_or_default();
-        self.things.stance(agent, motion, handling, (from, side))
+        self.things.stance(self.who(agent), motion, handling, (from, side))
     }
 
     fn handle(&mut self, agent: u32, motion: Option<u16>, handling: Handling) {
         let from = self.position(agent).unwrap_or_default();
-        let begun = self.things.begin(agent, motion, handling, from);
+        let begun = self.things.begin(self.who(agent), motion, handling, from);
         self.shown[agent as usize] = match begun {
             Some((once, faces, stands)) => Shown { motion, faces: Some(faces), once: Some(once), stands: Some(stands) },
             None => Shown::default(),
@@ -247,6 +257,10 @@ impl<V: Space> Stage for Outside<V> {
 
     fn settle(&mut self, agent: u32, thing: u16, is_done: bool) -> bool {
         self.things.settle(agent, thing, is_done)
+    }
+
+    fn missed(&mut self) {
+        self.things.handled.missed += 1;
     }
 
     fn is_over(&self, agent: u32, thing: u16) -> bool {

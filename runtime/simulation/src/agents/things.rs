@@ -1,7 +1,7 @@
 //! Things that agents take, carry and put down: where they are, in which hand, and what hands reach for meanwhile.
 
 use super::followers::Followers;
-use crate::scenario::Handling;
+use crate::scenario::{Handling, NoStance};
 use crate::scene::{Carried, ThingConfig};
 use glam::{Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,10 @@ use throng_base::maths;
 use throng_core::blend::{ActivityId, ActivitySet};
 use throng_core::hits::FIST_PER_FOREARM;
 use throng_core::walkers::{Performing, Reach};
-use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar};
+use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+
+/// Forearm and hand of each arm: both ends of the forearm.
+const ARMS: [[Joint; 2]; 2] = [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]];
 
 /// How long before the grasp a hand begins to turn to the thing, and how long it leaves it afterwards (s).
 const NEARS_S: f32 = 0.45;
@@ -28,6 +31,11 @@ const BODILESS_REACH_M: f32 = 0.6;
 const STAND_M: f32 = 0.15;
 /// A body stands at most so far beside the middle of its disc, where its hand is nearer to the thing (m).
 const ASIDE_M: f32 = 0.25;
+/// A hand closes or opens where its palm is this near to where the thing lies or goes (m).
+const MEETS_M: f32 = 0.03;
+/// Share of an arm's length within which a palm comes to a thing above the shoulder, and how near to it one stands at most (m).
+const STRETCHED: f32 = 0.96;
+const CLOSEST_M: f32 = 0.2;
 /// Width of a bin of [`Handled::off`], and number of bins (m).
 const BIN_M: f32 = 0.01;
 const BINS: usize = 32;
@@ -56,10 +64,20 @@ pub(crate) struct Thing {
     rest: Vec3,
     /// What is being done with it, by whom.
     handling: Option<(u32, Handling, Grasp)>,
-    /// What was being done is done, and its motion is over.
+    /// The moment of the grasp has come, and the palm was not there.
+    is_missed: bool,
+    /// What was being done is done or missed, and its motion is over.
     is_over: bool,
     /// How far the forearm is raised for it (0 to 1).
     raised: f32,
+}
+
+/// An agent, and its number in the crowd.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Who {
+    pub agent: u32,
+    /// Agents take the bodies of their group in turn, by this number.
+    pub number: usize,
 }
 
 /// The motion by which a thing is taken or put down.
@@ -70,8 +88,28 @@ pub(super) struct Grasp {
     side: u8,
     /// When the hand closes or opens (s).
     moment_s: f32,
-    /// Where the palm is then, as seen from the root (m).
+    /// Where the palm of the body is then, as seen from the root (m).
     palm: Vec3,
+    /// What its palm moves about when the arm is stretched, and how far it comes (m).
+    around: Vec3,
+    reach_m: f32,
+}
+
+impl Grasp {
+    /// How far from a thing one stands, over the ground (m): as the motion has it, or nearer where the thing is high; `None`
+    /// where it is too high.
+    fn stand_m(&self, height: f32) -> Option<f32> {
+        let usual = self.palm.with_y(0.0).length();
+        let over = height - self.around.y;
+        if over <= 0.0 || usual < 1e-3 {
+            return Some(usual);
+        }
+        let ahead = self.palm.with_y(0.0) / usual;
+        let along = self.around.dot(ahead);
+        let aside = (self.around - ahead * along).with_y(0.0).length_squared();
+        let flat = self.reach_m * self.reach_m - over * over - aside;
+        (flat > 0.0).then(|| usual.min(along + flat.sqrt())).filter(|stand| *stand >= CLOSEST_M.min(usual))
+    }
 }
 
 /// What hands have done so far.
@@ -81,20 +119,23 @@ pub struct Handled {
     pub taken: u32,
     /// Things that were put down.
     pub put: u32,
-    /// How far the palm was from the thing as it was taken: numbers in bins of 10 mm, the last one for all that is farther.
+    /// Times that somebody could not reach a thing, or where it was to be put.
+    pub missed: u32,
+    /// How far the palm was from the thing as it was taken, or from where it was put: numbers in bins of 10 mm, the last one
+    /// for all that is farther.
     off: [u32; BINS],
 }
 
 impl Handled {
-    fn count(&mut self, off_m: f32) {
-        self.taken += 1;
+    fn count(&mut self, puts: bool, off_m: f32) {
+        (self.taken, self.put) = (self.taken + u32::from(!puts), self.put + u32::from(puts));
         self.off[((off_m / BIN_M) as usize).min(BINS - 1)] += 1;
     }
 
-    /// How far palms were from things as they took them, at a share of all (0 to 1), rounded up to 10 mm (m); 0 where nothing
-    /// was taken.
+    /// How far palms were from things as they took them, and from where they put them down, at a share of all (0 to 1), rounded
+    /// up to 10 mm (m); 0 where nothing was taken.
     pub fn off_m(&self, share: f64) -> f32 {
-        let wanted = (share * f64::from(self.taken)).ceil().max(1.0) as u32;
+        let wanted = (share * f64::from(self.taken + self.put)).ceil().max(1.0) as u32;
         let mut sum = 0;
         let bin = self.off.iter().position(|&n| {
             sum += n;
@@ -104,19 +145,30 @@ impl Handled {
     }
 }
 
-/// Motion of a tag by which the bodies of a troop take things and put them down: (takes or puts, motion).
+/// Motion of a tag by which a body of a troop takes things and puts them down: (takes or puts, motion).
 pub(super) type Grasps = Vec<(bool, Grasp)>;
 
-/// Of each activity that says when a hand holds a thing: the moment and place of the grasp, and of letting go.
-pub(super) fn grasps(set: &ActivitySet, activities: &[ActivityId]) -> Grasps {
+/// What one body can do, by troop and tag of motion.
+pub(super) type BodyGrasps = Vec<Vec<Grasps>>;
+
+/// Of each activity that says when a hand holds a thing: the moment and place of the grasp, and of letting go, on a body.
+pub(super) fn grasps(set: &ActivitySet, activities: &[ActivityId], body: &Skeleton) -> Grasps {
     let mut out = Vec::new();
     for &id in activities {
         let Some(activity) = set.get(id) else { continue };
         for (side, held) in activity.held_s.iter().enumerate() {
             let Some([from, to]) = *held else { continue };
             let grasp = |moment_s: f32| {
-                let palm = set.hand(activity, side, moment_s);
-                Grasp { activity: Some(id), side: side as u8, moment_s, palm }
+                let arm = set.arm(activity, side, moment_s, body);
+                let lengths = ARMS[side].map(|j| body.offsets[j.index()].length());
+                Grasp {
+                    activity: Some(id),
+                    side: side as u8,
+                    moment_s,
+                    palm: arm.palm,
+                    around: arm.shoulder + arm.palm - arm.wrist,
+                    reach_m: STRETCHED * (lengths[0] + lengths[1]),
+                }
             };
             out.extend((from > 0.0).then(|| (false, grasp(from))));
             out.extend(to.is_finite().then(|| (true, grasp(to))));
@@ -133,8 +185,8 @@ pub(crate) struct Things {
     carried: Vec<Carried>,
     /// How high each is (m).
     heights: Vec<f32>,
-    /// Of each group with bodies: its agents, and of each of its troops and each tag of motion, its grasps.
-    bodies: Vec<(Range<usize>, Vec<Vec<Grasps>>)>,
+    /// Of each group with bodies: its agents, and of each of its bodies, troops and tags of motion, the grasps.
+    bodies: Vec<(Range<usize>, Vec<BodyGrasps>)>,
     /// Hands were told last to reach for something.
     pub reaches: bool,
 }
@@ -152,6 +204,7 @@ impl Things {
                 side: 1,
                 grip,
                 is_new: false,
+                is_missed: false,
                 off,
                 ease,
                 rest: at,
@@ -175,10 +228,11 @@ impl Things {
         }
     }
 
-    fn grasps_of(&self, agent: u32, motion: Option<u16>) -> &[(bool, Grasp)] {
-        let agent = agent as usize;
+    fn grasps_of(&self, who: Who, motion: Option<u16>) -> &[(bool, Grasp)] {
+        let agent = who.agent as usize;
         let found = self.bodies.iter().find(|(agents, _)| agents.contains(&agent));
-        let of_tag = found.zip(motion).and_then(|((_, troops), motion)| {
+        let of_tag = found.zip(motion).and_then(|((_, bodies), motion)| {
+            let troops = &bodies[who.number % bodies.len()];
             let tags = &troops[agent % troops.len()];
             tags.get(usize::from(motion))
         });
@@ -190,36 +244,46 @@ impl Things {
         !self.all.iter().any(|t| t.keeper == Some(agent) && t.side == side)
     }
 
-    /// The motion by which an agent takes a thing, or puts it down: the one whose palm is nearest in height. `None` where no
-    /// hand is free.
-    fn grasp(&self, agent: u32, motion: Option<u16>, handling: &Handling) -> Option<Grasp> {
+    /// The motion by which an agent takes a thing, or puts it down, and how far from it the agent stands (m): of those by which
+    /// it comes there the one whose palm is nearest in height.
+    fn grasp(&self, who: Who, motion: Option<u16>, handling: &Handling) -> Result<(Grasp, f32), NoStance> {
         let thing = &self.all[usize::from(handling.thing)];
-        let has_hand = |side: u8| if handling.puts { thing.side == side } else { self.is_free(agent, side) };
-        let fits = self.grasps_of(agent, motion).iter().filter(|(puts, g)| *puts == handling.puts && has_hand(g.side));
+        let has_hand = |side: u8| if handling.puts { thing.side == side } else { self.is_free(who.agent, side) };
+        let all = self.grasps_of(who, motion);
+        let fits = all.iter().filter(|(puts, g)| *puts == handling.puts && has_hand(g.side)).map(|(_, g)| g);
+        let reaching = fits.clone().filter_map(|g| Some((*g, g.stand_m(handling.at.y)?)));
         let height = |g: &Grasp| (g.palm.y - handling.at.y).abs();
-        let best = fits.map(|(_, g)| g).min_by(|a, b| height(a).total_cmp(&height(b)));
-        let bare = |side: u8| Grasp { activity: None, side, moment_s: 0.0, palm: Vec3::ZERO };
-        best.copied().or_else(|| [1, 0].into_iter().find(|side| has_hand(*side)).map(bare))
+        if let Some(best) = reaching.min_by(|a, b| height(&a.0).total_cmp(&height(&b.0))) {
+            return Ok(best);
+        }
+        if fits.count() > 0 {
+            return Err(NoStance::OutOfReach);
+        }
+        let none = Vec3::ZERO;
+        let bare = |side| Grasp { activity: None, side, moment_s: 0.0, palm: none, around: none, reach_m: 0.0 };
+        let side = [1, 0].into_iter().find(|side| has_hand(*side)).ok_or(NoStance::NoHand)?;
+        Ok((bare(side), 0.9 * BODILESS_REACH_M))
     }
 
     /// See [`crate::scenario::Stage::stance`].
     pub fn stance(
         &self,
-        agent: u32,
+        who: Who,
         motion: Option<u16>,
         handling: Handling,
         (from, side): (Vec3, u32),
-    ) -> Option<(Vec3, f32)> {
-        let grasp = self.grasp(agent, motion, &handling)?;
+    ) -> Result<(Vec3, f32), NoStance> {
+        let (grasp, stand_m) = self.grasp(who, motion, &handling)?;
         let at = Vec3::new(handling.at.x, 0.0, handling.at.z);
         let turns = if side % 2 == 1 { side.div_ceil(2) as f32 } else { -((side / 2) as f32) };
         let heading = heading(at - from) + turns * std::f32::consts::FRAC_PI_4;
         if grasp.activity.is_none() {
             let way = maths::at_angle(std::f32::consts::FRAC_PI_2 - heading);
-            return Some((at - 0.9 * BODILESS_REACH_M * Vec3::new(way.x, 0.0, way.y), STAND_M));
+            return Ok((at - stand_m * Vec3::new(way.x, 0.0, way.y), STAND_M));
         }
-        let palm = Planar::new(0.0, 0.0, heading).transform_point(Vec2::new(grasp.palm.x, grasp.palm.z));
-        Some((at - Vec3::new(palm.x, 0.0, palm.y), STAND_M))
+        let ahead = grasp.palm.with_y(0.0).normalize_or_zero() * stand_m;
+        let palm = Planar::new(0.0, 0.0, heading).transform_point(Vec2::new(ahead.x, ahead.z));
+        Ok((at - Vec3::new(palm.x, 0.0, palm.y), STAND_M))
     }
 
     /// An agent that stands in reach begins to take a thing, or to put it down.
@@ -227,19 +291,19 @@ impl Things {
     /// - returns the activity that shows it, what the body faces, and where it stands (m).
     pub fn begin(
         &mut self,
-        agent: u32,
+        who: Who,
         motion: Option<u16>,
         handling: Handling,
         from: Vec3,
     ) -> Option<(ActivityId, Vec3, Vec3)> {
-        let grasp = self.grasp(agent, motion, &handling)?;
+        let (grasp, stand_m) = self.grasp(who, motion, &handling).ok()?;
         let to = (handling.at - from).with_y(0.0);
         let heading = heading(to) - heading(grasp.palm);
         let ahead = Planar::new(0.0, 0.0, heading).transform_point(Vec2::new(0.0, 2.0));
         let faces = from + Vec3::new(ahead.x, 0.0, ahead.y);
         let thing = &mut self.all[usize::from(handling.thing)];
-        (thing.handling, thing.is_over) = (Some((agent, handling, grasp)), false);
-        let aside = to - to.normalize_or_zero() * grasp.palm.with_y(0.0).length();
+        (thing.handling, thing.is_over, thing.is_missed) = (Some((who.agent, handling, grasp)), false, false);
+        let aside = to - to.normalize_or_zero() * stand_m;
         Some((grasp.activity?, faces, from + aside.clamp_length_max(ASIDE_M)))
     }
 
@@ -250,8 +314,9 @@ impl Things {
             && by == agent
         {
             thing.handling = None;
-            if is_done && thing.waits_for(agent, &handling) {
-                thing.change_hands(agent, &handling, grasp.side, &mut self.handled);
+            if is_done && grasp.activity.is_none() && thing.waits_for(agent, &handling) {
+                let off_m = thing.at.distance(handling.at);
+                thing.change_hands(agent, &handling, (grasp.side, off_m), &mut self.handled);
             }
         }
         thing.keeper == Some(agent)
@@ -265,7 +330,8 @@ impl Things {
 
     /// True where a hand of an agent has yet to close or to open.
     pub fn is_awaited(&self, agent: u32) -> bool {
-        self.all.iter().any(|t| t.handling.is_some_and(|h| h.0 == agent && t.waits_for(agent, &h.1)))
+        let awaits = |t: &Thing| t.handling.is_some_and(|h| h.0 == agent && t.waits_for(agent, &h.1));
+        self.all.iter().any(|t| !t.is_missed && awaits(t))
     }
 
     /// Who had a claim on a thing has none any more: out of a hand it drops to the ground, else it stays where it is.
@@ -296,16 +362,22 @@ impl Things {
                 continue;
             };
             let at_it = thing.handling.and_then(|(_, handling, grasp)| {
-                let seconds = begun(body.performing(agent), grasp)?;
-                let left = grasp.moment_s - seconds;
-                let near = if left > 0.0 { 1.0 - (left - 0.05) / NEARS_S } else { 1.0 + left / LEAVES_S };
+                // At the end of the step, and whole in the one in which the moment comes.
+                let before = grasp.moment_s - begun(body.performing(agent), grasp)?;
+                let left = before - dt_s;
+                let near = match left > 0.0 {
+                    true => 1.0 - (left - 0.05) / NEARS_S,
+                    false if before > 0.0 => 1.0,
+                    false => 1.0 + left / LEAVES_S,
+                };
                 Some((handling, smooth(near)))
             });
             let puts = at_it.is_some_and(|(handling, _)| handling.puts);
             let lifts = carried == Carried::Level && thing.keeper.is_some() && !puts;
             let change = if dt_s > 0.0 { dt_s / CARRY_S } else { 0.0 };
             thing.raised = (thing.raised + if lifts { change } else { -change }).clamp(0.0, 1.0);
-            let (near, raised) = (at_it.map_or(0.0, |a| a.1), smooth(thing.raised));
+            let near = at_it.map_or(0.0, |a| a.1);
+            let raised = smooth(thing.raised) * (1.0 - near);
             if near + raised <= 0.0 {
                 continue;
             }
@@ -319,7 +391,7 @@ impl Things {
                     let root = body.root(agent);
                     let level = maths::rotate(root.rotation(), level) + root.translation();
                     let to = (handling.at * near + level * raised) / (near + raised);
-                    Reach { to, share: (near + raised).min(1.0), from_root: false }
+                    Reach { to, share: near + raised, from_root: false }
                 }
             };
             body.reach(agent, side, reach);
@@ -340,11 +412,15 @@ impl Things {
                 let seconds = begun(performing, grasp);
                 let is_due = grasp.activity.is_none() || seconds.is_some_and(|s| s >= grasp.moment_s);
                 if is_due && thing.waits_for(agent, &handling) {
-                    thing.change_hands(agent, &handling, grasp.side, handled);
+                    let off_m = hand_of(agent, grasp.side).map_or(0.0, |hand| hand.palm.distance(handling.at));
+                    match grasp.activity.is_none() || off_m <= MEETS_M {
+                        true => thing.change_hands(agent, &handling, (grasp.side, off_m), handled),
+                        false => thing.is_missed = true,
+                    }
                 }
             }
             if let Some((agent, handling, _)) = thing.handling {
-                thing.is_over = !thing.waits_for(agent, &handling)
+                thing.is_over = (thing.is_missed || !thing.waits_for(agent, &handling))
                     && followers.iter().all(|f| !f.holds(agent as usize) || f.performing(agent as usize).is_none());
             }
             thing.ease = (thing.ease - dt_s / EASE_S).max(0.0);
@@ -358,7 +434,6 @@ impl Things {
                         thing.grip =
                             maths::unit(maths::compose(holds.conjugate(), Quat::from_array(thing.turn))).to_array();
                         (thing.off, thing.ease) = (maths::rotate(hand.turn.conjugate(), thing.at - hand.palm), 1.0);
-                        handled.count(thing.off.length());
                     }
                     thing.turn = maths::unit(maths::compose(holds, Quat::from_array(thing.grip))).to_array();
                     thing.at = hand.palm + maths::rotate(hand.turn, thing.off * smooth(thing.ease));
@@ -384,8 +459,8 @@ impl Things {
                 usize::from(h.1.thing) == n
                     && h.1.at.is_finite()
                     && h.2.side < 2
-                    && h.2.palm.is_finite()
-                    && h.2.moment_s.is_finite()
+                    && [h.2.palm, h.2.around].iter().all(|v| v.is_finite())
+                    && [h.2.moment_s, h.2.reach_m].iter().all(|v| v.is_finite())
             };
             t.at.is_finite()
                 && t.rest.is_finite()
@@ -411,9 +486,11 @@ impl Thing {
     }
 
     /// A hand closes around it, or opens.
-    fn change_hands(&mut self, agent: u32, handling: &Handling, side: u8, handled: &mut Handled) {
+    ///
+    /// - `off_m`: how far the palm is from where it lies or goes (m).
+    fn change_hands(&mut self, agent: u32, handling: &Handling, (side, off_m): (u8, f32), handled: &mut Handled) {
+        handled.count(handling.puts, off_m);
         if handling.puts {
-            handled.put += 1;
             return self.put(handling.at);
         }
         (self.keeper, self.side, self.is_new) = (Some(agent), side, true);
@@ -444,9 +521,7 @@ fn hand(followers: &[Followers], bodiless: &impl Fn(u32) -> Option<Planar>, agen
 
 /// Where a palm is in the world, and how the hand is turned: beyond the wrist, along the forearm.
 fn palm(pose: &[Mat3x4; NUM_JOINTS], root: Planar, side: u8) -> (Vec3, Quat) {
-    let [elbow, wrist] =
-        [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]][usize::from(side)];
-    let [forearm, hand] = [elbow, wrist].map(|j| &pose[j.index()]);
+    let [forearm, hand] = ARMS[usize::from(side)].map(|j| &pose[j.index()]);
     let along = maths::rotate(forearm.rotation().conjugate(), hand.translation() - forearm.translation());
     let palm = hand.translation() + maths::rotate(hand.rotation(), along * FIST_PER_FOREARM);
     (maths::rotate(root.rotation(), palm) + root.translation(), maths::compose(root.rotation(), hand.rotation()))
@@ -478,14 +553,15 @@ mod tests {
         let cup = ThingConfig { name: "cup".into(), at, size_m, carried: Carried::Level };
         let mut things = Things::new(&[cup]);
         let handling = Handling { thing: 0, puts: false, at: at.into() };
+        let seven = Who { agent: 7, number: 7 };
         let here = |_| Some(Planar::new(1.0, 1.5, 0.0));
         // Somebody without a body is about to take it, and leaves.
-        assert!(things.begin(7, None, handling, Vec3::new(1.0, 0.0, 1.5)).is_none());
+        assert!(things.begin(seven, None, handling, Vec3::new(1.0, 0.0, 1.5)).is_none());
         things.let_go(0);
         things.follow(&[], here, 1.0);
         assert_eq!((things.all[0].at, things.all[0].keeper), (at.into(), None));
         // Somebody has it in hand, and leaves: it lies where it was, on the ground.
-        things.begin(7, None, handling, Vec3::new(1.0, 0.0, 1.5));
+        things.begin(seven, None, handling, Vec3::new(1.0, 0.0, 1.5));
         things.follow(&[], here, 1.0);
         assert_eq!((things.all[0].keeper, things.handled.taken), (Some(7), 1));
         let held = things.all[0].at;

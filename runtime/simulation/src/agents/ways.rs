@@ -7,6 +7,8 @@ use throng_crowd::{NoWay, Obstacle, Space, Streets};
 
 /// What ways keep from walls beyond the largest radius of agents (m).
 const MARGIN_M: f32 = 0.15;
+/// Half of the narrowest gap that is told of (m).
+const NARROWEST_M: f32 = 0.02;
 
 /// The map of a scene by which ways are found.
 #[derive(Clone, Debug, Default)]
@@ -15,6 +17,8 @@ pub(super) struct RouteMap {
     pub streets: Option<Streets>,
     /// The same with doors, for those who are on their way.
     pub with_doors: Option<Streets>,
+    /// What ways keep from what stands (m).
+    clearance: f32,
 }
 
 impl RouteMap {
@@ -30,13 +34,14 @@ impl RouteMap {
         let heights = (V::DIMENSIONS == 3).then_some(heights);
         let of_agents = groups.iter().filter(|g| g.is_of_agents());
         let radius = of_agents.map(|g| g.radius_m[1]).fold(0.01, f32::max);
+        let clearance = radius + MARGIN_M;
         let streets = |of: &[Obstacle]| -> throng_base::Result<Option<Streets>> {
-            let streets = Streets::with(of, heights, radius + MARGIN_M, radius)?;
+            let streets = Streets::with(of, heights, clearance, radius)?;
             Ok(Some(streets).filter(|s| !s.is_open()))
         };
         let free = streets(&obstacles[..first_door])?;
         let with_doors = if first_door < obstacles.len() { streets(&obstacles)? } else { free.clone() };
-        Ok(Self { streets: free, with_doors })
+        Ok(Self { streets: free, with_doors, clearance })
     }
 
     /// Corners of the shortest way from one point to another, both included.
@@ -46,6 +51,26 @@ impl RouteMap {
     pub fn leg<V: Space>(&self, from: V, to: V) -> Result<Vec<V>, NoWay> {
         let Some(streets) = &self.streets else { return Ok(vec![from, to]) };
         Ok(streets.corners(from.to_world(), to.to_world())?.into_iter().map(V::from_world).collect())
+    }
+
+    /// Width of the widest gap on any way from one point to another (m), and what the widest agent needs; `None` where none is
+    /// found, however narrow.
+    pub fn gap<V: Space>(&self, obstacles: &[Obstacle<V>], heights: [f32; 2], from: V, to: V) -> Option<[f32; 2]> {
+        let obstacles: Vec<Obstacle> = obstacles.iter().map(|o| o.clone().map(V::to_world)).collect();
+        let heights = (V::DIMENSIONS == 3).then_some(heights);
+        let leads = |clearance: f32| {
+            let streets = Streets::with(&obstacles, heights, clearance, 0.0);
+            streets.is_ok_and(|s| s.corners(from.to_world(), to.to_world()).is_ok())
+        };
+        let (mut low, mut high) = (NARROWEST_M, self.clearance);
+        if !leads(low) {
+            return None;
+        }
+        while high - low > 0.001 {
+            let middle = 0.5 * (low + high);
+            if leads(middle) { low = middle } else { high = middle }
+        }
+        Some([2.0 * low, 2.0 * self.clearance])
     }
 
     /// Points by chance between two corners, one after the other from a start: no obstacle and no door is near them, and the way does not

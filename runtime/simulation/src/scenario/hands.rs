@@ -2,7 +2,7 @@
 
 use super::mind::{Context, Phase};
 use super::minds::Minds;
-use super::stage::{Handling, Stage};
+use super::stage::{Handling, NoStance, Stage};
 use super::tables::{Action, Claims, NONE, trigger};
 use super::verbs::Said;
 use glam::Vec3;
@@ -51,10 +51,16 @@ impl Minds {
         let Action::Primitive { motion, .. } = self.action(self.minds[agent as usize].action) else { return Ok(()) };
         for side in 0..SIDES {
             let handling = Handling { thing, puts, at };
-            let Some((stand, within_m)) = stage.stance(agent, motion, handling, side) else {
-                self.settle(stage, agent, false);
-                self.push(agent, trigger::FULL, Context::default());
-                return self.next_action(stage, agent);
+            let (stand, within_m) = match stage.stance(agent, motion, handling, side) {
+                Ok(stance) => stance,
+                Err(why) => {
+                    self.settle(stage, agent, false);
+                    match why {
+                        NoStance::NoHand => self.push(agent, trigger::FULL, Context::default()),
+                        NoStance::OutOfReach => self.miss(stage, agent),
+                    }
+                    return self.next_action(stage, agent);
+                }
             };
             self.minds[agent as usize].phase = Phase::Walking;
             if stage.position(agent).is_some_and(|p| p.distance(stand) <= within_m) {
@@ -65,8 +71,14 @@ impl Minds {
             }
         }
         self.settle(stage, agent, false);
-        self.push(agent, trigger::STUCK, Context::default());
+        self.miss(stage, agent);
         self.next_action(stage, agent)
+    }
+
+    /// One does not reach a thing, or where it is to be put.
+    fn miss(&mut self, stage: &mut impl Stage, agent: u32) {
+        stage.missed();
+        self.push(agent, trigger::STUCK, Context::default());
     }
 
     /// One stands where a thing is in reach: hands do the rest.
@@ -105,7 +117,7 @@ impl Minds {
 
     /// What an agent does with a thing is over, done or not: it has it in hand, or no claim on it.
     ///
-    /// - `is_done`: its time is over; else something came between.
+    /// - `is_done`: its time or its motion is over; else something came between.
     pub(super) fn settle(&mut self, stage: &mut impl Stage, agent: u32, is_done: bool) {
         let mind = self.minds[agent as usize];
         if mind.action == NONE || self.keepers.is_empty() {
@@ -113,9 +125,16 @@ impl Minds {
         }
         if let Action::Primitive { claims: Claims::Take(thing) | Claims::Put(thing), .. } = self.action(mind.action)
             && self.keepers[usize::from(thing)] == agent
-            && !stage.settle(agent, thing, is_done && mind.phase == Phase::Standing)
         {
-            self.keepers[usize::from(thing)] = NONE;
+            let was_at_it = is_done && mind.phase == Phase::Standing;
+            let is_kept = stage.settle(agent, thing, was_at_it);
+            if !is_kept {
+                self.keepers[usize::from(thing)] = NONE;
+            }
+            let takes = matches!(self.action(mind.action), Action::Primitive { claims: Claims::Take(_), .. });
+            if was_at_it && is_kept != takes {
+                self.miss(stage, agent);
+            }
         }
     }
 

@@ -27,7 +27,7 @@ pub use mind::{Learnt, Mind};
 pub use minds::{Minds, Signal};
 pub(crate) use perceive::hashed;
 pub use sample::evaluate_sample;
-pub use stage::{Handling, Stage};
+pub use stage::{Handling, NoStance, Stage};
 pub use tables::Scenario;
 pub use turns::{StateNow, Turn, TurnKind};
 pub use verbs::{Deed, Primitive, Primitives, Said, Sight, Walk, Word};

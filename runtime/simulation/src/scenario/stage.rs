@@ -15,6 +15,15 @@ pub struct Handling {
     pub at: Vec3,
 }
 
+/// Why one stands nowhere to take a thing or to put it down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoStance {
+    /// No hand is free.
+    NoHand,
+    /// It is too high for all motion that there is.
+    OutOfReach,
+}
+
 /// The world as minds see it, and how they act in it. Agents are numbered as in the scene.
 pub trait Stage {
     /// Where an agent is now; `None` where it is not there (m).
@@ -70,11 +79,22 @@ pub trait Stage {
     /// True where an agent has a thing in hand.
     fn has_in_hand(&self, agent: u32, thing: u16) -> bool;
 
-    /// Where an agent stands to take a thing or to put it down with motion of a tag, and how near is there (m); `None` where
-    /// no hand is free.
+    /// Where an agent stands to take a thing or to put it down with motion of a tag, and how near is there (m).
     ///
     /// - `side`: from which side: 0 is the one from which the agent comes, others follow it to the left and to the right.
-    fn stance(&self, agent: u32, motion: Option<u16>, handling: Handling, side: u32) -> Option<(Vec3, f32)>;
+    ///
+    /// # Errors
+    /// Why it stands nowhere.
+    fn stance(
+        &self,
+        agent: u32,
+        motion: Option<u16>,
+        handling: Handling,
+        side: u32,
+    ) -> std::result::Result<(Vec3, f32), NoStance>;
+
+    /// Somebody could not reach a thing, or where it was to be put.
+    fn missed(&mut self);
 
     /// Lets hands take a thing or put it down, in the course of motion of a tag.
     fn handle(&mut self, agent: u32, motion: Option<u16>, handling: Handling);
@@ -82,7 +102,8 @@ pub trait Stage {
     /// True where an agent has taken a thing, or put it down, and the motion is over.
     fn is_over(&self, agent: u32, thing: u16) -> bool;
 
-    /// What hands do with a thing ends. `is_done`: as it was meant, however far the motion is; else the thing stays where it is.
+    /// What hands do with a thing ends. `is_done`: as it was meant, where no motion shows it; with motion, or else, the thing
+    /// stays where it is.
     ///
     /// - returns true where the agent has it in hand.
     fn settle(&mut self, agent: u32, thing: u16, is_done: bool) -> bool;

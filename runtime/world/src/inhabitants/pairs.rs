@@ -6,7 +6,7 @@
 //! captured. Who is told something else leaves as soon as both its feet stand near to where it may rest.
 
 use super::{Doing, InhabitantEvent, Inhabitants, Wish};
-use crate::plan::Target;
+use crate::plan::{Planner, Target};
 use crate::{Node, Step, WorldGraph};
 use serde::{Deserialize, Serialize};
 use throng_base::error::check;
@@ -26,8 +26,10 @@ const NEAR_START: (f32, f32) = (0.06, 0.1);
 const NEAR_REST: (f32, f32) = (0.06, 0.15);
 /// Heels and toes.
 const BOTH_FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
-/// Places for two that are tried before there is none.
-const MOST_TRIED: usize = 8;
+/// Places for two that are compared, the nearest ones.
+const MOST_TRIED: usize = 16;
+/// The nearest place is taken unless another one is reached in so much less time, as a factor.
+const SOON: f32 = 1.1;
 /// A place that others hold or go to counts as so much farther away (m).
 const TAKEN_M: f32 = 100.0;
 
@@ -220,7 +222,8 @@ impl Inhabitants {
         Ok(Some(MeetingState { with: m.with, tag, waited_s: waited_s as f32, has_begun, partner }))
     }
 
-    /// The place for two that both are soonest at, and whether the first one takes the second part.
+    /// The nearest place for two at which both are hardly later than at the soonest one, and whether the first one takes the second
+    /// part.
     fn nearest_pair_offer(&mut self, rows: [usize; 2], tag: u16) -> Option<(u32, bool)> {
         let world = self.world.clone();
         let graph = world.graph();
@@ -233,6 +236,7 @@ impl Inhabitants {
         let ends = rows.map(|c| self.end(c));
         let here = ends.map(|node| graph.place(node).translation());
         let (mut tried, mut num_tried) = ([(NONE, false); MOST_TRIED], 0);
+        let mut frames = [f32::INFINITY; MOST_TRIED];
         while num_tried < MOST_TRIED {
             let mut best = (2.0 * TAKEN_M, None);
             for (k, offer) in (0u32..).zip(&self.pair_offers).filter(|(_, o)| o.tag == tag) {
@@ -253,18 +257,20 @@ impl Inhabitants {
                     }
                 }
             }
-            let (k, flipped) = best.1?;
-            let leads = (0..2).all(|row| {
+            let Some((k, flipped)) = best.1 else { break };
+            // What is near may be far to walk to: on another floor, or behind a wall.
+            let [a, b] = [0, 1].map(|row: usize| {
                 let to = self.pair_offers[k as usize].starts[row ^ usize::from(flipped)];
-                ends[row] == to || self.planner.may_lead(graph, ends[row], Target::Node(to))
+                let least = |planner: &mut Planner| planner.least_frames(graph, ends[row], Target::Node(to));
+                if ends[row] == to { 0.0 } else { least(&mut self.planner).unwrap_or(f32::INFINITY) }
             });
-            if leads {
-                return Some((k, flipped));
-            }
+            frames[num_tried] = a.max(b);
             tried[num_tried] = (k, flipped);
             num_tried += 1;
         }
-        None
+        let soonest = frames.iter().copied().fold(f32::INFINITY, f32::min);
+        let is_soon = |f: &f32| f.is_finite() && *f <= SOON * soonest;
+        frames.iter().position(is_soon).map(|at| tried[at])
     }
 
     /// Lets two begin who both are at their places, and gives up what takes too long.

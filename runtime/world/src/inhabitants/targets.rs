@@ -54,7 +54,7 @@ impl Inhabitants {
             Wish::GoToPlace { .. } | Wish::GoNear { .. } => {
                 self.planner.plan_soon(graph, from, target, &mut []).is_some()
             }
-            _ => self.planner.may_lead(graph, from, target),
+            _ => self.planner.least_frames(graph, from, target).is_some(),
         };
         if !target.is_at(graph, from) && !leads {
             let [from, to] = [graph.place(from).translation(), self.place_of(target)];

@@ -122,9 +122,12 @@ impl Planner {
         self.find(graph, from, target, &toll, &TRIES, out)
     }
 
-    /// True unless it is plain, from what is known of the world beforehand, that no way leads from a node to a target.
-    pub(crate) fn may_lead(&mut self, graph: &WorldGraph, from: Node, target: Target) -> bool {
-        self.upper.run(graph, graph.hierarchy(), target, from, 0.0)
+    /// Least time that the way from a node to a target takes, from what is known of the world beforehand (frames); `None` where
+    /// it is plain that no way leads there.
+    pub(crate) fn least_frames(&mut self, graph: &WorldGraph, from: Node, target: Target) -> Option<f32> {
+        let hierarchy = graph.hierarchy();
+        let leads = self.upper.run(graph, hierarchy, target, from, 0.0);
+        leads.then(|| self.upper.estimate(hierarchy, from).min(self.upper.limit))
     }
 
     /// Looks for a way, as eagerly as `tries` say: what estimates count, and the most nodes that are opened.

@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, scene: &SceneDocument) {
         row("deepest", "The deepest overlap so far", RichText::new(deepest).color(good(f.deepest_m <= 1e-3)));
         row("arrived", "Agents that have reached their goals", RichText::new(format!("{} of {n}", f.arrived)));
         let stuck = RichText::new(f.stuck.to_string()).color(good(f.stuck == 0));
-        row("stuck", "Agents that moved less than half a metre in 10 s on their way", stuck);
+        row("stuck", "Agents that moved less than half a metre in 10 s on their way, or came no nearer in 20 s", stuck);
     });
 }
 

@@ -6,6 +6,8 @@ use throng_runtime::crowd::Space;
 const STUCK_M: f32 = 0.5;
 /// ... after this time (s).
 const STUCK_S: f64 = 10.0;
+/// An agent that comes no nearer to its goal by that much is stuck, too, after this time: it may walk about in a jam (s).
+const JAMMED_S: f64 = 20.0;
 /// Time over which a speed is told (s).
 const WINDOW_S: f64 = 10.0;
 
@@ -34,6 +36,8 @@ struct OnTheWay<V> {
     time_s: f64,
     /// Where and since when it has been about there.
     stays: (V, f64),
+    /// The shortest way that was left as it is found by the agent, and since when (m, s).
+    nearest: (f32, f64),
     has_arrived: bool,
     is_stuck: bool,
 }
@@ -47,6 +51,8 @@ pub struct Sight<'a, V> {
     pub way: &'a [V],
     /// How often its way has changed.
     pub way_number: u32,
+    /// The way that is left by corners that it finds itself, around what stands (m).
+    pub left_m: f32,
     /// How near to the goal is there (m).
     pub arrival_m: f32,
     /// It begins its way again at the end.
@@ -83,9 +89,9 @@ impl<V: Space> ProgressMeter<V> {
         self.by_10s.iter().filter(|w| w[1] > 0.0).map(|w| w[0] / w[1]).collect()
     }
 
-    /// Agents that stay within half a metre now, for 10 s or longer, on their way.
+    /// Agents that stay within half a metre now, for 10 s or longer, on their way, or have come no nearer for 20 s.
     pub fn stuck_at(&self, time_s: f64) -> usize {
-        self.agents.iter().filter(|m| !m.has_arrived && time_s - m.stays.1 > STUCK_S).count()
+        self.agents.iter().filter(|m| !m.has_arrived && m.stands(time_s)).count()
     }
 
     /// Agents that have reached their goal, or left there.
@@ -93,7 +99,8 @@ impl<V: Space> ProgressMeter<V> {
         self.agents.iter().filter(|m| m.has_arrived).count()
     }
 
-    /// Agents that stayed within half a metre for 10 s though they were not there.
+    /// Agents that stayed within half a metre for 10 s though they were not there, or came no nearer to their goal by as much
+    /// for 20 s.
     pub fn stuck(&self) -> usize {
         self.agents.iter().filter(|m| m.is_stuck).count()
     }
@@ -108,6 +115,7 @@ impl<V: Space> OnTheWay<V> {
             left_m: 0.0,
             time_s,
             stays: (at, time_s),
+            nearest: (sight.left_m, time_s),
             has_arrived: false,
             is_stuck: false,
         };
@@ -139,7 +147,10 @@ impl<V: Space> OnTheWay<V> {
         if (at - self.stays.0).length() > STUCK_M {
             self.stays = (at, time_s);
         }
-        self.is_stuck |= time_s - self.stays.1 > STUCK_S;
+        if sight.left_m < self.nearest.0 - STUCK_M {
+            self.nearest = (sight.left_m, time_s);
+        }
+        self.is_stuck |= self.stands(time_s);
         if self.is_there(sight, at) {
             if sight.again {
                 *self = Self { is_stuck: self.is_stuck, ..Self::start(sight, time_s) };
@@ -148,6 +159,11 @@ impl<V: Space> OnTheWay<V> {
             }
         }
         (gained, spent)
+    }
+
+    /// It makes no progress.
+    fn stands(&self, time_s: f64) -> bool {
+        time_s - self.stays.1 > STUCK_S || time_s - self.nearest.1 > JAMMED_S
     }
 
     /// The corner is behind: near, or beyond the plane through it across the next leg.
@@ -177,7 +193,8 @@ mod tests {
     const WAY: [Vec2; 3] = [Vec2::ZERO, Vec2::new(10.0, 0.0), Vec2::new(10.0, 10.0)];
 
     fn sight(at: Option<Vec2>, again: bool) -> Sight<'static, Vec2> {
-        Sight { at, way: &WAY, way_number: 0, arrival_m: 0.5, again }
+        let left_m = at.map_or(0.0, |p| (10.0 - p.x).max(0.0) + 10.0 - p.y);
+        Sight { at, way: &WAY, way_number: 0, left_m, arrival_m: 0.5, again }
     }
 
     /// Walks the way at a speed, `dt` between looks.
@@ -213,6 +230,23 @@ mod tests {
             }
             assert_eq!(meter.stuck(), if seconds > 10 { 2 } else { 0 });
             assert_eq!(meter.arrived(), 0);
+        }
+    }
+
+    #[test]
+    fn an_agent_that_walks_about_without_coming_nearer_is_stuck_after_twenty_seconds() {
+        for seconds in [19, 21] {
+            let mut meter = ProgressMeter::default();
+            for i in 0..=seconds * 30 {
+                let t = f64::from(i) / 30.0;
+                let walks = sight(Some(Vec2::new(4.0 + 0.4 * (t as f32).sin(), 2.0 * (0.3 * t as f32).cos())), false);
+                // Round a wall that its own way is found by, away from the goal at first.
+                let round =
+                    Sight { left_m: 60.0 - t as f32, ..sight(Some(Vec2::new(4.0 - 0.2 * t as f32, 0.0)), false) };
+                meter.observe(t, [walks, round].into_iter());
+            }
+            let num = usize::from(seconds > 20);
+            assert_eq!((meter.stuck(), meter.stuck_at(f64::from(seconds))), (num, num), "after {seconds} s");
         }
     }
 

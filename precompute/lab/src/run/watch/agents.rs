@@ -22,7 +22,7 @@ pub struct AgentsNow {
     pub progress_mps: f64,
     /// Agents that have reached their goal.
     pub arrived: usize,
-    /// Agents that stayed within half a metre for 10 s on their way.
+    /// Agents that stayed within half a metre for 10 s on their way, or came no nearer to their goal by as much for 20 s.
     pub stuck: usize,
 }
 
@@ -147,6 +147,7 @@ impl<V: Space> AgentWatch<V> {
             at: at(m),
             way: &layout.ways[m],
             way_number: agents.times_sent(m),
+            left_m: agents.id(m).and_then(|id| agents.crowd().way_left(id)).unwrap_or(0.0),
             arrival_m: layout.arrivals[m],
             again: agents.times_sent(m) == 0 && layout.at_end(m) == Some(AtEnd::Again),
         };
@@ -251,6 +252,7 @@ fn things(handled: &Handled) -> ThingFigures {
     ThingFigures {
         things_taken: handled.taken,
         things_put: handled.put,
+        things_out_of_reach: handled.missed,
         hand_off_p95_m: handled.off_m(0.95),
         hand_off_max_m: handled.off_m(1.0),
     }

@@ -7,7 +7,7 @@ mod random;
 mod things;
 
 use super::minds::{Minds, Signal};
-use super::stage::{Handling, Stage};
+use super::stage::{Handling, NoStance, Stage};
 use super::verbs::Primitives;
 use super::{Explanation, Scenario};
 use crate::scene::Scene;
@@ -99,9 +99,10 @@ impl Stage for Paper {
     fn has_in_hand(&self, agent: u32, thing: u16) -> bool {
         self.in_hand.contains(&(agent, thing))
     }
-    fn stance(&self, _: u32, _: Option<u16>, handling: Handling, _: u32) -> Option<(Vec3, f32)> {
-        Some((handling.at.with_y(0.0), 0.15))
+    fn stance(&self, _: u32, _: Option<u16>, handling: Handling, _: u32) -> std::result::Result<(Vec3, f32), NoStance> {
+        Ok((handling.at.with_y(0.0), 0.15))
     }
+    fn missed(&mut self) {}
     fn handle(&mut self, agent: u32, _: Option<u16>, handling: Handling) {
         self.note(agent, format!("{} {}", if handling.puts { "puts" } else { "takes" }, handling.thing));
         self.handled.push((agent, handling));
