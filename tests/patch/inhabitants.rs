@@ -78,7 +78,7 @@ fn who_has_another_number_roams_elsewhere() {
         let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
         let mut people = Inhabitants::new(&world, starts.len(), config).expect("room");
         starts.iter().for_each(|&start| _ = people.spawn(start).expect("a start"));
-        (0..600).for_each(|_| _ = people.step(DT, &Inline).expect("a step"));
+        (0..600).for_each(|_| people.step(DT, &Inline).expect("a step"));
         (0..3).map(|c| people.state(Id::first(c)).expect("is there").node).collect::<Vec<_>>()
     };
     assert_eq!(ends(0), ends(0));
