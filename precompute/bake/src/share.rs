@@ -20,13 +20,97 @@ pub(crate) fn dealt<T: Serialize + DeserializeOwned>(
     work: impl FnOnce(Vec<usize>) -> Result<Vec<T>, BuildError>,
 ) -> Result<Vec<T>, BuildError> {
     let (rank, num_ranks) = (comm.rank(), comm.num_ranks());
-    let own = work((rank..count).step_by(num_ranks).collect())?;
+    let own = work(own(comm, count))?;
     if num_ranks == 1 {
         return Ok(own);
     }
     let mut hands: Vec<_> = gathered(comm, own)?.into_iter().map(Vec::into_iter).collect();
     let all: Vec<T> = (0..count).map_while(|n| hands[n % num_ranks].next()).collect();
     if all.len() == count { Ok(all) } else { Err(out_of_step(rank).into()) }
+}
+
+/// The numbers of the things that are this rank's, of so many that are dealt out (see [`dealt`]).
+pub(crate) fn own(comm: &dyn Comm, count: usize) -> Vec<usize> {
+    (comm.rank()..count).step_by(comm.num_ranks()).collect()
+}
+
+/// Whether a thing that is dealt out is this rank's.
+pub(crate) fn is_own(comm: &dyn Comm, number: usize) -> bool {
+    number % comm.num_ranks() == comm.rank()
+}
+
+/// Rows of all things that are dealt out, of each rank's own; see [`own`].
+///
+/// # Errors
+/// [`throng_base::Error::Rank`].
+pub(crate) fn rows_of_all<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<Vec<T>>) -> Result<Vec<Vec<T>>, BuildError> {
+    let num_ranks = comm.num_ranks();
+    if num_ranks == 1 {
+        return Ok(own);
+    }
+    let lengths: Vec<u32> = own.iter().map(|row| row.len() as u32).collect();
+    let lengths: Vec<Vec<u32>> = read(comm.all_gather(bytemuck::cast_slice(&lengths))?)?;
+    let rows: Vec<Vec<T>> = read(comm.all_gather(bytemuck::cast_slice(&own.concat()))?)?;
+    let mut rest: Vec<(&[u32], &[T])> = lengths.iter().zip(&rows).map(|(l, r)| (&l[..], &r[..])).collect();
+    let mut next = |number: usize| {
+        let (lengths, rows) = &mut rest[number % num_ranks];
+        let (length, more) = lengths.split_first()?;
+        let (row, rest) = rows.split_at_checked(*length as usize)?;
+        (*lengths, *rows) = (more, rest);
+        Some(row.to_vec())
+    };
+    let all: Vec<Vec<T>> = (0..count).map_while(&mut next).collect();
+    if all.len() == count { Ok(all) } else { Err(out_of_step(comm.rank()).into()) }
+}
+
+/// One thing of each of `count` that are dealt out; see [`own`].
+///
+/// # Errors
+/// [`throng_base::Error::Rank`].
+pub(crate) fn one_of_all<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<T>) -> Result<Vec<T>, BuildError> {
+    let num_ranks = comm.num_ranks();
+    let all = told(comm, own)?;
+    let mut firsts = vec![0; num_ranks];
+    (1..num_ranks)
+        .for_each(|rank| firsts[rank] = firsts[rank - 1] + count.saturating_sub(rank - 1).div_ceil(num_ranks));
+    if all.len() != count {
+        return Err(out_of_step(comm.rank()).into());
+    }
+    Ok((0..count).map(|n| all[firsts[n % num_ranks] + n / num_ranks]).collect())
+}
+
+/// What each rank has, in the order of ranks.
+///
+/// # Errors
+/// [`throng_base::Error::Rank`].
+pub(crate) fn told<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>, BuildError> {
+    match comm.num_ranks() {
+        1 => Ok(own),
+        _ => Ok(read(comm.all_gather(bytemuck::cast_slice(&own))?)?.concat()),
+    }
+}
+
+/// What each rank has for this one, in the order of ranks.
+///
+/// - `to`: for each rank.
+///
+/// # Errors
+/// [`throng_base::Error::Rank`].
+pub(crate) fn sent<T: Pod>(comm: &dyn Comm, mut to: Vec<Vec<T>>) -> Result<Vec<T>, BuildError> {
+    if comm.num_ranks() == 1 {
+        return Ok(to.pop().unwrap_or_default());
+    }
+    let messages = to.into_iter().map(|t| bytemuck::cast_slice(&t).to_vec()).collect();
+    Ok(read(comm.exchange(messages)?)?.concat())
+}
+
+/// What the messages of all ranks hold.
+fn read<T: Pod>(messages: Vec<Vec<u8>>) -> Result<Vec<Vec<T>>, BuildError> {
+    let read = |(rank, bytes): (usize, Vec<u8>)| match bytes.len() % size_of::<T>() {
+        0 => Ok(bytemuck::pod_collect_to_vec(&bytes)),
+        _ => Err(out_of_step(rank).into()),
+    };
+    messages.into_iter().enumerate().map(read).collect()
 }
 
 /// Which rank has the poses of each clip (clips.len()): that which has its original's. Ranks have about as many originals
@@ -174,11 +258,23 @@ mod tests {
         for (num_ranks, count) in [(1, 5), (2, 5), (3, 0), (4, 3), (5, 100)] {
             let got = LocalComm::run(num_ranks, |comm| {
                 let squares = dealt(comm, count, |own| Ok(own.into_iter().map(|n| (n * n) as u64).collect())).unwrap();
-                let mut own: Vec<u32> = comm.share(count).flat_map(|n| [n as u32, 7]).collect();
+                let mut rows: Vec<u32> = comm.share(count).flat_map(|n| [n as u32, 7]).collect();
                 let mut all = vec![0u32; 2 * count];
-                joined(comm, 2, &mut own, &mut all).unwrap();
+                joined(comm, 2, &mut rows, &mut all).unwrap();
                 let owners: Vec<usize> = (0..count).map(|n| n * n % num_ranks).collect();
                 assert_eq!(by_owners(comm, &owners, |n| n as u64).unwrap(), (0..count as u64).collect::<Vec<_>>());
+                let own = own(comm, count);
+                assert!(own.iter().all(|&n| is_own(comm, n)));
+                assert_eq!(one_of_all(comm, count, own.clone()).unwrap(), (0..count).collect::<Vec<_>>());
+                let row = |n: usize| vec![n as u32; n % 3];
+                let rows = rows_of_all(comm, count, own.iter().map(|&n| row(n)).collect()).unwrap();
+                assert_eq!(rows, (0..count).map(row).collect::<Vec<_>>());
+                let mut told = told(comm, own).unwrap();
+                told.sort_unstable();
+                assert_eq!(told, (0..count).collect::<Vec<_>>());
+                let to = (0..num_ranks).map(|to| vec![[comm.rank(), to]; to]).collect();
+                let wanted: Vec<_> = (0..num_ranks).flat_map(|from| vec![[from, comm.rank()]; comm.rank()]).collect();
+                assert_eq!(sent(comm, to).unwrap(), wanted);
                 let parts = gathered_first(comm, vec![comm.rank() as u16; 3 * comm.rank()]).unwrap();
                 let wanted: Vec<u16> = (0..num_ranks as u16).flat_map(|r| vec![r; 3 * usize::from(r)]).collect();
                 assert!(if comm.rank() == 0 { parts == wanted } else { num_ranks > 1 && parts.is_empty() });

@@ -1,8 +1,12 @@
 //! Keeps the component whole when only good links are chosen.
 
 use super::choose;
-use super::component::{EventGraph, components, strongly_connected};
-use super::matches::Link;
+use super::component::{EventGraph, NO_PART, components, in_order, joined, part_of};
+use super::matches::{AT_ONCE, Link, Way};
+use crate::share::{is_own, own, sent, told};
+use bytemuck::{Pod, Zeroable};
+use throng_base::Comm;
+use throng_motion::error::BuildError;
 
 /// Adds links until all events alive reach each other again and ends of clips have two ways out.
 ///
@@ -10,19 +14,34 @@ use super::matches::Link;
 /// leads into its best link in, and that is repeated: then every part has a way in and a way out, so some of them
 /// lie on a common cycle and grow together.
 ///
+/// - `graph`: with all links that are chosen, in every rank.
+/// - `matches`: links of this rank's events.
 /// - `arrivals`: of `matches`.
 /// - `alive`: a component of the graph with all of `matches`.
 /// - `most`: links a single event may have; where it has as many, no more are added.
-pub(super) fn bridge(graph: &mut EventGraph, matches: &[Vec<Link>], arrivals: &Arrivals, alive: &[bool], most: usize) {
-    Parts::new(graph, matches, arrivals, alive, most).join();
-    for i in (0..alive.len()).filter(|&i| alive[i]) {
-        if !graph.goes_on(i, alive) {
-            let missing = 2usize.saturating_sub(graph.jumps(i, alive).count());
-            let more: Vec<Link> = candidates(graph, matches, alive, i).take(missing).copied().collect();
-            graph.links[i].extend(more);
-        }
-        choose::sort(&mut graph.links[i]);
+/// - `comm`: who else has links.
+///
+/// # Errors
+/// [`throng_base::Error::Rank`].
+pub(super) fn bridge(
+    graph: &mut EventGraph,
+    matches: &[Vec<Link>],
+    arrivals: &Arrivals,
+    alive: &[bool],
+    most: usize,
+    comm: &dyn Comm,
+) -> Result<(), BuildError> {
+    Parts::new(graph, matches, arrivals, alive, most).join(comm)?;
+    let ends = own(comm, alive.len()).into_iter().filter(|&i| alive[i] && !graph.goes_on(i, alive));
+    let second = |i: usize| {
+        let missing = 2usize.saturating_sub(graph.jumps(i, alive).count());
+        candidates(graph, matches, alive, i).take(missing).map(move |link| Way { from: i as u32, link: *link })
+    };
+    for Way { from, link } in told(comm, ends.flat_map(second).collect())? {
+        graph.links[from as usize].push(link);
     }
+    (0..alive.len()).filter(|&i| alive[i]).for_each(|i| choose::sort(&mut graph.links[i]));
+    Ok(())
 }
 
 /// Links of `i` that are not chosen and stay among the events alive, best first.
@@ -37,41 +56,41 @@ fn candidates<'a>(
         .filter(move |l| graph.goes_on(l.event(), alive) && graph.links[i].iter().all(|k| k.event() != l.event()))
 }
 
-/// The events that links lead from, by where they lead.
+/// The links that lead to this rank's events.
 pub(super) struct Arrivals {
-    /// Those of links to event e are `from[starts[e]..starts[e + 1]]` (events + 1).
+    /// Those to event e are `ways[starts[e]..starts[e + 1]]` (events + 1).
     starts: Vec<u32>,
-    /// Of each event the best link first, of equally good ones that from the earliest event.
-    from: Vec<u32>,
+    /// Of each event the best first.
+    ways: Vec<Way>,
 }
 
 impl Arrivals {
-    /// - `matches`: links of all events (fewer than 2^32).
-    pub fn new(matches: &[Vec<Link>]) -> Self {
-        let mut starts = vec![0u32; matches.len() + 1];
-        matches.iter().flatten().for_each(|l| starts[l.event() + 1] += 1);
-        (0..matches.len()).for_each(|e| starts[e + 1] += starts[e]);
-        let mut all = vec![(0u32, 0u32); starts[matches.len()] as usize];
-        let mut free = starts.clone();
-        for (i, links) in matches.iter().enumerate() {
-            for link in links {
-                let at = &mut free[link.event()];
-                all[*at as usize] = (link.error.to_bits(), i as u32);
-                *at += 1;
+    /// - `matches`: links of this rank's events (fewer than 2^32 lead to those of any rank).
+    /// - `comm`: who else has links.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Rank`].
+    pub fn new(matches: &[Vec<Link>], comm: &dyn Comm) -> Result<Self, BuildError> {
+        let mut ways = Vec::new();
+        for first in (0..matches.len()).step_by(AT_ONCE * comm.num_ranks()) {
+            let mut to = vec![Vec::new(); comm.num_ranks()];
+            for (from, links) in matches.iter().enumerate().skip(first).take(AT_ONCE * comm.num_ranks()) {
+                let from = from as u32;
+                links.iter().for_each(|&link| to[link.event() % comm.num_ranks()].push(Way { from, link }));
             }
+            ways.append(&mut sent(comm, to)?);
         }
-        starts.windows(2).for_each(|w| all[w[0] as usize..w[1] as usize].sort_unstable());
-        Self { from: all.into_iter().map(|(_, from)| from).collect(), starts }
+        ways.sort_unstable_by_key(|way| (way.link.event(), way.rank()));
+        let mut starts = vec![0u32; matches.len() + 1];
+        ways.iter().for_each(|way| starts[way.link.event() + 1] += 1);
+        (0..matches.len()).for_each(|e| starts[e + 1] += starts[e]);
+        Ok(Self { starts, ways })
     }
 
-    /// Events with a link to `event`.
-    fn to(&self, event: usize) -> &[u32] {
-        &self.from[self.starts[event] as usize..self.starts[event + 1] as usize]
+    fn to(&self, event: usize) -> &[Way] {
+        &self.ways[self.starts[event] as usize..self.starts[event + 1] as usize]
     }
 }
-
-/// A link and the event that it leads from.
-type From = (usize, Link);
 
 /// Strongly connected parts of the events alive, as they grow together. Parts never come apart again: what lies within one is
 /// looked at no more.
@@ -96,9 +115,6 @@ struct Parts<'a> {
     passed_in: Vec<u32>,
 }
 
-/// The part of events that are in none.
-const NO_PART: u32 = u32::MAX;
-
 impl<'a> Parts<'a> {
     fn new(
         graph: &'a mut EventGraph,
@@ -107,66 +123,38 @@ impl<'a> Parts<'a> {
         alive: &'a [bool],
         most: usize,
     ) -> Self {
-        let events = components(graph, alive);
+        let events = components(&graph.next, &graph.links, alive);
         let num_events = alive.len();
         let mut before = vec![None; num_events];
         (0..num_events).for_each(|i| graph.next[i].into_iter().for_each(|n| before[n] = Some(i as u32)));
-        let part_of = vec![NO_PART; num_events];
+        let part_of = part_of(&events, num_events);
+        let ways = (0..num_events).filter(|&i| alive[i]).flat_map(|i| graph.ways(i, &part_of));
+        let ways = in_order(ways.collect());
         let (passed_out, passed_in) = (vec![0; num_events], vec![0; num_events]);
-        let mut parts = Self {
-            graph,
-            matches,
-            arrivals,
-            alive,
-            most,
-            before,
-            part_of,
-            events,
-            ways: Vec::new(),
-            passed_out,
-            passed_in,
-        };
-        parts.number();
-        for i in (0..num_events).filter(|&i| alive[i]) {
-            let ways = parts.graph.targets(i).map(|n| [parts.part_of[i], parts.part_of[n]]);
-            parts.ways.extend(ways.filter(|[from, to]| from != to && *to != NO_PART));
-        }
-        parts.ways.sort_unstable();
-        parts.ways.dedup();
-        parts
+        Self { graph, matches, arrivals, alive, most, before, part_of, events, ways, passed_out, passed_in }
     }
 
     /// Adds the best links that are missing, until there is one part or nothing more leads on.
-    fn join(mut self) {
+    fn join(mut self, comm: &dyn Comm) -> Result<(), BuildError> {
         while self.events.len() > 1 {
-            let more = self.missing();
+            let more = self.missing(comm)?;
             if more.is_empty() {
                 break;
             }
-            for (i, link) in more {
-                self.graph.links[i].push(link);
+            for Way { from, link } in more {
+                self.graph.links[from as usize].push(link);
                 let to = self.graph.next[link.event()].map_or(NO_PART, |n| self.part_of[n]);
-                self.ways.push([self.part_of[i], to]);
+                self.ways.push([self.part_of[from as usize], to]);
             }
             self.merge();
         }
-    }
-
-    /// Notes the part of each event.
-    fn number(&mut self) {
-        for (part, events) in (0..).zip(&self.events) {
-            events.iter().for_each(|&i| self.part_of[i as usize] = part);
-        }
+        Ok(())
     }
 
     /// Joins the parts that reach each other now.
     fn merge(&mut self) {
         self.ways.sort_unstable();
-        let first = |part: usize| self.ways.partition_point(|w| (w[0] as usize) < part);
-        let starts: Vec<usize> = (0..=self.events.len()).map(first).collect();
-        let target = |part: usize, way: usize| Some(self.ways[starts[part] + way][1] as usize);
-        let num_ways = |part: usize| starts[part + 1] - starts[part];
-        let joined = strongly_connected(self.events.len(), |_| true, num_ways, target);
+        let joined = joined(self.events.len(), &self.ways);
         let mut new = vec![0; self.events.len()];
         for (number, parts) in (0..).zip(&joined) {
             parts.iter().for_each(|&part| new[part as usize] = number);
@@ -181,58 +169,64 @@ impl<'a> Parts<'a> {
         };
         self.events = joined.into_iter().map(together).collect();
         self.ways.iter_mut().for_each(|way| *way = way.map(|part| new[part as usize]));
-        self.ways.retain(|[from, to]| from != to);
-        self.ways.sort_unstable();
-        self.ways.dedup();
-        self.number();
+        self.ways = in_order(std::mem::take(&mut self.ways));
+        self.part_of = part_of(&self.events, self.alive.len());
     }
 
     /// The best link out of every part without a way out, and into every part without a way in; ascending, each once.
-    fn missing(&mut self) -> Vec<From> {
+    fn missing(&mut self, comm: &dyn Comm) -> Result<Vec<Way>, BuildError> {
         let (mut has_out, mut has_in) = (vec![false; self.events.len()], vec![false; self.events.len()]);
         for [from, to] in &self.ways {
             (has_out[*from as usize], has_in[*to as usize]) = (true, true);
         }
-        let mut more = Vec::new();
+        let mut found = Vec::new();
         for part in 0..self.events.len() {
             let events = std::mem::take(&mut self.events[part]);
-            // A link that is chosen already is a way out and a way in, so none is considered twice.
+            let mut find =
+                |way: u32, best: Option<Way>| found.extend(best.map(|best| Found { part: part as u32, way, best }));
             if !has_out[part] {
-                more.extend(best(events.iter().filter_map(|&i| self.way_out(i as usize))));
+                let own = events.iter().filter(|&&i| is_own(comm, i as usize));
+                find(0, own.filter_map(|&i| self.way_out(i as usize)).min_by_key(Way::rank));
             }
             if !has_in[part] {
-                more.extend(best(events.iter().filter_map(|&i| self.way_in(i as usize))));
+                let ways = events.iter().filter_map(|&i| self.way_in(i as usize, comm));
+                find(1, ways.min_by_key(Way::rank));
             }
             self.events[part] = events;
         }
-        more.sort_unstable_by_key(|(i, link)| (*i, link.event()));
-        more.dedup_by_key(|(i, link)| (*i, link.event()));
-        more
+        let mut found = told(comm, found)?;
+        found.sort_unstable_by_key(|f| (f.part, f.way, f.best.rank()));
+        found.dedup_by_key(|f| (f.part, f.way));
+        // A link that is chosen already is a way out and a way in, so none is considered twice.
+        let mut more: Vec<Way> = found.into_iter().map(|f| f.best).collect();
+        more.sort_unstable_by_key(|f| (f.from, f.link.event()));
+        more.dedup_by_key(|f| (f.from, f.link.event()));
+        Ok(more)
     }
 
     /// The best link of an event to another part.
-    fn way_out(&mut self, i: usize) -> Option<From> {
+    fn way_out(&mut self, i: usize) -> Option<Way> {
         if self.graph.links[i].len() >= self.most {
             return None;
         }
         let passed = &mut self.passed_out[i];
         for link in &self.matches[i][*passed as usize..] {
             if self.graph.next[link.event()].is_some_and(|n| self.alive[n] && self.part_of[n] != self.part_of[i]) {
-                return Some((i, *link));
+                return Some(Way { from: i as u32, link: *link });
             }
             *passed += 1;
         }
         None
     }
 
-    /// The best link from another part to an event.
-    fn way_in(&mut self, i: usize) -> Option<From> {
-        let to = self.before[i]? as usize;
+    /// The best link from another part to an event, where this rank has it.
+    fn way_in(&mut self, i: usize, comm: &dyn Comm) -> Option<Way> {
+        let to = self.before[i].filter(|&to| is_own(comm, to as usize))? as usize;
         let passed = &mut self.passed_in[i];
-        for &from in &self.arrivals.to(to)[*passed as usize..] {
-            let from = from as usize;
+        for way in &self.arrivals.to(to)[*passed as usize..] {
+            let from = way.from as usize;
             if self.alive[from] && self.part_of[from] != self.part_of[i] && self.graph.links[from].len() < self.most {
-                return self.matches[from].iter().find(|l| l.event() == to).map(|l| (from, *l));
+                return Some(*way);
             }
             *passed += 1;
         }
@@ -240,7 +234,12 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// The best link, of equally good ones that from the earliest event to the earliest.
-fn best(links: impl Iterator<Item = From>) -> Option<From> {
-    links.min_by_key(|(i, link)| (link.error.to_bits(), *i, link.event()))
+/// The best way out of a part, or into it, that a rank has found.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct Found {
+    part: u32,
+    /// 0 out of it, 1 into it.
+    way: u32,
+    best: Way,
 }

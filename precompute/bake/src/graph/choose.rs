@@ -2,7 +2,7 @@
 
 use super::config::GraphConfig;
 use super::matches::Link;
-use crate::share::dealt;
+use crate::share::{own, rows_of_all};
 use rayon::prelude::*;
 use throng_base::Comm;
 use throng_core::Planar;
@@ -29,7 +29,7 @@ pub(super) type Kind = (i8, u8);
 
 /// The links of every event at a threshold, best first.
 ///
-/// - `matches`: all links up to `max_error`, best first.
+/// - `matches`: all links up to `max_error` of this rank's events, best first.
 /// - `outcomes`: where the motion after each event leads.
 /// - `comm`: who else chooses, each of some of the events.
 ///
@@ -38,7 +38,7 @@ pub(super) type Kind = (i8, u8);
 /// the same place.
 ///
 /// # Errors
-/// As [`dealt`].
+/// [`throng_base::Error::Rank`].
 pub(super) fn choose(
     matches: &[Vec<Link>],
     outcomes: &[Outcome],
@@ -47,7 +47,8 @@ pub(super) fn choose(
     comm: &dyn Comm,
 ) -> Result<Vec<Vec<Link>>, BuildError> {
     let of_one = |event: usize| choose_of_one(&matches[event], outcomes, threshold, config);
-    dealt(comm, matches.len(), |own| Ok(own.into_par_iter().map(of_one).collect()))
+    let chosen = own(comm, matches.len()).into_par_iter().map(of_one).collect();
+    rows_of_all(comm, matches.len(), chosen)
 }
 
 /// As [`choose`], of one event.

@@ -1,6 +1,10 @@
 //! The largest strongly connected component, without dead ends.
 
 use super::matches::Link;
+use crate::share::{one_of_all, own, rows_of_all, told};
+use std::borrow::Cow;
+use throng_base::Comm;
+use throng_motion::error::BuildError;
 
 /// Event frames and the ways between them: after event i comes either `next[i]`, as the clip goes on, or
 /// `next[l.event()]` for a link l.
@@ -12,7 +16,7 @@ pub(super) struct EventGraph {
     pub frames: Vec<u32>,
     /// What they are worth when components are compared: a metre travelled counts as much as a second (frames).
     pub worth: Vec<u32>,
-    /// The chosen transitions of every event.
+    /// The transitions of every event; where ranks share them, of this rank's own alone, and none of the others.
     pub links: Vec<Vec<Link>>,
 }
 
@@ -24,12 +28,13 @@ impl EventGraph {
 
     /// Events that may come after `i`.
     pub fn targets(&self, i: usize) -> impl Iterator<Item = usize> {
-        (0..=self.links[i].len()).filter_map(move |way| self.target(i, way))
+        (0..=self.links[i].len()).filter_map(move |way| target(&self.next, &self.links, i, way))
     }
 
-    /// Where a way out of `i` leads: the clip's, for 0, or that of a link (way <= links[i].len()).
-    fn target(&self, i: usize, way: usize) -> Option<usize> {
-        self.next[if way == 0 { i } else { self.links[i][way - 1].event() }]
+    /// Ways from the part of event `i` to others.
+    pub fn ways<'a>(&'a self, i: usize, part_of: &'a [u32]) -> impl Iterator<Item = [u32; 2]> + 'a {
+        let ways = self.targets(i).map(move |n| [part_of[i], part_of[n]]);
+        ways.filter(|[from, to]| from != to && *to != NO_PART)
     }
 
     /// Drops every way out of or into events that are not in the component.
@@ -49,20 +54,40 @@ impl EventGraph {
 /// Reduces the graph to its largest strongly connected component, measured in seconds and metres: much motion on the
 /// spot is not kept in place of a little less that gets somewhere.
 ///
+/// - `comm`: who else has links.
+///
 /// An event where the clip does not go on must have two links into the component; one with fewer is removed, and so is
 /// an event that would be passed more than `most_frames` before the next choice. That is repeated until nothing
 /// changes: every event of the result leads on, and every one of them to every other.
 ///
 /// - returns which events are in the component; none may be.
-pub(super) fn largest_component(graph: &EventGraph, most_frames: u32) -> Vec<bool> {
-    let mut alive = vec![true; graph.next.len()];
+///
+/// # Errors
+/// [`throng_base::Error::Rank`].
+pub(super) fn largest_component(
+    graph: &EventGraph,
+    most_frames: u32,
+    comm: &dyn Comm,
+) -> Result<Vec<bool>, BuildError> {
+    let num_events = graph.next.len();
+    let own = own(comm, num_events);
+    let of_all = |of_one: &dyn Fn(usize) -> u8| one_of_all(comm, num_events, own.iter().map(|&i| of_one(i)).collect());
+    let leads_to_itself = of_all(&|i| u8::from(graph.targets(i).any(|n| n == i)))?;
+    let is_alone = comm.num_ranks() == 1;
+    let best = || rows_of_all(comm, num_events, own.iter().map(|&i| best_of(&graph.links[i])).collect());
+    let best = if is_alone { Cow::Borrowed(&graph.links) } else { Cow::Owned(best()?) };
+    let mut alive = vec![true; num_events];
     loop {
-        alive = strongest(graph, &alive);
-        let is_end = |i: usize| alive[i] && !graph.goes_on(i, &alive) && graph.jumps(i, &alive).count() < 2;
-        let ends = (0..alive.len()).filter(|&i| is_end(i));
-        let out: Vec<usize> = ends.chain(too_far_ahead(graph, &alive, most_frames)).collect();
+        let parts = components(&graph.next, &best, &alive);
+        let parts = if is_alone { parts } else { joined_by_all(graph, parts, &alive, comm)? };
+        alive = strongest(graph, parts, &leads_to_itself);
+        // Two jumps are as good as many.
+        let jumps = of_all(&|i| graph.jumps(i, &alive).take(2).count() as u8)?;
+        let is_end = |i: usize| alive[i] && !graph.goes_on(i, &alive) && jumps[i] < 2;
+        let ends = (0..num_events).filter(|&i| is_end(i));
+        let out: Vec<usize> = ends.chain(too_far_ahead(graph, &alive, &jumps, most_frames)).collect();
         if out.is_empty() {
-            return alive;
+            return Ok(alive);
         }
         for i in out {
             alive[i] = false;
@@ -71,8 +96,10 @@ pub(super) fn largest_component(graph: &EventGraph, most_frames: u32) -> Vec<boo
 }
 
 /// Events from whose predecessor it takes more than so many frames to the next one with a choice.
-fn too_far_ahead(graph: &EventGraph, alive: &[bool], most_frames: u32) -> Vec<usize> {
-    let ways = |i: usize| usize::from(graph.goes_on(i, alive)) + graph.jumps(i, alive).count();
+///
+/// - `jumps`: how many each event has, up to two.
+fn too_far_ahead(graph: &EventGraph, alive: &[bool], jumps: &[u8], most_frames: u32) -> Vec<usize> {
+    let ways = |i: usize| u8::from(graph.goes_on(i, alive)) + jumps[i];
     // Clips go forward: what follows an event has a greater number.
     let mut frames_left = vec![0u32; alive.len()];
     let mut out = Vec::new();
@@ -88,9 +115,73 @@ fn too_far_ahead(graph: &EventGraph, alive: &[bool], most_frames: u32) -> Vec<us
 }
 
 /// Strongly connected components of the events alive, each ascending.
-pub(super) fn components(graph: &EventGraph, alive: &[bool]) -> Vec<Vec<u32>> {
-    let target = |i: usize, way: usize| graph.target(i, way).filter(|&n| alive[n]);
-    strongly_connected(alive.len(), |i| alive[i], |i| graph.links[i].len() + 1, target)
+///
+/// - `next`, `links`: as of an [`EventGraph`], links of all events.
+pub(super) fn components(next: &[Option<usize>], links: &[Vec<Link>], alive: &[bool]) -> Vec<Vec<u32>> {
+    let target = |i: usize, way: usize| target(next, links, i, way).filter(|&n| alive[n]);
+    strongly_connected(alive.len(), |i| alive[i], |i| links[i].len() + 1, target)
+}
+
+/// Where a way out of event `i` leads: the clip's, for 0, or that of a link (way <= links[i].len()).
+fn target(next: &[Option<usize>], links: &[Vec<Link>], i: usize, way: usize) -> Option<usize> {
+    next[if way == 0 { i } else { links[i][way - 1].event() }]
+}
+
+/// Links of each event that all ranks know of: they join nearly all that any links join.
+const KNOWN: usize = 8;
+
+fn best_of(links: &[Link]) -> Vec<Link> {
+    links[..links.len().min(KNOWN)].to_vec()
+}
+
+/// The components of all links, from those of the few that all ranks know of: ranks tell each other the ways that lead from
+/// one to another.
+fn joined_by_all(
+    graph: &EventGraph,
+    parts: Vec<Vec<u32>>,
+    alive: &[bool],
+    comm: &dyn Comm,
+) -> Result<Vec<Vec<u32>>, BuildError> {
+    let part_of = part_of(&parts, alive.len());
+    let ways = own(comm, alive.len()).into_iter().filter(|&i| alive[i]).flat_map(|i| graph.ways(i, &part_of));
+    let ways = told(comm, in_order(ways.collect()))?;
+    let joined = joined(parts.len(), &in_order(ways));
+    let together = |of: Vec<u32>| {
+        let mut all: Vec<u32> = of.iter().flat_map(|&part| parts[part as usize].iter().copied()).collect();
+        all.sort_unstable();
+        all
+    };
+    Ok(joined.into_iter().map(together).collect())
+}
+
+/// The part of events that are in none.
+pub(super) const NO_PART: u32 = u32::MAX;
+
+/// The part of each event.
+pub(super) fn part_of(parts: &[Vec<u32>], num_events: usize) -> Vec<u32> {
+    let mut out = vec![NO_PART; num_events];
+    for (part, events) in (0..).zip(parts) {
+        events.iter().for_each(|&i| out[i as usize] = part);
+    }
+    out
+}
+
+/// Ways from one part to another, each once, ascending.
+pub(super) fn in_order(mut ways: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
+    ways.retain(|[from, to]| from != to);
+    ways.sort_unstable();
+    ways.dedup();
+    ways
+}
+
+/// Which parts reach each other.
+///
+/// - `ways`: between them, ascending.
+pub(super) fn joined(num_parts: usize, ways: &[[u32; 2]]) -> Vec<Vec<u32>> {
+    let first = |part: usize| ways.partition_point(|w| (w[0] as usize) < part);
+    let starts: Vec<usize> = (0..=num_parts).map(first).collect();
+    let target = |part: usize, way: usize| Some(ways[starts[part] + way][1] as usize);
+    strongly_connected(num_parts, |_| true, |part| starts[part + 1] - starts[part], target)
 }
 
 /// Strongly connected components of a graph, each ascending.
@@ -147,15 +238,14 @@ pub(super) fn strongly_connected(
     out
 }
 
-/// The component that is worth most among the events alive; the one with the first event on a tie. A single event is
-/// one only if it leads to itself.
-fn strongest(graph: &EventGraph, alive: &[bool]) -> Vec<bool> {
+/// The component that is worth most; the one with the first event on a tie. A single event is one only if it leads to itself.
+fn strongest(graph: &EventGraph, parts: Vec<Vec<u32>>, leads_to_itself: &[u8]) -> Vec<bool> {
     let worth = |c: &[u32]| c.iter().map(|&n| u64::from(graph.worth[n as usize])).sum::<u64>();
-    let best = components(graph, alive)
+    let best = parts
         .into_iter()
-        .filter(|c| c.len() > 1 || graph.targets(c[0] as usize).any(|n| n == c[0] as usize))
+        .filter(|c| c.len() > 1 || leads_to_itself[c[0] as usize] > 0)
         .max_by_key(|c| (worth(c), std::cmp::Reverse(c[0])));
-    let mut out = vec![false; alive.len()];
+    let mut out = vec![false; graph.next.len()];
     for n in best.into_iter().flatten() {
         out[n as usize] = true;
     }

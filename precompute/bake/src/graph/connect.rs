@@ -9,7 +9,7 @@ use super::matches::{self, Finder, Limits};
 use super::report::{self, GraphReport};
 use super::{MotionGraph, choose, collapse};
 use crate::features::{self, FeaturesConfig};
-use throng_base::Comm;
+use throng_base::{Alone, Comm};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
@@ -21,7 +21,7 @@ const LOOKS: usize = 512;
 const LOOKS_OF_KIND: usize = 48;
 /// What is wanted is exceeded by no more than this share, or all steps of the search are made.
 const ENOUGH: f64 = 1.003;
-/// Steps of the search for the threshold; each halves the interval.
+/// Steps of the search for the threshold, at most.
 const SEARCH_STEPS: usize = 12;
 /// Links of a sample over actions of a state: some lead out of the component, or from frames with one way out.
 const MORE: f64 = 1.5;
@@ -131,6 +131,22 @@ fn too_small(report: &GraphReport, config: &GraphConfig, rate_hz: f64) -> BuildE
     }
 }
 
+/// The branching at a threshold.
+#[derive(Clone, Copy, Debug)]
+struct Probe {
+    threshold: f32,
+    /// Actions of a state on average, over those that are wanted.
+    share: f64,
+}
+
+impl Probe {
+    /// The threshold at which as much is expected as is wanted, on the line through two.
+    fn aimed(&self, other: &Self) -> f32 {
+        let slope = (self.threshold - other.threshold) / (self.share - other.share) as f32;
+        self.threshold + (0.5 * (1.0 + ENOUGH) - self.share) as f32 * slope
+    }
+}
+
 /// The search for a graph of the wanted branching.
 struct Search<'a> {
     clips: &'a ClipSet,
@@ -139,7 +155,7 @@ struct Search<'a> {
     outcomes: &'a [Outcome],
     finder: Finder<'a>,
     comm: &'a dyn Comm,
-    /// All event frames; its links are those that the finder keeps, within the component.
+    /// All event frames; its links are those that the finder keeps of this rank's events, within the component.
     whole: EventGraph,
     /// The largest component of `whole`.
     alive: Vec<bool>,
@@ -175,7 +191,7 @@ impl<'a> Search<'a> {
         let finder = Finder::new(events, features, outcomes, limits, config, progress, comm)?;
         let whole = EventGraph { next, frames, worth, links: Vec::new() };
         let most_frames = (config.max_action_s * rate_hz).round() as u32;
-        let (alive, arrivals) = (Vec::new(), Arrivals::new(&[]));
+        let (alive, arrivals) = (Vec::new(), Arrivals::new(&[], &Alone)?);
         Ok(Self { clips, config, events, outcomes, finder, comm, whole, alive, arrivals, most_frames })
     }
 
@@ -196,44 +212,55 @@ impl<'a> Search<'a> {
     /// Finds the links for thresholds up to one, and their largest component.
     fn reach(&mut self, threshold: f32) -> Result<(), BuildError> {
         self.whole.links = self.finder.links(threshold, self.comm)?;
-        self.alive = largest_component(&self.whole, self.most_frames);
+        self.alive = largest_component(&self.whole, self.most_frames, self.comm)?;
         self.whole.restrict(&self.alive);
-        self.arrivals = Arrivals::new(&self.whole.links);
+        self.arrivals = Arrivals::new(&self.whole.links, self.comm)?;
         Ok(())
     }
 
     /// Actions of a state on average at a threshold, over those that are wanted.
-    fn share_of_branching(&self, threshold: f32) -> Result<f64, BuildError> {
+    fn probe(&self, threshold: f32) -> Result<Probe, BuildError> {
         let (graph, alive) = self.events_at(threshold)?;
-        Ok(collapse::branching(&graph, &alive) / self.config.branching)
+        Ok(Probe { threshold, share: collapse::branching(&graph, &alive) / self.config.branching })
     }
 
     /// Much motion has enough choices among near frames: it is looked for nearby first.
     fn find_threshold(&mut self) -> Result<f32, BuildError> {
         let most = self.config.max_error as f32;
         let first = self.finder.threshold_for(MORE * self.config.branching, self.comm)?;
-        let (mut low, mut high) = (0.0, first.clamp(LEAST_SHARE * most, most));
-        self.reach(high)?;
-        while self.share_of_branching(high)? < 1.0 {
-            if high >= most {
+        let (mut low, mut threshold) = (None, first.clamp(LEAST_SHARE * most, most));
+        let mut high = loop {
+            self.reach(threshold)?;
+            let probe = self.probe(threshold)?;
+            if probe.share >= 1.0 {
+                break probe;
+            }
+            if threshold >= most {
                 return Ok(most);
             }
-            (low, high) = (high, (high * GROWTH).min(most));
-            self.reach(high)?;
-        }
+            (low, threshold) = (Some(probe), (threshold * GROWTH).min(most));
+        };
+        // Steps since the last one on the other side of what is wanted.
+        let (mut beyond, mut in_a_row, mut was_low) = (None, 0, false);
         for _ in 0..SEARCH_STEPS {
-            let middle = 0.5 * (low + high);
-            match self.share_of_branching(middle)? {
-                share if share < 1.0 => low = middle,
-                share => {
-                    high = middle;
-                    if share < ENOUGH {
-                        break;
-                    }
-                }
+            if high.share < ENOUGH {
+                break;
+            }
+            let least = low.map_or(0.0, |l: Probe| l.threshold);
+            // The branching grows nearly in line with the threshold; where one end stays, the middle is looked at.
+            let other = low.or(beyond).filter(|_| in_a_row < 3);
+            let aimed = other.map(|other| high.aimed(&other)).filter(|&t| t > least && t < high.threshold);
+            let probe = self.probe(aimed.unwrap_or(0.5 * (least + high.threshold)))?;
+            let is_low = probe.share < 1.0;
+            in_a_row = if other.is_some() && is_low == was_low { in_a_row + 1 } else { 1 };
+            was_low = is_low;
+            if is_low {
+                low = Some(probe);
+            } else {
+                (beyond, high) = (Some(high), probe);
             }
         }
-        Ok(high)
+        Ok(high.threshold)
     }
 
     /// The event graph with the links that are chosen at a threshold, and its component.
@@ -243,9 +270,9 @@ impl<'a> Search<'a> {
         let (next, frames, worth) = (whole.next.clone(), whole.frames.clone(), whole.worth.clone());
         let mut graph = EventGraph { next, frames, worth, links };
         let most = self.config.max_actions - 1;
-        bridge::bridge(&mut graph, &self.whole.links, &self.arrivals, &self.alive, most);
+        bridge::bridge(&mut graph, &self.whole.links, &self.arrivals, &self.alive, most, self.comm)?;
         // Where max_actions left no room for a bridge, a part may still be lost.
-        let alive = largest_component(&graph, self.most_frames);
+        let alive = largest_component(&graph, self.most_frames, &Alone)?;
         Ok((graph, alive))
     }
 }

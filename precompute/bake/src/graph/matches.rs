@@ -6,9 +6,9 @@ use super::events::{Event, EventKind};
 use super::tree::{Tree, Walk};
 use crate::features::Features;
 use crate::features::projection::{Point, project, squared_reach};
-use crate::share::dealt;
+use crate::share::{is_own, own, sent, told};
+use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use throng_base::Comm;
@@ -19,7 +19,8 @@ use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
 
 /// A transition that is possible: the motion that follows event `event` may be laid after another event.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub(super) struct Link {
     /// The event whose motion follows: 32 bits, as there are millions of links.
     to: u32,
@@ -48,6 +49,21 @@ impl Link {
     }
 }
 
+/// A link and the event that it leads from.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct Way {
+    pub from: u32,
+    pub link: Link,
+}
+
+impl Way {
+    /// Orders ways: the best first, of equally good ones that from the earliest event to the earliest.
+    pub fn rank(&self) -> (u32, u32, usize) {
+        (self.link.error.to_bits(), self.from, self.link.event())
+    }
+}
+
 /// The event after each one in its run; motion goes on to it (events.len()).
 pub(super) fn successors(events: &[Event]) -> Vec<Option<usize>> {
     let mut next: Vec<Option<usize>> =
@@ -58,6 +74,8 @@ pub(super) fn successors(events: &[Event]) -> Vec<Option<usize>> {
 
 /// Nearest links that every event keeps besides those that may be chosen: what may join the parts of the graph.
 pub(super) const NEAREST: usize = 64;
+/// Events of a rank whose links ranks tell each other at once.
+pub(super) const AT_ONCE: usize = 1 << 14;
 /// A reach within which nothing is.
 const DONE: f32 = -1.0;
 /// Events that a threshold is told from.
@@ -91,7 +109,7 @@ pub(super) struct Finder<'a> {
     /// Events before and after each in its standing run (events.len()).
     beside: Vec<[Option<usize>; 2]>,
     next: Vec<Option<usize>>,
-    /// The best link of every event to each kind of outcome, best first (events.len()).
+    /// The best link of each of this rank's events to each kind of outcome, best first (events.len(); none of the others').
     of_kinds: Vec<Vec<Link>>,
 }
 
@@ -101,7 +119,7 @@ impl<'a> Finder<'a> {
     /// - `comm`: who else looks, each at some of the events.
     ///
     /// # Errors
-    /// [`BuildError::Stopped`] where the progress says so; as [`dealt`].
+    /// [`BuildError::Stopped`] where the progress says so.
     pub fn new(
         events: &'a [Event],
         features: &'a Features,
@@ -127,7 +145,8 @@ impl<'a> Finder<'a> {
         }
         let of_kinds = Vec::new();
         let mut finder = Self { events, features, outcomes, limits, config, points, trees, beside, next, of_kinds };
-        progress.begin("graph", comm.share(events.len()).len() as u64, "event frames");
+        let own = own(comm, events.len());
+        progress.begin("graph", own.len() as u64, "event frames");
         let of_kinds = |search: &mut Search, i: usize| {
             progress.check()?;
             let trees = finder.trees_of(i).iter();
@@ -136,13 +155,14 @@ impl<'a> Finder<'a> {
             progress.advance(1);
             Ok(best)
         };
-        finder.of_kinds =
-            dealt(comm, events.len(), |own| own.into_par_iter().map_init(Search::default, of_kinds).collect())?;
+        let found = own.par_iter().map_init(Search::default, |search, &i| of_kinds(search, i));
+        let found: Result<Vec<Vec<Link>>, BuildError> = found.collect();
+        finder.of_kinds = spread(events.len(), &own, found?);
         progress.end();
         Ok(finder)
     }
 
-    /// For every event the ones like it that a graph may need, best first (events.len()).
+    /// For each of this rank's events the ones like it that a graph may need, best first (events.len(); none of the others').
     ///
     /// - `threshold`: the largest one at which links will be chosen.
     ///
@@ -153,22 +173,34 @@ impl<'a> Finder<'a> {
     /// event is lost because those like it have many others.
     ///
     /// # Errors
-    /// As [`dealt`].
+    /// [`throng_base::Error::Rank`].
     pub fn links(&self, threshold: f32, comm: &dyn Comm) -> Result<Vec<Vec<Link>>, BuildError> {
-        let kept = |search: &mut Search, i: usize| self.kept(i, threshold, NEAREST, search);
-        let mut links: Vec<Vec<Link>> =
-            dealt(comm, self.events.len(), |own| Ok(own.into_par_iter().map_init(Search::default, kept).collect()))?;
-        let back = |i: usize| -> Vec<(u32, Link)> {
-            let back = links[i].iter().map(|l| (l.to, Link::new(i, l.error)));
+        let (own, num_ranks) = (own(comm, self.events.len()), comm.num_ranks());
+        let kept = |search: &mut Search, &i: &usize| self.kept(i, threshold, NEAREST, search);
+        let back = |(&i, links): (&usize, &Vec<Link>)| -> Vec<(u32, Link)> {
+            let back = links.iter().map(|l| (l.to, Link::new(i, l.error)));
             back.filter(|(from, link)| self.is_possible(*from as usize, link)).collect()
         };
-        let ways_back = dealt(comm, links.len(), |own| Ok(own.into_par_iter().map(back).collect()))?;
-        ways_back.into_iter().flatten().for_each(|(from, link)| links[from as usize].push(link));
+        let mut links: Vec<Vec<Link>> = vec![Vec::new(); own.len()];
+        for first in (0..self.events.len().div_ceil(num_ranks)).step_by(AT_ONCE) {
+            let block = first.min(own.len())..(first + AT_ONCE).min(own.len());
+            let found: Vec<Vec<Link>> = own[block.clone()].par_iter().map_init(Search::default, kept).collect();
+            let ways_back: Vec<Vec<(u32, Link)>> = own[block.clone()].par_iter().zip(&found).map(back).collect();
+            links[block].iter_mut().zip(found).for_each(|(links, found)| links.extend(found));
+            let mut to = vec![Vec::new(); num_ranks];
+            for (from, link) in ways_back.into_iter().flatten() {
+                to[from as usize % num_ranks].push(Way { from, link });
+            }
+            for Way { from, link } in sent(comm, to)? {
+                links[from as usize / num_ranks].push(link);
+            }
+        }
         links.par_iter_mut().for_each(|links| {
             choose::sort(links);
             links.dedup_by_key(|l| l.event());
+            links.shrink_to_fit();
         });
-        Ok(links)
+        Ok(spread(self.events.len(), &own, links))
     }
 
     /// A threshold at which about so many links of an event are chosen; the limit where there are never as many.
@@ -176,13 +208,12 @@ impl<'a> Finder<'a> {
     /// Of a sample alone: how near is near enough differs much between sets.
     ///
     /// # Errors
-    /// As [`dealt`].
+    /// [`throng_base::Error::Rank`].
     pub fn threshold_for(&self, branching: f64, comm: &dyn Comm) -> Result<f32, BuildError> {
         let sample: Vec<usize> = (0..self.events.len()).step_by(self.events.len().div_ceil(SAMPLE).max(1)).collect();
-        let chosen = |search: &mut Search, n: usize| self.kept(sample[n], self.limits.error, 0, search);
-        let found: Vec<Vec<Link>> =
-            dealt(comm, sample.len(), |own| Ok(own.into_par_iter().map_init(Search::default, chosen).collect()))?;
-        let mut links = found.concat();
+        let own: Vec<usize> = sample.iter().copied().filter(|&i| is_own(comm, i)).collect();
+        let chosen = |search: &mut Search, &i: &usize| self.kept(i, self.limits.error, 0, search);
+        let mut links = told(comm, own.par_iter().map_init(Search::default, chosen).flatten_iter().collect())?;
         choose::sort(&mut links);
         let enough = (branching * sample.len() as f64) as usize;
         Ok(links.get(enough).map_or(self.limits.error, |l| l.error))
@@ -281,6 +312,13 @@ impl<'a> Finder<'a> {
         });
         best
     }
+}
+
+/// What this rank's events have, at their places among all.
+fn spread<T>(num_events: usize, own: &[usize], of_own: Vec<Vec<T>>) -> Vec<Vec<T>> {
+    let mut all: Vec<Vec<T>> = std::iter::repeat_with(Vec::new).take(num_events).collect();
+    own.iter().zip(of_own).for_each(|(&i, links)| all[i] = links);
+    all
 }
 
 /// What is met while the links of an event are looked for; kept from one event to the next for its memory alone.

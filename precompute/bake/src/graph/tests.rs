@@ -12,7 +12,7 @@ use glam::{Quat, Vec3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use throng_base::Alone;
+use throng_base::{Alone, Comm, LocalComm};
 use throng_core::{NUM_JOINTS, Planar, Skeleton};
 use throng_motion::clip::{Clip, ClipSet, FrameId};
 use throng_motion::progress::Silent;
@@ -35,6 +35,30 @@ fn event_graph() -> impl Strategy<Value = EventGraph> {
             let links = links.iter().enumerate().map(|(i, l)| of_event(i, l)).collect();
             EventGraph { next: next.clone(), frames, worth, links }
         })
+    })
+}
+
+/// Groups of ten events whose best links stay within the group; few lead from one to another.
+fn groups() -> impl Strategy<Value = EventGraph> {
+    (1usize..6, any::<u64>(), 0.0..0.2).prop_map(|(num_groups, seed, share)| {
+        let mut rng = Pcg64::seed_from_u64(seed);
+        let n = 10 * num_groups;
+        let next: Vec<Option<usize>> = (0..n).map(|i| (i % 10 < 9 && !rng.random_bool(0.2)).then_some(i + 1)).collect();
+        let mut of_event = |i: usize| {
+            let mut links: Vec<Link> = Vec::new();
+            for k in (0..n).filter(|&k| k != i && next[k].is_some()) {
+                let is_same = k / 10 == i / 10;
+                if rng.random_bool(if is_same { 0.95 } else { share }) {
+                    links.push(Link::new(k, rng.random_range(0.0..1.0) + f32::from(u8::from(!is_same))));
+                }
+            }
+            sort(&mut links);
+            links
+        };
+        let links = (0..n).map(&mut of_event).collect();
+        let numbers: Vec<[u32; 2]> = (0..n).map(|_| [0; 2].map(|_| rng.random_range(1..20))).collect();
+        let [frames, worth] = [0, 1].map(|which| numbers.iter().map(|n| n[which]).collect());
+        EventGraph { next, frames, worth, links }
     })
 }
 
@@ -280,7 +304,7 @@ proptest! {
     #[test]
     fn the_component_is_the_one_brute_force_finds(graph in event_graph(), most in 1u32..60) {
         for most in [most, u32::MAX] {
-            let alive = largest_component(&graph, most);
+            let alive = largest_component(&graph, most, &Alone).unwrap();
             prop_assert_eq!(&alive, &naive_component(&graph, most));
             for i in (0..alive.len()).filter(|&i| graph.goes_on(i, &alive)) {
                 prop_assert!(frames_to_choice(&graph, &|n| alive[n], i) <= most);
@@ -290,15 +314,15 @@ proptest! {
 
     #[test]
     fn bridges_make_a_thinned_graph_whole_again(mut whole in event_graph(), keep in prop::collection::vec(any::<bool>(), 14)) {
-        let alive = largest_component(&whole, u32::MAX);
+        let alive = largest_component(&whole, u32::MAX, &Alone).unwrap();
         whole.restrict(&alive);
         let mut thin = whole.clone();
         for (i, links) in thin.links.iter_mut().enumerate() {
             links.retain(|l| keep[(i + l.event()) % 14]);
         }
         let chosen = thin.links.clone();
-        bridge(&mut thin, &whole.links, &Arrivals::new(&whole.links), &alive, 255);
-        prop_assert_eq!(largest_component(&thin, u32::MAX), alive);
+        bridge(&mut thin, &whole.links, &Arrivals::new(&whole.links, &Alone).unwrap(), &alive, 255, &Alone).unwrap();
+        prop_assert_eq!(largest_component(&thin, u32::MAX, &Alone).unwrap(), alive);
         for i in 0..thin.links.len() {
             prop_assert!(chosen[i].iter().all(|l| thin.links[i].contains(l)));
             prop_assert!(thin.links[i].iter().all(|l| whole.links[i].contains(l)));
@@ -317,7 +341,7 @@ proptest! {
             *links = links.iter().map(|l| Link::new(l.event(), (4.0 * l.error).floor())).collect();
             sort(links);
         }
-        let alive = largest_component(&whole, u32::MAX);
+        let alive = largest_component(&whole, u32::MAX, &Alone).unwrap();
         whole.restrict(&alive);
         for most in [most, 255] {
             let mut thin = whole.clone();
@@ -326,7 +350,7 @@ proptest! {
             }
             let mut expected = thin.clone();
             join_naively(&mut expected, &whole.links, &alive, most);
-            bridge(&mut thin, &whole.links, &Arrivals::new(&whole.links), &alive, most);
+            bridge(&mut thin, &whole.links, &Arrivals::new(&whole.links, &Alone).unwrap(), &alive, most, &Alone).unwrap();
             // Ends of clips may have been given more.
             for i in (0..alive.len()).filter(|&i| !alive[i] || thin.goes_on(i, &alive)) {
                 sort(&mut expected.links[i]);
@@ -339,8 +363,38 @@ proptest! {
     }
 
     #[test]
+    fn ranks_that_have_a_part_of_the_links_each_find_what_one_finds(
+        mut whole in groups(), num_ranks in 2usize..5, most in 20u32..60, keep in 0.0f32..1.0, max_links in 10usize..16,
+    ) {
+        let alive = largest_component(&whole, most, &Alone).unwrap();
+        let of_all = whole.clone();
+        whole.restrict(&alive);
+        let mut thin = whole.clone();
+        thin.links.iter_mut().flatten().for_each(|l| l.error *= keep);
+        thin.links.iter_mut().for_each(|links| links.retain(|l| l.error.fract() < 0.3));
+        let chosen = thin.clone();
+        bridge(&mut thin, &whole.links, &Arrivals::new(&whole.links, &Alone).unwrap(), &alive, max_links, &Alone).unwrap();
+        let found = LocalComm::run(num_ranks, |comm| {
+            let own = |graph: &EventGraph| {
+                let mut own = graph.clone();
+                (0..).zip(&mut own.links).filter(|(i, _)| i % num_ranks != comm.rank()).for_each(|(_, l)| l.clear());
+                own
+            };
+            let found = largest_component(&own(&of_all), most, comm).unwrap();
+            let (mut graph, whole) = (chosen.clone(), own(&whole));
+            let arrivals = Arrivals::new(&whole.links, comm).unwrap();
+            bridge(&mut graph, &whole.links, &arrivals, &alive, max_links, comm).unwrap();
+            (found, graph)
+        });
+        for (found, graph) in found {
+            prop_assert_eq!(&found, &alive);
+            prop_assert_eq!(&graph, &thin);
+        }
+    }
+
+    #[test]
     fn collapsing_keeps_every_way_and_nothing_else(graph in event_graph()) {
-        let alive = largest_component(&graph, u32::MAX);
+        let alive = largest_component(&graph, u32::MAX, &Alone).unwrap();
         let (clips, events) = clip_and_events(alive.len());
         let collapsed = collapse(&graph, &alive, &events, &clips);
         let r = reaches(&graph, &alive);
@@ -379,8 +433,8 @@ fn components_of_a_chain_into_a_loop() {
         worth: vec![0, 5, 5, 5],
         links: vec![vec![], vec![], vec![], vec![Link::new(1, 0.1), Link::new(2, 0.2)]],
     };
-    let mut parts = components(&graph, &[true; 4]);
+    let mut parts = components(&graph.next, &graph.links, &[true; 4]);
     parts.sort();
     assert_eq!(parts, [vec![0], vec![1], vec![2, 3]]);
-    assert_eq!(largest_component(&graph, u32::MAX), [false, false, true, true]);
+    assert_eq!(largest_component(&graph, u32::MAX, &Alone).unwrap(), [false, false, true, true]);
 }

@@ -325,7 +325,7 @@ mod tests {
             uniform.record.adaptive = 0;
             uniform.state_grids.clear();
             let (a, u) = (adaptive.open().expect("sound"), uniform.open().expect("sound"));
-            for (x, z) in noise(20).zip(noise(40)).take(500) {
+            for (x, z) in noise(20).zip(noise(40)).take(if cfg!(miri) { 2 } else { 500 }) {
                 let target = Vec3::new(7.0 * x - 3.0, 1.1 + 0.6 * x, 7.0 * z - 3.0);
                 let bits = |t: &PolicyTable| scores(t, 2, target).iter().map(|v| v.to_bits()).collect::<Vec<_>>();
                 assert_eq!(bits(&a), bits(&u), "{target}");
@@ -435,7 +435,7 @@ mod tests {
         let grid = grids()[1];
         let tables = MadeUp::new(&grid, &shapes(&grid));
         let table = tables.open().expect("sound");
-        for (x, z) in noise(20).zip(noise(40)).take(200) {
+        for (x, z) in noise(20).zip(noise(40)).take(if cfg!(miri) { 2 } else { 200 }) {
             let target = Vec3::new(4.0 * x - 2.0, 1.4, 3.0 * z - 1.0);
             let arrays = ByArrays(&table, target).run::<Array>();
             assert_eq!(arrays, throng_base::simd::dispatch(ByArrays(&table, target)));

@@ -70,7 +70,7 @@ proptest! {
     }
 
     #[test]
-    fn joints_that_turn_by_half_a_turn_each_frame_continue(turns in prop::collection::vec(any::<[f32; 3]>(), 60)) {
+    fn joints_that_turn_by_half_a_turn_each_frame_continue(turns in prop::collection::vec(any::<[f32; 3]>(), if cfg!(miri) { 16 } else { 60 })) {
         let mut poses = vec![[Quat::from_rotation_x(2.0); NUM_JOINTS]];
         for turn in turns {
             let axis = Vec3::from(turn).try_normalize().unwrap_or(Vec3::X);
@@ -138,7 +138,7 @@ fn a_somersault_keeps_its_side_and_is_exact_all_round() {
         pose[Joint::LeftShin.index()] = Quat::from_rotation_x(1.1 + (0.2 * f as f32).sin());
         pose
     };
-    let (poses, skeleton) = ((0..200).map(pose).collect::<Vec<_>>(), Skeleton::default());
+    let (poses, skeleton) = ((0..if cfg!(miri) { 70 } else { 200 }).map(pose).collect::<Vec<_>>(), Skeleton::default());
     let (code, rows) = pack(&skeleton, &poses);
     assert!(code.joints[0].stores_w() && !code.joints[Joint::LeftShin.index()].stores_w());
     for pair in rows.windows(2) {
