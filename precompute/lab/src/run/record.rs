@@ -230,10 +230,12 @@ impl Recorder {
                 }
                 GroupCast::Paths(_) => record.paths.push(PathsRecord { group: g, ..PathsRecord::default() }),
                 GroupCast::Patches(_) if record.worlds.iter().all(|w| w.cast != group.cast) => {
-                    let num = group.characters.len().min(FOLLOWED[1]);
                     let followed = match sim.scene().picture.follow {
                         Some(one) => vec![one.min(sim.num_characters() - 1)],
-                        None => group.characters.clone().take(num).collect(),
+                        None => {
+                            let all = sim.groups().iter().filter(|g| g.cast == group.cast);
+                            all.flat_map(|g| g.characters.clone()).take(FOLLOWED[1]).collect()
+                        }
                     };
                     record.worlds.push(WorldRecord {
                         cast: group.cast,
