@@ -100,7 +100,7 @@ fn moment(
     });
     let gazes = (0..outcome.clips.len()).filter(|_| when == 1).flat_map(|i| gaze(clips, outcome, i, time_s));
     let solids = solids.chain(gazes.map(|s| (s, Colour::hex(GAZE)))).collect();
-    WorldMoment { time_s: time_s as f32, figures, solids }
+    WorldMoment { time_s: time_s as f32, figures, framed: 1, solids }
 }
 
 /// What a face turns to: a line ahead of the face, as long as to what is looked at, and a ball there.

@@ -1,4 +1,4 @@
-//! How opponents touch: arms in bodies and heads, heads too near each other, how fast elbows turn.
+//! How opponents touch: arms and legs in bodies, arms in heads, heads too near each other, how fast elbows turn.
 
 use crate::matching::runs;
 use crate::quality::clip_joints;
@@ -7,11 +7,13 @@ use serde::Serialize;
 use throng_runtime::sparring::{Part, Sparring, nearest_points};
 use throng_runtime::{Bundle, Cast, Joint, NUM_JOINTS};
 
-/// What was measured of opponents: whether their arms stop at each other.
+/// What was measured of opponents: whether their limbs stop at each other.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TouchFigures {
     /// Times that a forearm came within 10 cm of the opponent's spine, a minute and boxer.
     pub arms_in_bodies_per_minute: f64,
+    /// Times that a shin or a foot came within 10 cm of the opponent's spine, a minute and boxer.
+    pub legs_in_bodies_per_minute: f64,
     /// Times that a wrist came within 8 cm of the middle of the opponent's head, a minute and boxer; not within 0.1 s after
     /// its blow landed there.
     pub wrists_in_heads_per_minute: f64,
@@ -25,7 +27,7 @@ pub struct TouchFigures {
     pub elbow_rate_p999_ratio: f64,
 }
 
-/// Forearms nearer to a spine than this are in the body (m).
+/// Forearms, shins and feet nearer to a spine than this are in the body (m).
 const IN_BODY_M: f32 = 0.1;
 /// Wrists nearer to the middle of a head than this are in it (m).
 const IN_HEAD_M: f32 = 0.08;
@@ -43,12 +45,17 @@ const ARMS: [[Joint; 3]; 2] = [
     [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
 ];
 
+/// Shin and foot of each leg.
+const LEGS: [[Joint; 3]; 2] =
+    [[Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe], [Joint::RightShin, Joint::RightFoot, Joint::RightToe]];
+
 /// Measures from step to step how opponents touch.
 #[derive(Default)]
 pub struct TouchMeter {
     /// By number.
     boxers: Vec<Option<Boxer>>,
     arms_in_bodies: u64,
+    legs_in_bodies: u64,
     wrists_in_heads: u64,
     close_s: f64,
     head_distance_sum: f64,
@@ -61,6 +68,7 @@ pub struct TouchMeter {
 #[derive(Clone, Copy, Default)]
 struct Boxer {
     in_body: [bool; 2],
+    legs_in_body: [bool; 2],
     in_head: [bool; 2],
     /// Time since a blow of each hand landed on the other's head (s).
     landed_s: [f32; 2],
@@ -109,6 +117,13 @@ impl TouchMeter {
                         self.elbows.add((now.elbows[a] - b.elbows[a]).abs() / dt_s);
                     }
                 }
+                for (l, leg) in LEGS.into_iter().enumerate() {
+                    let [knee, ankle, toes] = leg.map(|j| joints[k][j.index()]);
+                    let distance = |bone| spine_distance(bone, &joints[k ^ 1]);
+                    now.legs_in_body[l] = distance([knee, ankle]).min(distance([ankle, toes])) < IN_BODY_M;
+                    let came = before.is_some_and(|b| !b.legs_in_body[l]) && dt_s > 0.0;
+                    self.legs_in_bodies += u64::from(now.legs_in_body[l] && came);
+                }
                 self.boxers[first_number + rows[k]] = Some(now);
             }
         }
@@ -123,6 +138,7 @@ impl TouchMeter {
         let over = |here: f32, source: f32| f64::from(here) / f64::from(source).max(1e-6);
         (self.pair_s > 0.0).then(|| TouchFigures {
             arms_in_bodies_per_minute: self.arms_in_bodies as f64 / boxer_minutes,
+            legs_in_bodies_per_minute: self.legs_in_bodies as f64 / boxer_minutes,
             wrists_in_heads_per_minute: self.wrists_in_heads as f64 / boxer_minutes,
             heads_close_fraction: self.close_s / self.pair_s,
             head_distance_mean_m: self.head_distance_sum / self.pair_s,
@@ -151,11 +167,11 @@ fn source_elbows(bundle: &Bundle) -> Rates {
     rates
 }
 
-/// Distance between a forearm and a spine (m).
-fn spine_distance(forearm: [Vec3; 2], joints: &[Vec3; NUM_JOINTS]) -> f32 {
+/// Distance between a bone and a spine (m).
+fn spine_distance(bone: [Vec3; 2], joints: &[Vec3; NUM_JOINTS]) -> f32 {
     let link = |w: &[Joint]| [joints[w[0].index()], joints[w[1].index()]];
     let distance = |link: [Vec3; 2]| {
-        let [p, q] = nearest_points(forearm, link);
+        let [p, q] = nearest_points(bone, link);
         p.distance(q)
     };
     SPINE.windows(2).map(|w| distance(link(w))).fold(f32::INFINITY, f32::min)

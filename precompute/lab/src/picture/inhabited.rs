@@ -1,14 +1,15 @@
-//! The picture of a world: all characters at its end, and moments of a lively one.
+//! The picture of a world: all characters at its end, and moments of partners, or of a lively one.
 
 use super::canvas::{Area, Picture};
 use super::discs::group_colour;
 use super::figure::{BodyColours, Figure};
 use super::furniture::legend;
 use super::sheet::sheet;
-use super::world::{WorldFigure, WorldLook, WorldMoment, WorldStrip, WorldView, world_sheet, world_strip, world_units};
-use crate::run::{Figures, Pose, WorldRecord};
+use super::world::{WorldFigure, WorldLook, WorldMoment, WorldStrip, WorldUnit, WorldView};
+use super::world::{world_sheet, world_strip, world_units};
+use crate::run::{Figures, Pose, SeenPeople, WorldRecord};
 use glam::Vec3;
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_PI_2, PI};
 use throng_bake::environment::PlacedGeometry;
 use throng_runtime::Joint;
 use throng_runtime::simulation::scene::PictureConfig;
@@ -20,10 +21,14 @@ const ROWS: usize = 2;
 const STRIDE: usize = 5;
 /// Width that a moment shows (m).
 const WIDTH_M: f32 = 2.6;
+/// Pairs of partners, each in a row.
+const PAIRS: usize = 5;
+/// Looks before a pair acts together that are shown too.
+const BEFORE: usize = 10;
 /// From where worlds are seen: heading and elevation (rad).
 const FROM: (f32, f32) = (0.8 * PI, 0.6);
 
-/// Draws a world: all characters in it at the end, and moments of a followed one.
+/// Draws a world: all characters in it at the end, and moments of partners who acted together, or of a followed one.
 ///
 /// - `groups`: names and characters of the groups in the world, at the end; where there are several, each has a colour.
 pub(super) fn inhabited_sheet(
@@ -70,21 +75,84 @@ pub(super) fn inhabited_sheet(
         let entries: Vec<_> = groups.iter().enumerate().map(|(g, (name, _))| (group_colour(g), name.clone())).collect();
         legend(&mut overview, Area::new(0.0, 0.0, 1584.0, 84.0), 1.0, &entries, "");
     }
-    let Some((who, from)) = liveliest(record) else {
-        return overview;
-    };
+    let mut strips = vec![overview];
+    strips.extend(pairs(record).into_iter().map(|pair| pair_strip(record, &pair, &units)));
+    if strips.len() == 1 {
+        strips.extend(liveliest(record).map(|(who, from)| lively_strip(record, who, from, &units)));
+    }
+    sheet(&strips.iter().collect::<Vec<_>>())
+}
+
+/// Moments of one character.
+fn lively_strip(record: &WorldRecord, who: usize, from: usize, units: &[WorldUnit<'_>]) -> Picture {
     let looks = record.looks[from..].iter().step_by(STRIDE).take(COLUMNS * ROWS);
-    let moments: Vec<WorldMoment> = looks.map(|(t, p)| WorldMoment::of(*t, Figure::from_positions(&p[who]))).collect();
-    let strip = WorldStrip {
+    let one = |look: &SeenPeople| WorldMoment::of(look.time_s, Figure::from_positions(&look.poses[who]));
+    world_strip(&WorldStrip {
         title: &format!("Character {}", record.followed[who]),
         subtitle: "one moment every half a second; what stands before the person is left out",
-        moments: &moments,
-        units: &units,
+        moments: &looks.map(one).collect::<Vec<_>>(),
+        units,
         columns: COLUMNS,
         width_m: WIDTH_M,
         from: (FROM.0, 0.25),
+    })
+}
+
+/// Two who act together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Pair {
+    /// Number among those followed.
+    who: usize,
+    /// Number in the simulation.
+    with: usize,
+    /// The look at which they began.
+    from: usize,
+}
+
+/// Pairs that acted together, in order of time, each once.
+fn pairs(record: &WorldRecord) -> Vec<Pair> {
+    let mut out: Vec<Pair> = Vec::new();
+    for (from, look) in record.looks.iter().enumerate() {
+        for (who, with) in look.partners.iter().enumerate().filter_map(|(who, p)| Some((who, p.as_ref()?.0))) {
+            let numbers = [record.followed[who], with];
+            let is_known = out.iter().any(|p| [record.followed[p.who], p.with].iter().all(|n| numbers.contains(n)));
+            if !is_known {
+                out.push(Pair { who, with, from });
+            }
+        }
+    }
+    out.truncate(PAIRS);
+    out
+}
+
+/// Moments of two, from a little before they act together, seen from beside both.
+fn pair_strip(record: &WorldRecord, pair: &Pair, units: &[WorldUnit<'_>]) -> Picture {
+    let other = |look: &SeenPeople| {
+        let of_pair = look.partners[pair.who].as_ref().filter(|p| p.0 == pair.with).map(|p| p.1);
+        of_pair.or_else(|| look.poses.get(record.followed.iter().position(|n| *n == pair.with)?).copied())
     };
-    sheet(&[&overview, &world_strip(&strip)])
+    let moment = |look: &SeenPeople| {
+        let one = Figure::from_positions(&look.poses[pair.who]);
+        match other(look) {
+            Some(pose) => WorldMoment::of_two(look.time_s, one, Figure::from_positions(&pose)),
+            None => WorldMoment::of(look.time_s, one),
+        }
+    };
+    let began = &record.looks[pair.from];
+    let way = other(began).map_or(Vec3::Z, |p| p[0] - began.poses[pair.who][0]);
+    let looks = record.looks[pair.from.saturating_sub(BEFORE)..].iter().step_by(STRIDE).take(COLUMNS);
+    world_strip(&WorldStrip {
+        title: &format!("Characters {} and {}", record.followed[pair.who], pair.with),
+        subtitle: &format!(
+            "from {:.1} s on they act together; one moment every half a second; what stands before them is left out",
+            began.time_s
+        ),
+        moments: &looks.map(moment).collect::<Vec<_>>(),
+        units,
+        columns: COLUMNS,
+        width_m: WIDTH_M,
+        from: (way.x.atan2(way.z) + FRAC_PI_2, 0.15),
+    })
 }
 
 /// Which recorded character to show, and from which look on: where the hips move up and down most.
@@ -93,11 +161,56 @@ fn liveliest(record: &WorldRecord) -> Option<(usize, usize)> {
     let starts: Vec<usize> = (0..record.looks.len().saturating_sub(span).max(1)).step_by(STRIDE).collect();
     let range = |who: usize, from: usize| {
         let looks = record.looks[from..].iter().take(span);
-        let heights = looks.map(|(_, p)| p[who][Joint::Hips.index()].y);
+        let heights = looks.map(|look| look.poses[who][Joint::Hips.index()].y);
         let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), y| (l.min(y), h.max(y)));
         high - low
     };
     let all = (0..record.followed.len()).flat_map(|w| starts.iter().map(move |&s| (w, s)));
     let all = all.filter(|_| !record.looks.is_empty());
     all.max_by(|a, b| range(a.0, a.1).total_cmp(&range(b.0, b.1)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_runtime::Skeleton;
+
+    /// Two who stand 1 m apart, act together from the third look on; a third one is not followed and joins the second one later.
+    fn record() -> WorldRecord {
+        let at = |x: f32| Skeleton::default().rest_positions().map(|p| p + Vec3::X * x);
+        let look = |i: usize| SeenPeople {
+            time_s: 0.1 * i as f32,
+            poses: vec![at(0.0), at(1.0)],
+            partners: match i {
+                0..3 => vec![None, None],
+                3..20 => vec![Some((8, at(1.0))), Some((7, at(0.0)))],
+                _ => vec![None, Some((9, at(2.0)))],
+            },
+        };
+        WorldRecord { cast: 0, group: 0, followed: vec![7, 8], looks: (0..40).map(look).collect() }
+    }
+
+    #[test]
+    fn each_pair_is_shown_once_from_when_it_began() {
+        let found = pairs(&record());
+        assert_eq!(found, [Pair { who: 0, with: 8, from: 3 }, Pair { who: 1, with: 9, from: 20 }]);
+        assert!(pairs(&WorldRecord::default()).is_empty());
+    }
+
+    #[test]
+    fn both_partners_are_in_the_frame() {
+        let record = record();
+        let strip = pair_strip(&record, &pairs(&record)[0], &[]);
+        // The other one is green.
+        let green = |x: std::ops::Range<u32>| {
+            let at = x.flat_map(|x| (90..280).map(move |y| (x, y)));
+            at.filter_map(|(x, y)| strip.pixel(x, y)).filter(|c| c[1].saturating_sub(c[0].max(c[2])) > 25).count()
+        };
+        let cell = 156;
+        let (left, right) = (green(16..16 + cell / 2), green(16 + cell / 2..16 + cell));
+        assert!(
+            left.max(right) > 100 && 20 * left.min(right) < left.max(right),
+            "{left} {right}: the other one is beside it"
+        );
+    }
 }

@@ -16,6 +16,9 @@ use throng_runtime::patch::Placement;
 /// Colours of units, by their number in the set.
 const UNIT_COLOURS: [u32; 8] = [0xb9a58a, 0x8fa3ad, 0xa8b39a, 0xb59a9a, 0x9a9cb8, 0xc0b27e, 0x86a8a0, 0xa79aaf];
 
+/// The other one of two who act together.
+const OTHER: Colour = Colour::hex(0x4f9a6b);
+
 /// What is left out of a strip: nearer than the hips by this much, and not so far below them (m).
 const BEFORE_M: f32 = 0.4;
 const BELOW_HIPS_M: f32 = 0.5;
@@ -117,8 +120,10 @@ pub fn world_sheet(view: &WorldView<'_>) -> Picture {
 pub struct WorldMoment {
     /// (s)
     pub time_s: f32,
-    /// Bodies; the hips of the first one are in the middle.
+    /// Bodies.
     pub figures: Vec<WorldFigure>,
+    /// How many of them are framed, the first ones: the middle of their hips is that of the picture.
+    pub framed: usize,
     /// What is there in this moment, in the world.
     pub solids: Vec<(Solid, Colour)>,
 }
@@ -126,7 +131,20 @@ pub struct WorldMoment {
 impl WorldMoment {
     /// Of somebody alone.
     pub fn of(time_s: f32, figure: Figure) -> Self {
-        Self { time_s, figures: vec![WorldFigure { figure, colours: BodyColours::default() }], solids: Vec::new() }
+        let figures = vec![WorldFigure { figure, colours: BodyColours::default() }];
+        Self { time_s, figures, framed: 1, solids: Vec::new() }
+    }
+
+    /// Of two who act together, both in the frame.
+    pub fn of_two(time_s: f32, one: Figure, other: Figure) -> Self {
+        let mut moment = Self::of(time_s, one);
+        moment.figures.push(WorldFigure { figure: other, colours: BodyColours::plain(OTHER) });
+        Self { framed: 2, ..moment }
+    }
+
+    /// Hips of those who are framed (m).
+    fn hips(&self) -> impl Iterator<Item = Vec3> + Clone + '_ {
+        self.figures.iter().take(self.framed).map(|f| f.figure.joint(Joint::Hips))
     }
 }
 
@@ -149,8 +167,8 @@ pub struct WorldStrip<'a> {
     pub from: (f32, f32),
 }
 
-/// Draws moments of one person's motion among units and others, row by row, the hips in the middle of each. What stands before
-/// the person, higher than the knees, is left out.
+/// Draws moments of somebody's motion among units and others, row by row, the hips of those who are framed in the middle of each.
+/// What stands before them, higher than the knees, is left out.
 pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
     let (width, edge, top, label) = (1600.0, 16.0, 84.0, 28.0);
     let columns = strip.columns.clamp(1, 40);
@@ -164,14 +182,14 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
         let at = Vec2::new(edge + (i % columns) as f32 * cell, top + (i / columns) as f32 * (height + label));
         let area = Area::new(at.x, at.y, cell - 4.0, height);
         let mut panel = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
-        let focus = moment.figures.first().map(|f| (f.figure.joint(Joint::Hips), strip.width_m));
+        let num = moment.hips().count();
+        let focus = (num > 0).then(|| (moment.hips().sum::<Vec3>() / num as f32, strip.width_m));
         let look = WorldLook { heading: strip.from.0, elevation: strip.from.1, focus };
         let around = camera(&look, area.size, &[]);
-        let hips = focus.map_or(Vec3::ZERO, |f| f.0);
         let hides = |p: &&Piece| {
             let bounds = p.bounds();
             let far = bounds.corners().map(|c| around.depth(c)).into_iter().fold(f32::NEG_INFINITY, f32::max);
-            bounds.max.y > hips.y - BELOW_HIPS_M && far < around.depth(hips) - BEFORE_M
+            moment.hips().any(|hips| bounds.max.y > hips.y - BELOW_HIPS_M && far < around.depth(hips) - BEFORE_M)
         };
         let mut pieces: Vec<Piece> = units.iter().filter(|p| !hides(p)).copied().collect();
         pieces.extend(super::world::pieces(&[], &moment.figures));

@@ -97,8 +97,39 @@ pub struct WorldRecord {
     pub group: usize,
     /// Numbers of the characters in the simulation.
     pub followed: Vec<usize>,
-    /// Ten times a second: time, and one pose each (s, m).
-    pub looks: Vec<(f32, Vec<Pose>)>,
+    /// Ten times a second.
+    pub looks: Vec<SeenPeople>,
+}
+
+/// The followed characters of a world at one time.
+#[derive(Clone, Debug, Default)]
+pub struct SeenPeople {
+    /// (s)
+    pub time_s: f32,
+    /// One pose each.
+    pub poses: Vec<Pose>,
+    /// With whom each acts on one motion: its number in the simulation, and its pose.
+    pub partners: Vec<Option<(usize, Pose)>>,
+}
+
+impl SeenPeople {
+    fn of(sim: &Simulation, followed: &[usize]) -> Self {
+        Self {
+            time_s: sim.time_s() as f32,
+            poses: followed.iter().filter_map(|&who| sim.joint_positions(who)).collect(),
+            partners: followed.iter().map(|&who| partner(sim, who)).collect(),
+        }
+    }
+}
+
+/// With whom a character of a world acts, once both have come to where the capture has them.
+fn partner(sim: &Simulation, who: usize) -> Option<(usize, Pose)> {
+    let (GroupCast::Patches(people), member) = sim.locate(who) else { return None };
+    let (inhabitants, first) = (people.inhabitants(), who - member);
+    let meeting = inhabitants.meeting(*inhabitants.ids().get(member)?).ok()??;
+    meeting.partner?;
+    let other = first + inhabitants.ids().iter().position(|id| *id == meeting.with)?;
+    Some((other, sim.joint_positions(other)?))
 }
 
 /// What is seen of an agent.
@@ -199,10 +230,12 @@ impl Recorder {
                 }
                 GroupCast::Paths(_) => record.paths.push(PathsRecord { group: g, ..PathsRecord::default() }),
                 GroupCast::Patches(_) if record.worlds.iter().all(|w| w.cast != group.cast) => {
-                    let num = group.characters.len().min(FOLLOWED[1]);
                     let followed = match sim.scene().picture.follow {
                         Some(one) => vec![one.min(sim.num_characters() - 1)],
-                        None => group.characters.clone().take(num).collect(),
+                        None => {
+                            let all = sim.groups().iter().filter(|g| g.cast == group.cast);
+                            all.flat_map(|g| g.characters.clone()).take(FOLLOWED[1]).collect()
+                        }
                     };
                     record.worlds.push(WorldRecord {
                         cast: group.cast,
@@ -240,8 +273,7 @@ impl Recorder {
                 p.looks.push((time_s as f32, characters.map(speed).collect(), poses));
             }
             for w in &mut record.worlds {
-                let poses = w.followed.iter().filter_map(|&who| sim.joint_positions(who)).collect();
-                w.looks.push((time_s as f32, poses));
+                w.looks.push(SeenPeople::of(sim, &w.followed));
             }
         }
         if let Some(agents) = &mut record.agents {

@@ -90,12 +90,12 @@ pub struct Control {
 /// Where a palm is taken, by turning upper arm and forearm; the hand keeps its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {
-    /// In the world, or as seen from the root (m).
-    pub to: Vec3,
-    /// How far it is taken there (0 to 1).
-    pub share: f32,
-    /// `to` is as seen from the root, on the ground below the hips.
-    pub from_root: bool,
+    /// A place in the world (m), and how far the palm is taken there (0 to 1): the trunk leans and hips sink for it as far, where
+    /// the arm is too short.
+    pub place: (Vec3, f32),
+    /// A place as seen from the root, on the ground below the hips (m), and how far the palm is taken there (0 to 1, and no more
+    /// than the other one leaves).
+    pub level: (Vec3, f32),
 }
 
 impl Control {
@@ -139,8 +139,12 @@ impl Control {
             moderate(what, Some(who), got)?;
         }
         for reach in self.hands.iter().flatten() {
-            reach.to.to_array().into_iter().try_for_each(|got| moderate("place of a hand", Some(who), got))?;
-            check("share of a reach", Some(who), reach.share, (0.0..=1.0).contains(&reach.share), "between 0 and 1")?;
+            for (at, share) in [reach.place, reach.level] {
+                at.to_array().into_iter().try_for_each(|got| moderate("place of a hand", Some(who), got))?;
+                check("share of a reach", Some(who), share, (0.0..=1.0).contains(&share), "between 0 and 1")?;
+            }
+            let both = reach.place.1 + reach.level.1;
+            check("shares of a reach", Some(who), both, both <= 1.0 + 1e-6, "at most 1 together")?;
         }
         self.style.iter().try_for_each(|&got| moderate("style", Some(who), got))
     }

@@ -209,7 +209,7 @@ impl Acting {
                 self.part = Part::End;
             }
             (Part::Loop, Some([from, to])) if self.seconds >= to => self.jump(from + (self.seconds - to)),
-            (Part::Begin, None) | (Part::End, _) if self.seconds >= end - LEAD_S => self.part = Part::Fade,
+            (Part::Begin, None) | (Part::End, _) if self.seconds >= activity.fades_s() => self.part = Part::Fade,
             _ => {}
         }
     }
@@ -257,6 +257,13 @@ impl Acting {
         let part = activity.looped_s.is_some() || !matches!(self.part, Part::Loop | Part::End);
         let next = self.next.is_none_or(|n| n.check(activities).is_ok());
         times && shares && part && next && self.heading.abs() < 1e6 && self.rate.abs() < 1e3
+    }
+}
+
+impl Activity {
+    /// When it begins to fade, where nothing ends it before (s).
+    pub fn fades_s(&self) -> f32 {
+        (self.duration_s - LEAD_S).max(0.0)
     }
 }
 

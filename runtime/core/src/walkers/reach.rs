@@ -1,11 +1,11 @@
 //! Reaching: hips low enough for both legs, then legs and arms by analytic inverse kinematics.
 
-use super::Control;
 use super::block::{Block, Foot};
 use super::body::{ARMS, LEGS, LaneBody};
 use super::feet::{Bearing, Sole};
 use super::lean::{lean, sink};
 use super::spring::Spring;
+use super::{Control, Reach};
 use crate::hits::FIST_PER_FOREARM;
 use crate::pose::{Lane, ModelPose, bend, load};
 use crate::skeleton::NUM_JOINTS;
@@ -170,11 +170,10 @@ pub(crate) fn reach_hand<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, touch
 
 /// What the hands of eight characters are taken to.
 pub(crate) struct Hands {
-    /// x, y, z of each palm, left and right, in model space (m).
-    to: [[Lane; 3]; 2],
-    share: [Lane; 2],
-    /// The same where the trunk leans for it: for a place in the world.
-    leans: [Lane; 2],
+    /// Of left and right palm, x, y, z in model space (m), and the share: a place in the world, for which the trunk leans.
+    place: [([Lane; 3], Lane); 2],
+    /// The same with what goes with the body.
+    to: [([Lane; 3], Lane); 2],
 }
 
 impl Hands {
@@ -183,21 +182,22 @@ impl Hands {
         if controls.iter().all(|c| c.hands == [None; 2]) {
             return None;
         }
-        let none = [[0.0; LANES]; 2];
-        let mut out = Self { to: [[[0.0; LANES]; 3]; 2], share: none, leans: none };
+        let none = [([[0.0; LANES]; 3], [0.0; LANES]); 2];
+        let mut out = Self { place: none, to: none };
         for (lane, control) in controls.iter().enumerate() {
             for (side, reach) in control.hands.iter().enumerate() {
-                let Some(reach) = reach else { continue };
-                let mut to = reach.to;
-                if reach.from_root {
-                    to.y += block.base[lane];
-                } else {
-                    let flat = block.root(lane).inverse_transform_point(Vec2::new(to.x, to.z));
-                    (to.x, to.z) = (flat.x, flat.y);
-                    out.leans[side][lane] = reach.share;
-                }
-                out.share[side][lane] = reach.share;
-                to.to_array().into_iter().zip(&mut out.to[side]).for_each(|(v, lanes)| lanes[lane] = v);
+                let Some(Reach { place: (place, near), level: (level, raised) }) = *reach else { continue };
+                let flat = block.root(lane).inverse_transform_point(Vec2::new(place.x, place.z));
+                let place = Vec3::new(flat.x, place.y, flat.y);
+                let level = level + Vec3::Y * block.base[lane];
+                let share = near + raised;
+                let to = (place * near + level * raised) / share.max(f32::MIN_POSITIVE);
+                let set = |(lanes, shares): &mut ([Lane; 3], Lane), at: Vec3, share: f32| {
+                    at.to_array().into_iter().zip(lanes).for_each(|(v, lanes)| lanes[lane] = v);
+                    shares[lane] = share;
+                };
+                set(&mut out.place[side], place, near);
+                set(&mut out.to[side], to, share.min(1.0));
             }
         }
         Some(out)
@@ -206,36 +206,55 @@ impl Hands {
     /// How far hips sink so that hands come to what lies low (m).
     #[inline(always)]
     pub fn sink<F: Lanes>(&self, body: &LaneBody, pose: &ModelPose<F>) -> F {
-        let of = |side: usize| sink(body, side, self.wrist(body, side, pose), F::load(&self.leans[side]), pose);
+        let of = |side: usize| {
+            let (place, share) = &self.place[side];
+            sink(body, side, wrist(body, side, place, pose), F::load(share), pose)
+        };
         of(0).max(of(1))
     }
 
     /// Bends arms so that palms lie there, and leans where they are too short.
     #[inline(always)]
     pub fn reach<F: Lanes>(&self, body: &LaneBody, pose: &mut ModelPose<F>) {
-        let wrists = [0, 1].map(|side| self.wrist(body, side, pose));
-        let turned = ARMS.map(|arm| pose.rotations[arm[2].index()]);
-        for (side, &to) in wrists.iter().enumerate() {
-            lean(body, side, to, F::load(&self.leans[side]), pose);
+        let wrists = [0, 1].map(|side| [&self.place, &self.to].map(|of| wrist(body, side, &of[side].0, pose)));
+        let arms = ARMS.map(|arm| arm.map(|j| (pose.positions[j.index()], pose.rotations[j.index()])));
+        for (side, [place, _]) in wrists.iter().enumerate() {
+            lean(body, side, *place, F::load(&self.place[side].1), pose);
         }
-        for (side, &to) in wrists.iter().enumerate() {
-            let (share, hand) = (F::load(&self.share[side]), ARMS[side][2].index());
-            // A hand that reaches keeps its direction, however the trunk leans.
-            let (was, now, zero) = (turned[side], pose.rotations[hand], F::splat(0.0));
-            let w = F::select_lt(zero, share, was.w, now.w);
-            pose.rotations[hand] = Q::new(V::select_lt(zero, share, was.v, now.v), w);
+        let leans = F::load(&self.place[0].1).max(F::load(&self.place[1].1));
+        for (joints, arm) in ARMS.into_iter().zip(arms) {
+            hang(joints.map(|j| j.index()), &arm, leans, pose);
+        }
+        for (side, &[_, to]) in wrists.iter().enumerate() {
+            let share = F::load(&self.to[side].1);
             reach_hand(body, side, to, share, pose);
         }
     }
+}
 
-    /// Where a wrist goes.
-    #[inline(always)]
-    fn wrist<F: Lanes>(&self, body: &LaneBody, side: usize, pose: &ModelPose<F>) -> V<F> {
-        let hand = ARMS[side][2].index();
-        let palm = pose.rotations[hand].rotate(load(&body.offsets[hand]) * F::splat(FIST_PER_FOREARM));
-        let [x, y, z] = self.to[side].each_ref().map(|v| F::load(v));
-        V::new(x, y, z) - palm
+/// Arms keep their directions, however the trunk leans: one that reaches for nothing hangs.
+///
+/// - `arm`: positions and rotations before the trunk leaned.
+/// - `leans`: how far it leans; where it does not, nothing is changed.
+#[inline(always)]
+fn hang<F: Lanes>(joints: [usize; 3], arm: &[(V<F>, Q<F>); 3], leans: F, pose: &mut ModelPose<F>) {
+    let (zero, shoulder) = (F::splat(0.0), pose.positions[joints[0]]);
+    for (j, (position, rotation)) in joints.into_iter().zip(arm) {
+        let hanging = shoulder + (*position - arm[0].0);
+        pose.positions[j] = V::select_lt(zero, leans, hanging, pose.positions[j]);
+        let now = pose.rotations[j];
+        let w = F::select_lt(zero, leans, rotation.w, now.w);
+        pose.rotations[j] = Q::new(V::select_lt(zero, leans, rotation.v, now.v), w);
     }
+}
+
+/// Where a wrist goes so that the palm comes to a place.
+#[inline(always)]
+fn wrist<F: Lanes>(body: &LaneBody, side: usize, place: &[Lane; 3], pose: &ModelPose<F>) -> V<F> {
+    let hand = ARMS[side][2].index();
+    let palm = pose.rotations[hand].rotate(load(&body.offsets[hand]) * F::splat(FIST_PER_FOREARM));
+    let [x, y, z] = place.each_ref().map(|v| F::load(v));
+    V::new(x, y, z) - palm
 }
 
 /// Length of a limb up to which it stretches for anything (m).

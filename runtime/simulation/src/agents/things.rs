@@ -1,7 +1,7 @@
 //! Things that agents take, carry and put down: where they are, in which hand, and what hands reach for meanwhile.
 
 use super::followers::Followers;
-use crate::scenario::{Handling, NoStance};
+use crate::scenario::{Handling, NoStance, SIDES};
 use crate::scene::{Carried, ThingConfig};
 use glam::{Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
@@ -15,9 +15,14 @@ use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 /// Forearm and hand of each arm: both ends of the forearm.
 const ARMS: [[Joint; 2]; 2] = [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]];
 
-/// How long before the grasp a hand begins to turn to the thing, and how long it leaves it afterwards (s).
+/// How long before the grasp a hand begins to turn to the thing, and how long it leaves it afterwards, at least (s).
 const NEARS_S: f32 = 0.45;
 const LEAVES_S: f32 = 0.5;
+/// The same for each metre that the thing lies lower or higher than the motion takes the palm: hips and trunk go about as fast as
+/// those of captured people who sit down and crouch, whose hips take 0.7 to 1.6 s and pass no more than 0.8 m/s (s/m).
+const BENDS_S_PER_M: f32 = 1.5;
+/// A hand has come to the thing this long before the grasp (s).
+const EARLY_S: f32 = 0.05;
 /// Time in which a thing that was grasped beside the palm slides into it, or off it where it is put down (s).
 const EASE_S: f32 = 0.25;
 /// Time in which a forearm is raised to carry a thing level, or sinks again (s).
@@ -29,6 +34,8 @@ const HELD_M: f32 = 1.0;
 const BODILESS_REACH_M: f32 = 0.6;
 /// How near to its stand is there (m).
 const STAND_M: f32 = 0.15;
+/// How much farther off one stands where what a thing lies on is in the way (m).
+const FARTHER_M: f32 = 0.1;
 /// A body stands at most so far beside the middle of its disc, where its hand is nearer to the thing (m).
 const ASIDE_M: f32 = 0.25;
 /// A hand closes or opens where its palm is this near to where the thing lies or goes (m).
@@ -88,6 +95,8 @@ pub(super) struct Grasp {
     side: u8,
     /// When the hand closes or opens (s).
     moment_s: f32,
+    /// How long the motion goes on afterwards, before it fades (s).
+    after_s: f32,
     /// Where the palm of the body is then, as seen from the root (m).
     palm: Vec3,
     /// What its palm moves about when the arm is stretched, and how far it comes (m).
@@ -96,6 +105,16 @@ pub(super) struct Grasp {
 }
 
 impl Grasp {
+    /// How far a hand is at a place, some time before the grasp, or after it where that is negative (0 to 1): people who bend down
+    /// take their time.
+    fn near(&self, height: f32, before_s: f32) -> f32 {
+        let bends_s = BENDS_S_PER_M * (height - self.palm.y).abs();
+        smooth(match before_s > 0.0 {
+            true => 1.0 - (before_s - EARLY_S) / NEARS_S.max(bends_s.min(self.moment_s - EARLY_S)),
+            false => 1.0 + before_s / LEAVES_S.max(bends_s.min(self.after_s)),
+        })
+    }
+
     /// How far from a thing one stands, over the ground (m): as the motion has it, or nearer where the thing is high; `None`
     /// where it is too high.
     fn stand_m(&self, height: f32) -> Option<f32> {
@@ -165,6 +184,7 @@ pub(super) fn grasps(set: &ActivitySet, activities: &[ActivityId], body: &Skelet
                     activity: Some(id),
                     side: side as u8,
                     moment_s,
+                    after_s: activity.fades_s() - moment_s,
                     palm: arm.palm,
                     around: arm.shoulder + arm.palm - arm.wrist,
                     reach_m: STRETCHED * (lengths[0] + lengths[1]),
@@ -260,7 +280,8 @@ impl Things {
             return Err(NoStance::OutOfReach);
         }
         let none = Vec3::ZERO;
-        let bare = |side| Grasp { activity: None, side, moment_s: 0.0, palm: none, around: none, reach_m: 0.0 };
+        let (moment_s, after_s, reach_m) = (0.0, 0.0, 0.0);
+        let bare = |side| Grasp { activity: None, side, moment_s, after_s, palm: none, around: none, reach_m };
         let side = [1, 0].into_iter().find(|side| has_hand(*side)).ok_or(NoStance::NoHand)?;
         Ok((bare(side), 0.9 * BODILESS_REACH_M))
     }
@@ -275,6 +296,7 @@ impl Things {
     ) -> Result<(Vec3, f32), NoStance> {
         let (grasp, stand_m) = self.grasp(who, motion, &handling)?;
         let at = Vec3::new(handling.at.x, 0.0, handling.at.z);
+        let (side, stand_m) = (side % SIDES, stand_m + if side < SIDES { 0.0 } else { FARTHER_M });
         let turns = if side % 2 == 1 { side.div_ceil(2) as f32 } else { -((side / 2) as f32) };
         let heading = heading(at - from) + turns * std::f32::consts::FRAC_PI_4;
         if grasp.activity.is_none() {
@@ -364,16 +386,10 @@ impl Things {
             let at_it = thing.handling.and_then(|(_, handling, grasp)| {
                 // At the end of the step, and whole in the one in which the moment comes.
                 let before = grasp.moment_s - begun(body.performing(agent), grasp)?;
-                let left = before - dt_s;
-                let near = match left > 0.0 {
-                    true => 1.0 - (left - 0.05) / NEARS_S,
-                    false if before > 0.0 => 1.0,
-                    false => 1.0 + left / LEAVES_S,
-                };
-                Some((handling, smooth(near)))
+                let left = if before > 0.0 { (before - dt_s).max(0.0) } else { before - dt_s };
+                Some((handling, grasp.near(handling.at.y, left)))
             });
-            let puts = at_it.is_some_and(|(handling, _)| handling.puts);
-            let lifts = carried == Carried::Level && thing.keeper.is_some() && !puts;
+            let lifts = carried == Carried::Level && thing.keeper.is_some();
             let change = if dt_s > 0.0 { dt_s / CARRY_S } else { 0.0 };
             thing.raised = (thing.raised + if lifts { change } else { -change }).clamp(0.0, 1.0);
             let near = at_it.map_or(0.0, |a| a.1);
@@ -385,15 +401,8 @@ impl Things {
             let hips = body.pose(agent)[Joint::Hips.index()].translation();
             let [beside, above, before] = LEVEL_M;
             let level = Vec3::new(if side == 0 { beside } else { -beside }, hips.y + above, before);
-            let reach = match at_it {
-                None => Reach { to: level, share: raised, from_root: true },
-                Some((handling, _)) => {
-                    let root = body.root(agent);
-                    let level = maths::rotate(root.rotation(), level) + root.translation();
-                    let to = (handling.at * near + level * raised) / (near + raised);
-                    Reach { to, share: near + raised, from_root: false }
-                }
-            };
+            let place = at_it.map_or(level, |(handling, _)| handling.at);
+            let reach = Reach { place: (place, near), level: (level, raised) };
             body.reach(agent, side, reach);
             self.reaches = true;
         }
@@ -460,7 +469,7 @@ impl Things {
                     && h.1.at.is_finite()
                     && h.2.side < 2
                     && [h.2.palm, h.2.around].iter().all(|v| v.is_finite())
-                    && [h.2.moment_s, h.2.reach_m].iter().all(|v| v.is_finite())
+                    && [h.2.moment_s, h.2.after_s, h.2.reach_m].iter().all(|v| v.is_finite())
             };
             t.at.is_finite()
                 && t.rest.is_finite()
@@ -491,6 +500,8 @@ impl Thing {
     fn change_hands(&mut self, agent: u32, handling: &Handling, (side, off_m): (u8, f32), handled: &mut Handled) {
         handled.count(handling.puts, off_m);
         if handling.puts {
+            // The hand is wholly at the place.
+            self.raised = 0.0;
             return self.put(handling.at);
         }
         (self.keeper, self.side, self.is_new) = (Some(agent), side, true);

@@ -2,7 +2,7 @@
 
 use super::mind::{Context, Phase};
 use super::minds::Minds;
-use super::stage::{Handling, NoStance, Stage};
+use super::stage::{Handling, NoStance, SIDES, Stage};
 use super::tables::{Action, Claims, NONE, trigger};
 use super::verbs::Said;
 use glam::Vec3;
@@ -10,8 +10,6 @@ use throng_base::Result;
 
 /// Most things that one has in hand.
 const HANDS: usize = 2;
-/// Directions from which a thing is reached, the one in which one comes first.
-const SIDES: u32 = 8;
 /// Longest that one stands to take a thing or to put it down, unless it is said, and how often one looks whether it is done (s).
 const MOST_S: f64 = 8.0;
 const LOOK_S: f64 = 0.2;
@@ -49,7 +47,7 @@ impl Minds {
         }
         let at = self.where_to(stage, thing, puts, said);
         let Action::Primitive { motion, .. } = self.action(self.minds[agent as usize].action) else { return Ok(()) };
-        for side in 0..SIDES {
+        for side in 0..2 * SIDES {
             let handling = Handling { thing, puts, at };
             let (stand, within_m) = match stage.stance(agent, motion, handling, side) {
                 Ok(stance) => stance,

@@ -27,6 +27,7 @@ pub use mind::{Learnt, Mind};
 pub use minds::{Minds, Signal};
 pub(crate) use perceive::hashed;
 pub use sample::evaluate_sample;
+pub(crate) use stage::SIDES;
 pub use stage::{Handling, NoStance, Stage};
 pub use tables::Scenario;
 pub use turns::{StateNow, Turn, TurnKind};

@@ -15,6 +15,9 @@ pub struct Handling {
     pub at: Vec3,
 }
 
+/// Directions from which a thing is reached.
+pub(crate) const SIDES: u32 = 8;
+
 /// Why one stands nowhere to take a thing or to put it down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoStance {
@@ -81,7 +84,8 @@ pub trait Stage {
 
     /// Where an agent stands to take a thing or to put it down with motion of a tag, and how near is there (m).
     ///
-    /// - `side`: from which side: 0 is the one from which the agent comes, others follow it to the left and to the right.
+    /// - `side`: from which side: 0 is the one from which the agent comes, others follow it to the left and to the right; from [`SIDES`]
+    ///   on the same a little farther off, where the body leans.
     ///
     /// # Errors
     /// Why it stands nowhere.

@@ -84,9 +84,10 @@ pub const NUM_CAPSULES: usize = 15;
 /// The first of them are the core: head, neck, chest, waist, pelvis.
 pub const NUM_CORE: usize = 5;
 
-/// The waist, and the left forearm.
+/// The waist, the left forearm, and the left thigh, which the shin follows.
 const WAIST: usize = 3;
 const FOREARM: usize = 6;
+const THIGH: usize = 11;
 
 /// A capsule between two points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,6 +182,11 @@ impl Body {
         self.limbs[FOREARM].radius
     }
 
+    /// Radii of a thigh and a shin (m).
+    pub(super) fn leg_radii(&self) -> [f32; 2] {
+        [THIGH, THIGH + 1].map(|i| self.limbs[i].radius)
+    }
+
     /// The capsules of a pose in the world.
     pub fn capsules(&self, pose: &Posed<'_>) -> [Capsule; NUM_CAPSULES] {
         std::array::from_fn(|i| self.capsule(i, pose))
@@ -191,7 +197,7 @@ impl Body {
         std::array::from_fn(|i| self.capsule(i, pose))
     }
 
-    /// What arms stop at, in the world: the core, and the whole spine between pelvis and neck.
+    /// What limbs stop at, in the world: the core, and the whole spine between pelvis and neck.
     pub(super) fn obstacles(&self, pose: &Posed<'_>) -> [Capsule; NUM_CORE + 1] {
         let mut all = [self.capsule(WAIST, pose); NUM_CORE + 1];
         all[..NUM_CORE].copy_from_slice(&self.core(pose));

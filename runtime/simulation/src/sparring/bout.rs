@@ -7,7 +7,7 @@ use super::pair::Pair;
 use super::snapshot;
 use super::stagger::{StepsAway, staggers};
 use super::tally::{Outcome, Tally};
-use super::touch::{ArmShape, Touch, arm_shapes};
+use super::touch::{LimbShape, NUM_LIMBS, Touch, limb_shapes};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::{Error, Hash128, Id, Inline, Result, Run, SnapshotKind, maths, run_each};
@@ -28,7 +28,7 @@ pub struct Sparring {
     events: Vec<(Id, Landing)>,
     /// Time from a choice to its first blow (s).
     pub(super) lead_s: f32,
-    arms: [ArmShape; 2],
+    limbs: [LimbShape; NUM_LIMBS],
     steps_away: StepsAway,
 }
 
@@ -42,7 +42,7 @@ pub(super) struct State {
     /// The opponent's next blow, for each character: x, seconds, z.
     pub threats: Vec<Vec3>,
     pub pairs: Vec<Pair>,
-    /// The arms of each pair.
+    /// The limbs of each pair.
     pub touches: Vec<Touch>,
     pub tallies: Vec<Tally>,
     pub seconds: f64,
@@ -84,9 +84,9 @@ impl Sparring {
         let events = Vec::with_capacity(if bundle.hits().is_empty() { 0 } else { n * MAX_BLOWS });
         let lead_s = usual_lead_s(boxers.motion_set());
         let body = Body::new(bundle.skeleton(), &config.body);
-        let arms = arm_shapes(bundle.skeleton(), &body);
+        let limbs = limb_shapes(bundle.skeleton(), &body);
         let steps_away = StepsAway::new(boxers.motion_set())?;
-        Ok(Self { body, config, boxers, state, events, lead_s, arms, steps_away })
+        Ok(Self { body, config, boxers, state, events, lead_s, limbs, steps_away })
     }
 
     /// Who spars, row by row as in [`Cast::bodies`].
@@ -185,9 +185,9 @@ impl Sparring {
         f
     }
 
-    /// Moves arms out of the other's body in the poses of a step; none for poses that are shown again.
+    /// Moves limbs out of the other's body in the poses of a step; none for poses that are shown again.
     fn touch(&mut self, dt_s: Option<f32>, run: &dyn Run) {
-        let (body, arms, config) = (&self.body, &self.arms, &self.config.touch);
+        let (body, limbs, config) = (&self.body, &self.limbs, &self.config.touch);
         let (roots, model, locals) = self.boxers.poses_mut();
         let mut locals = locals.chunks_mut(2 * PART * NUM_JOINTS);
         let poses = roots.chunks(2 * PART).zip(model.chunks_mut(2 * PART * NUM_JOINTS));
@@ -199,7 +199,7 @@ impl Sparring {
             for (touch, (roots, model)) in touches.iter_mut().zip(pairs) {
                 if let Some(dt_s) = dt_s {
                     let poses = [0, 1].map(|k| Posed::new(&model[k * NUM_JOINTS..], roots[k]));
-                    touch.settle(body, arms, &poses, config, dt_s);
+                    touch.settle(body, limbs, &poses, config, dt_s);
                 }
                 for (k, model) in model.chunks_exact_mut(NUM_JOINTS).enumerate() {
                     touch.apply(k, roots[k], model, locals.next().unwrap_or_default());
@@ -276,7 +276,7 @@ impl Sparring {
     }
 
     fn snapshot_kind(&self) -> SnapshotKind {
-        SnapshotKind { what: "sparring", tag: *b"SPAR", version: 4, setup: self.config.hash() }
+        SnapshotKind { what: "sparring", tag: *b"SPAR", version: 5, setup: self.config.hash() }
     }
 }
 
@@ -395,7 +395,7 @@ impl Cast for Sparring {
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
         let adopted = self.boxers.adopt(new)?;
         self.body = Body::new(new.skeleton(), &self.config.body);
-        self.arms = arm_shapes(new.skeleton(), &self.body);
+        self.limbs = limb_shapes(new.skeleton(), &self.body);
         self.state.touches.fill(Touch::default());
         self.lead_s = usual_lead_s(self.boxers.motion_set());
         self.steps_away = StepsAway::new(self.boxers.motion_set())?;

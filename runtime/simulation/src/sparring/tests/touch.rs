@@ -1,16 +1,16 @@
-//! Arms that stop at the other's body.
+//! Arms and kicking legs that stop at the other's body.
 
-use super::super::touch::{ArmShape, Touch, arm_shapes};
+use super::super::touch::{LimbShape, NUM_LIMBS, Touch, limb_shapes};
 use super::*;
 use throng_core::pose::LocalTransform;
 
 const DT: f32 = 1.0 / 60.0;
 const LEFT: [Joint; 3] = [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand];
 
-fn shapes() -> (Body, [ArmShape; 2]) {
+fn shapes() -> (Body, [LimbShape; NUM_LIMBS]) {
     let skeleton = Skeleton::default();
     let body = Body::new(&skeleton, &BodyShape::default());
-    let arms = arm_shapes(&skeleton, &body);
+    let arms = limb_shapes(&skeleton, &body);
     (body, arms)
 }
 
@@ -67,6 +67,80 @@ fn lengths(pose: &[Mat3x4; NUM_JOINTS]) -> [f32; 2] {
     let [shoulder, elbow, wrist] = LEFT.map(|j| pose[j.index()].translation());
     [shoulder.distance(elbow), elbow.distance(wrist)]
 }
+
+const LEG: [Joint; 3] = [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot];
+
+/// The rest pose with the straight left leg on its way up ahead: 0 hanging, 1 level, the toes beyond the heel.
+fn kick(way: f32) -> [Mat3x4; NUM_JOINTS] {
+    let mut pose = rest_pose();
+    let hip = pose[LEG[0].index()].translation();
+    let turn = Quat::from_rotation_x(-way * std::f32::consts::FRAC_PI_2);
+    for j in [LEG[0], LEG[1], LEG[2], Joint::LeftToe] {
+        let at = hip + turn * (pose[j.index()].translation() - hip);
+        pose[j.index()] = Mat3x4::from_rotation_translation(turn * pose[j.index()].rotation(), at);
+    }
+    pose
+}
+
+/// How deep the axes of the left shin and foot of the first are in the core of the second, beyond what flesh gives (m).
+fn leg_depth(poses: &[[Mat3x4; NUM_JOINTS]; 2], roots: [Planar; 2]) -> f32 {
+    let (body, _) = shapes();
+    let [own, other] = [0, 1].map(|k| Posed::new(&poses[k], roots[k]));
+    let mut deepest = f32::NEG_INFINITY;
+    for bone in [[LEG[1], LEG[2]], [LEG[2], Joint::LeftToe]] {
+        for o in &body.obstacles(&other) {
+            let [p, q] = nearest_points(bone.map(|j| own.point(j, Vec3::ZERO)), o.ends);
+            deepest = deepest.max(o.radius + body.leg_radii()[1] - config().touch.give_m - p.distance(q));
+        }
+    }
+    deepest
+}
+
+#[test]
+fn a_kick_stops_at_the_body_and_comes_back() {
+    let rest = rest_pose();
+    for distance in [0.5, 0.65, 0.8] {
+        let roots = [Planar::IDENTITY, Planar::new(LEG_X, distance, std::f32::consts::PI)];
+        let (mut touch, mut deepest, mut goes_through) = (Touch::default(), 0.0f32, 0.0f32);
+        for i in 0..=60 {
+            // Up within a quarter of a second, held, and down again.
+            let way = (i as f32 / 15.0).min((60 - i) as f32 / 15.0).min(1.0);
+            let motion = kick(way);
+            let posed = step(&mut touch, [&motion, &rest], roots, &config().touch);
+            let off = |j: Joint| posed[0][j.index()].translation() - motion[j.index()].translation();
+            let bone = |from: Joint, to: Joint, pose: &[Mat3x4; NUM_JOINTS]| {
+                pose[from.index()].translation().distance(pose[to.index()].translation())
+            };
+            for (from, to) in [(LEG[0], LEG[1]), (LEG[1], LEG[2]), (LEG[2], Joint::LeftToe)] {
+                let [before, after] = [&motion, &posed[0]].map(|pose| bone(from, to, pose));
+                assert!((before - after).abs() < 1e-4, "{from:?}: {before} {after} at {distance}, step {i}");
+            }
+            assert_eq!(off(Joint::RightFoot), Vec3::ZERO, "the leg that stands stays");
+            let is_raised = motion[LEG[2].index()].translation().y > rest[LEG[2].index()].translation().y + 0.3;
+            if is_raised {
+                deepest = deepest.max(leg_depth(&posed, roots));
+                goes_through = goes_through.max(leg_depth(&[motion, rest], roots));
+            }
+        }
+        assert!(goes_through > 0.1, "{goes_through} at {distance}: it would go through");
+        assert!(deepest < 0.05, "{deepest} at {distance}");
+        let mut last = rest;
+        for _ in 0..120 {
+            last = step(&mut touch, [&rest, &rest], roots, &config().touch)[0];
+        }
+        let far = [Planar::IDENTITY, Planar::new(0.0, 5.0, 0.0)];
+        let free = step(&mut touch, [&rest, &rest], far, &config().touch)[0];
+        let leg = |pose: &[Mat3x4; NUM_JOINTS]| LEG.map(|j| pose[j.index()]);
+        let off = LEG.map(|j| last[j.index()].translation().distance(rest[j.index()].translation()));
+        assert!(
+            leg(&last) == leg(&rest) && leg(&free) == leg(&rest),
+            "{off:?} at {distance}: it is where its motion has it, to the last bit"
+        );
+    }
+}
+
+/// How far the left hip is beside the middle (m).
+const LEG_X: f32 = 0.1;
 
 #[test]
 fn arms_leave_the_body_that_they_are_in_and_nothing_else_moves() {
@@ -223,7 +297,7 @@ fn arms_without_length_do_no_harm() {
             skeleton.offsets[joint.index()] = Vec3::X * length;
         }
         let body = Body::new(&skeleton, &BodyShape::default());
-        let arms = arm_shapes(&skeleton, &body);
+        let arms = limb_shapes(&skeleton, &body);
         let (pose, roots) = (punch(0.7), [Planar::IDENTITY, Planar::new(0.0, 0.4, std::f32::consts::PI)]);
         let mut touch = Touch::default();
         for _ in 0..3 {
