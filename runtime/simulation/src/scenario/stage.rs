@@ -84,7 +84,7 @@ pub trait Stage {
 
     /// Where an agent stands to take a thing or to put it down with motion of a tag, and how near is there (m).
     ///
-    /// - `side`: from which side: 0 is the one from which the agent comes, others follow it to the left and to the right; from [`SIDES`]
+    /// - `side`: from which side: 0 is the one from which the agent comes, others follow it to the left and to the right; from 8
     ///   on the same a little farther off, where the body leans.
     ///
     /// # Errors
