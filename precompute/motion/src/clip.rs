@@ -1,6 +1,7 @@
 //! Motion on the database skeleton, editable: what every stage between retargeting and writing works on.
 
 use glam::{Quat, Vec3};
+use throng_base::maths;
 use throng_core::hits::KIND_NAMES;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 
@@ -215,7 +216,7 @@ pub fn joint_transforms(
     let mut out = [(root_position, local(0)); NUM_JOINTS];
     for j in &Joint::ALL[1..] {
         let (p, r) = out[j.parent().map_or(0, Joint::index)];
-        out[j.index()] = (p + r * skeleton.offsets[j.index()], r * local(j.index()));
+        out[j.index()] = (p + r * skeleton.offsets[j.index()], maths::compose(r, local(j.index())));
     }
     out
 }

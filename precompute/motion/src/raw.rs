@@ -4,6 +4,7 @@ use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::hash::{DefaultHasher, Hasher};
 use std::path::PathBuf;
+use throng_base::maths;
 
 /// One joint of a source skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -91,7 +92,7 @@ impl RawClip {
             let (t, r) = (self.translations[frame * n + j], self.rotations[frame * n + j]);
             out.push(match joint.parent {
                 None => (t, r),
-                Some(p) => (out[p].0 + out[p].1 * t, out[p].1 * r),
+                Some(p) => (out[p].0 + out[p].1 * t, maths::compose(out[p].1, r)),
             });
         }
         out

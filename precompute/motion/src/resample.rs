@@ -1,5 +1,6 @@
 //! Clips at one rate, and their mirrored copies.
 
+use throng_base::maths;
 use crate::clip::{Clip, ClipSet, Exclusion, FrameRange, Hit, Tag};
 use crate::error::{BuildError, check_ranges};
 use crate::mirror::mirror;
@@ -106,7 +107,7 @@ fn to_rate(clip: &Clip, rate_hz: f64) -> Clip {
         let (a, b, ratio) = neighbours(frame as f64 * step, n);
         root_positions.push(clip.root_positions[a].lerp(clip.root_positions[b], ratio));
         for (joint, (p, q)) in clip.frame_rotations(a).iter().zip(clip.frame_rotations(b)).enumerate() {
-            let r = if ratio == 0.0 { *p } else { p.slerp(*q, ratio) };
+            let r = if ratio == 0.0 { *p } else { maths::slerp_f32(*p, *q, ratio) };
             let flip = frame > 0 && rotations[(frame - 1) * NUM_JOINTS + joint].dot(r) < 0.0;
             rotations.push(if flip { -r } else { r });
         }

@@ -1,9 +1,10 @@
 //! Bodies that an external motion drives: where every joint is at every time (c^M(t) in the paper).
 
 use crate::linkage::{LimbPose, Linkage};
-use crate::rotation::{Rigid, slerp};
+use crate::rotation::Rigid;
 use crate::track::Clock;
 use glam::{DQuat, DVec3};
+use throng_base::maths::slerp;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_motion::Clip;
 

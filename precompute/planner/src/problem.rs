@@ -180,7 +180,7 @@ impl Problem {
         let (a, b) = (&self.present[i], &self.present[(i + 1).min(self.present.len() - 1)]);
         let mut pose = *a;
         for (q, to) in pose.0[..self.chain.len()].iter_mut().zip(b.0) {
-            *q = crate::rotation::slerp(*q, to, at - i as f64);
+            *q = throng_base::maths::slerp(*q, to, at - i as f64);
         }
         pose
     }

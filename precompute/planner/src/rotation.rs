@@ -41,21 +41,7 @@ pub fn angle(a: DQuat, b: DQuat) -> f64 {
     4.0 * maths::atan2((a - b).length(), (a + b).length())
 }
 
-/// Shortest way from `a` to `b`, at a share of it.
-///
-/// # Source
-/// Shoemake 1985, *Animating Rotation with Quaternion Curves*.
-pub fn slerp(a: DQuat, b: DQuat, share: f64) -> DQuat {
-    let b = towards(a, b);
-    let half = 2.0 * maths::atan2((a - b).length(), (a + b).length());
-    if half < 1e-9 {
-        return (a * (1.0 - share) + b * share).normalize();
-    }
-    let over = 1.0 / maths::sin(half);
-    (a * (maths::sin((1.0 - share) * half) * over) + b * (maths::sin(share * half) * over)).normalize()
-}
-
-/// The middle of the shortest way from `a` to `b`: [`slerp`] at one half, without trigonometry.
+/// The middle of the shortest way from `a` to `b`: [`maths::slerp`] at one half, without trigonometry.
 pub fn middle(a: DQuat, b: DQuat) -> DQuat {
     (a + towards(a, b)).normalize()
 }
@@ -170,6 +156,7 @@ impl Rigid {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use throng_base::maths::slerp;
 
     fn rotations() -> impl Strategy<Value = DQuat> {
         prop::array::uniform3(-3.0f64..3.0).prop_map(|v| exp(DVec3::from(v)))

@@ -3,7 +3,7 @@
 //! Those of `std` and of glam come from the platform's library, or from the compiler, and differ in their last bits; motion
 //! drifts apart from there. The runtime uses these alone; square roots and roundings are exact everywhere.
 
-use glam::{Quat, Vec2, Vec3};
+use glam::{DQuat, Quat, Vec2, Vec3};
 
 /// Floats that these functions are made for.
 pub trait Real: Copy {
@@ -173,7 +173,7 @@ pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
     v * (q.w * q.w - axis.dot(axis)) + axis * (2.0 * axis.dot(v)) + axis.cross(v) * (2.0 * q.w)
 }
 
-/// A rotation after another one: `a` after `b`.
+/// A rotation after another one: `a` after `b`. That of glam fuses products and sums where the processor can.
 #[inline]
 pub fn compose(a: Quat, b: Quat) -> Quat {
     Quat::from_xyzw(
@@ -201,6 +201,27 @@ pub fn between(a: Quat, b: Quat, share: f32) -> Quat {
     unit(Quat::from_xyzw(a.x * s + b.x * t, a.y * s + b.y * t, a.z * s + b.z * t, a.w * s + b.w * t))
 }
 
+/// The shortest way from one rotation to another at constant speed, at a share of it; unit length.
+///
+/// - `share`: of `b` (0 to 1).
+///
+/// # Source
+/// Shoemake 1985, *Animating Rotation with Quaternion Curves*.
+pub fn slerp(a: DQuat, b: DQuat, share: f64) -> DQuat {
+    let b = if a.dot(b) < 0.0 { -b } else { b };
+    let half = 2.0 * atan2((a - b).length(), (a + b).length());
+    if half < 1e-9 {
+        return (a * (1.0 - share) + b * share).normalize();
+    }
+    let over = 1.0 / sin(half);
+    (a * (sin((1.0 - share) * half) * over) + b * (sin(share * half) * over)).normalize()
+}
+
+/// [`slerp`] of rotations in single precision.
+pub fn slerp_f32(a: Quat, b: Quat, share: f32) -> Quat {
+    slerp(a.as_dquat(), b.as_dquat(), f64::from(share)).as_quat()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -212,6 +233,7 @@ mod tests {
         let v = Vec3::new(0.4, -2.0, 1.5);
         assert!(rotate(a, v).distance(a * v) < 1e-6 && compose(a, b).abs_diff_eq(a * b, 1e-6));
         assert!(between(a, -b, 0.25).abs_diff_eq((a * 0.75 + b * (0.25 * a.dot(b).signum())).normalize(), 1e-6));
+        assert!(slerp_f32(a, -b, 0.25).abs_diff_eq(a.slerp(-b, 0.25), 1e-6));
         assert_eq!(unit(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)), Quat::IDENTITY);
     }
 

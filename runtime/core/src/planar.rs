@@ -69,7 +69,7 @@ impl Planar {
     /// forward or lies down, and only fails where the body is upside down; there it is 0.
     pub fn split(position: Vec3, rotation: Quat) -> (Self, Quat) {
         let heading = twist_about_y(rotation);
-        let tilt = maths::rotation_y(-heading) * rotation;
+        let tilt = maths::compose(maths::rotation_y(-heading), rotation);
         (Self { x: position.x, z: position.z, heading }, tilt)
     }
 }

@@ -1,5 +1,6 @@
 //! Pieces of geometry and the distance to them.
 
+use throng_base::maths;
 use super::bounds::Bounds;
 use super::triangles::Triangles;
 use super::{Shape, mesh};
@@ -54,8 +55,7 @@ impl Solid {
         Ok(match shape {
             Shape::Box { at, size, heading_deg, pitch_deg } => Self::Box {
                 centre: Vec3::from(*at),
-                rotation: Quat::from_rotation_y(heading_deg.to_radians())
-                    * Quat::from_rotation_x(pitch_deg.to_radians()),
+                rotation: maths::compose(Quat::from_rotation_y(heading_deg.to_radians()), Quat::from_rotation_x(pitch_deg.to_radians())),
                 half: 0.5 * Vec3::from(*size),
             },
             Shape::Bar { from, to, radius } => {

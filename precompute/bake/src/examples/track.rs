@@ -1,5 +1,6 @@
 //! What a clip's body does over time, at any time between its frames.
 
+use throng_base::maths;
 use super::arc::wrap;
 use glam::{DVec2, Quat, Vec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS};
@@ -58,7 +59,7 @@ impl<'a> Track<'a> {
     pub fn pose(&self, time: f64) -> Pose {
         let (a, b, part) = self.between(time);
         let (from, to) = (self.clip.frame_rotations(a), self.clip.frame_rotations(b));
-        let rotations = std::array::from_fn(|j| from[j].slerp(to[j], part as f32));
+        let rotations = std::array::from_fn(|j| maths::slerp_f32(from[j], to[j], part as f32));
         let hips = self.clip.root_positions[a].lerp(self.clip.root_positions[b], part as f32);
         Pose { hips, rotations }
     }
@@ -97,7 +98,7 @@ impl<'a> Track<'a> {
 /// Heading of the middle between where the hips and the shoulders face (rad).
 fn facing_of(local: &[Quat]) -> f64 {
     let chain = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest];
-    let shoulders = chain.iter().fold(Quat::IDENTITY, |q, j| q * local[j.index()]);
+    let shoulders = chain.iter().fold(Quat::IDENTITY, |q, j| maths::compose(q, local[j.index()]));
     // Sideways axes stay level where a body bends forward, which forward axes do not.
     let left =
         (local[0] * Vec3::X).with_y(0.0).normalize_or_zero() + (shoulders * Vec3::X).with_y(0.0).normalize_or_zero();

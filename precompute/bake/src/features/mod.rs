@@ -18,6 +18,7 @@ use rayon::prelude::*;
 use row::{LANES, Measured, Row};
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
+use throng_base::maths;
 use throng_core::{NUM_JOINTS, Planar};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange};
 use throng_motion::error::BuildError;
@@ -144,7 +145,7 @@ fn measure<'a>(clip: &'a Clip, run: &FrameRange, frame: usize) -> Measured<'a> {
     let (before, after) = (clip.frame_rotations(prev), clip.frame_rotations(next));
     let mut joint_velocities = [Vec3::ZERO; NUM_JOINTS];
     for j in 1..NUM_JOINTS {
-        joint_velocities[j] = rotation_vector(before[j].conjugate() * after[j]) * per_second;
+        joint_velocities[j] = rotation_vector(maths::compose(before[j].conjugate(), after[j])) * per_second;
     }
     let rotations = clip.frame_rotations(frame);
     let to_local = Planar::split(clip.root_positions[frame], rotations[0]).0.rotation().conjugate();
@@ -153,7 +154,7 @@ fn measure<'a>(clip: &'a Clip, run: &FrameRange, frame: usize) -> Measured<'a> {
         joint_velocities,
         root_height: clip.root_positions[frame].y - clip.support.get(frame).copied().unwrap_or(0.0),
         root_velocity: to_local * ((clip.root_positions[next] - clip.root_positions[prev]) * per_second),
-        root_angular_velocity: to_local * (rotation_vector(after[0] * before[0].conjugate()) * per_second),
+        root_angular_velocity: to_local * (rotation_vector(maths::compose(after[0], before[0].conjugate())) * per_second),
     }
 }
 

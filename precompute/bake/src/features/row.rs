@@ -1,5 +1,6 @@
 //! The features of one frame, laid out so that a compiler turns the distance into vector instructions.
 
+use throng_base::maths;
 use super::config::Weights;
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
@@ -93,7 +94,7 @@ impl Row {
     /// `exp(y t) a` with `a = q_j q_i^-1 = (w, v)` is nearest to the identity where the rotation cancels the
     /// twist of `a` about y, which leaves `2 asin(sqrt(v_x^2 + v_z^2))`.
     pub fn squared_orientation(&self, other: &Self) -> f32 {
-        let a = other.root * self.root.conjugate();
+        let a = maths::compose(other.root, self.root.conjugate());
         let half = (a.x * a.x + a.z * a.z).sqrt().atan2((a.w * a.w + a.y * a.y).sqrt());
         square(2.0 * half)
     }

@@ -1,5 +1,6 @@
 //! Performs what a bundle holds: characters who run on it, which clips they play, and its clips.
 
+use throng_base::maths;
 use super::camera::Camera;
 use super::{PerformConfig, SAME_S, Span, chosen, refused};
 use crate::trial::{self, TrialConfig};
@@ -135,6 +136,6 @@ fn stored(bundle: &Bundle, row: usize) -> Pose {
     let [x, z, heading] = row.planar;
     let root = Planar::new(x, z, heading);
     let mut rotations: [Quat; NUM_JOINTS] = std::array::from_fn(|j| code.rotation(row, j));
-    rotations[0] = (root.rotation() * rotations[0]).normalize();
+    rotations[0] = maths::compose(root.rotation(), rotations[0]).normalize();
     Pose::of_rotations(bundle.skeleton(), root.translation() + Vec3::Y * row.height, rotations)
 }

@@ -4,6 +4,7 @@ use super::take::{Pose, THERE, Take};
 use crate::smpl::{JOINTS, UPRIGHT};
 use glam::{Quat, Vec3};
 use std::io::{self, Write};
+use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS};
 use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, ZipWriter};
@@ -156,7 +157,7 @@ pub fn amass(take: &Take, actor: usize, out: &mut dyn Write) -> io::Result<()> {
         let mut row = [0f32; AMASS_WIDTH];
         for (i, (_, role)) in JOINTS.iter().enumerate() {
             let turn = pose.rotations[role.index()];
-            let turn = if i == 0 { back * turn } else { turn };
+            let turn = if i == 0 { maths::compose(back, turn) } else { turn };
             // The shorter way round.
             let turn = if turn.w < 0.0 { -turn } else { turn };
             row[3 * i..3 * i + 3].copy_from_slice(&turn.to_scaled_axis().to_array());

@@ -5,6 +5,7 @@ use crate::clip::Clip;
 use glam::{Quat, Vec3};
 use std::io;
 use std::path::Path;
+use throng_base::maths;
 use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
 /// Joints that rest nearer to each other than this are where they were: eight of them in a chain stay below 0.1 mm (m).
@@ -53,11 +54,14 @@ impl Pose {
             (translations[i], rotations[i]) = match j.parent().map(Joint::index) {
                 None => (
                     root.rotation() * model[i].translation() + root.translation(),
-                    (root.rotation() * turned[i]).normalize(),
+                    (maths::compose(root.rotation(), turned[i])).normalize(),
                 ),
                 Some(p) => {
                     let back = turned[p].inverse();
-                    (back * (model[i].translation() - model[p].translation()), (back * turned[i]).normalize())
+                    (
+                        back * (model[i].translation() - model[p].translation()),
+                        (maths::compose(back, turned[i])).normalize(),
+                    )
                 }
             };
         }
@@ -79,7 +83,7 @@ impl Pose {
         for j in &Joint::ALL[1..] {
             let (p, r) = out[j.parent().map_or(0, Joint::index)];
             let i = j.index();
-            out[i] = (p + r * self.translations[i], (r * self.rotations[i]).normalize());
+            out[i] = (p + r * self.translations[i], (maths::compose(r, self.rotations[i])).normalize());
         }
         out
     }
@@ -88,7 +92,7 @@ impl Pose {
     pub fn towards(&self, other: &Self, ratio: f32) -> Self {
         Self {
             translations: std::array::from_fn(|j| self.translations[j].lerp(other.translations[j], ratio)),
-            rotations: std::array::from_fn(|j| self.rotations[j].slerp(other.rotations[j], ratio)),
+            rotations: std::array::from_fn(|j| maths::slerp_f32(self.rotations[j], other.rotations[j], ratio)),
         }
     }
 

@@ -8,6 +8,7 @@ use crate::raw::RawClip;
 use crate::retarget::{Fit, Worn};
 use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
 use std::io;
+use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// Segments of limbs whose twist is shared, and the joints at their ends. Thighs and upper arms twist at their begin, shins
@@ -119,9 +120,9 @@ impl Twist {
     /// The turn in the world that is added to what the joint hangs on.
     fn turn(&self, model: &[Quat]) -> Quat {
         let above = self.of.parent().map_or(Quat::IDENTITY, |p| model[p.index()]);
-        let angle = self.share * twist_about(above.inverse() * model[self.of.index()], self.axis);
+        let angle = self.share * twist_about(maths::compose(above.inverse(), model[self.of.index()]), self.axis);
         let limb = model[self.limb.index()];
-        limb * Quat::from_axis_angle(self.axis, angle) * limb.inverse()
+        maths::compose(maths::compose(limb, Quat::from_axis_angle(self.axis, angle)), limb.inverse())
     }
 }
 

@@ -7,6 +7,7 @@
 use super::body::{Body, Sample};
 use super::geometry;
 use glam::{Mat3, Quat, Vec3};
+use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS};
 
 /// Rotation from the database joint's axes to the source joint's, per role.
@@ -92,7 +93,7 @@ fn from_rest(body: &Body) -> Alignment {
             (Some(_), None) => j.parent().map_or(Quat::IDENTITY, |p| arc[p.index()]),
             (None, _) => Quat::IDENTITY,
         };
-        let a = (rest[j.index()].1.inverse() * arc[j.index()]).normalize();
+        let a = maths::compose(rest[j.index()].1.inverse(), arc[j.index()]).normalize();
         out[j.index()] = onto_hinge(body, j, a);
     }
     out
@@ -111,7 +112,7 @@ fn onto_hinge(body: &Body, j: Joint, a: Quat) -> Quat {
     if expected.angle_between(shown) < MAX_HINGE_ERROR {
         return a;
     }
-    (a * Quat::from_rotation_arc(expected, shown)).normalize()
+    maths::compose(a, Quat::from_rotation_arc(expected, shown)).normalize()
 }
 
 /// The foot's frame: up is the vertical while the foot stands, forward leads to the toe.
@@ -141,8 +142,10 @@ fn toe_alignment(body: &Body, side: usize, foot: Joint, toe: Joint, a: &Alignmen
 fn carried(body: &Body, parent: Joint, child: Joint, a: &Alignment) -> Quat {
     let (p, c) = (parent.index(), child.index());
     match &body.rest {
-        Some(rest) => (rest[c].1.inverse() * rest[p].1 * a[p]).normalize(),
-        None => mean_rotation(body.samples.iter().map(|s| s.pose[c].1.inverse() * s.pose[p].1 * a[p])),
+        Some(rest) => maths::compose(maths::compose(rest[c].1.inverse(), rest[p].1), a[p]).normalize(),
+        None => mean_rotation(
+            body.samples.iter().map(|s| maths::compose(maths::compose(s.pose[c].1.inverse(), s.pose[p].1), a[p])),
+        ),
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::import::{Forward, Imported};
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
+use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS};
 
 /// Source joint of every role (NUM_JOINTS).
@@ -98,7 +99,8 @@ fn chain(source: Source, world: &mut Vec<(Vec3, Quat)>, local: impl Fn(usize) ->
     world.clear();
     for (j, joint) in source.clip.joints.iter().enumerate() {
         let (t, r) = local(j);
-        let w = joint.parent.map_or((t, r), |p| (world[p].0 + world[p].1 * t, (world[p].1 * r).normalize()));
+        let w =
+            joint.parent.map_or((t, r), |p| (world[p].0 + world[p].1 * t, (maths::compose(world[p].1, r)).normalize()));
         world.push(w);
     }
     Joint::ALL.map(|j| world[role_joint(source.roles, j)])
@@ -200,5 +202,5 @@ fn standing(pose: RolePose, heading: Option<f32>) -> Option<RolePose> {
     }
     // A direction (x, z) turned by the angle atan2(z, x) about +Y lies along +X.
     let turn = Quat::from_rotation_y(heading.map_or_else(|| left.z.atan2(left.x), |h| -h));
-    Some(pose.map(|(p, r)| (turn * p, turn * r)))
+    Some(pose.map(|(p, r)| (turn * p, maths::compose(turn, r))))
 }

@@ -8,6 +8,7 @@
 use super::align::{Alignment, MIN_SAMPLES, limb_direction, main_child, mean_rotation};
 use super::body::{Body, Sample, anchor};
 use glam::{Mat3, Quat, Vec3};
+use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS};
 
 /// A frame nearer than this to one square to the joint's axes is taken to be that one (rad).
@@ -76,7 +77,9 @@ fn distance(body: &Body, a: Joint, b: Joint) -> f32 {
 /// The alignment that keeps the joint's mean rotation relative to its anchor at the identity.
 fn mean_relative(body: &Body, j: Joint, out: &Alignment) -> Quat {
     let p = anchor(&body.roles, j).index();
-    mean_rotation(body.samples.iter().map(|s| s.pose[j.index()].1.inverse() * s.pose[p].1 * out[p]))
+    mean_rotation(
+        body.samples.iter().map(|s| maths::compose(maths::compose(s.pose[j.index()].1.inverse(), s.pose[p].1), out[p])),
+    )
 }
 
 /// Outwards leads to the upper arm, up is the trunk's on average.
@@ -84,7 +87,7 @@ fn clavicle(body: &Body, j: Joint, out: &Alignment) -> Quat {
     let p = anchor(&body.roles, j).index();
     let (child, sign) =
         if j == Joint::LeftClavicle { (Joint::LeftUpperArm, 1.0) } else { (Joint::RightUpperArm, -1.0) };
-    let up = body.mean_local(j, |s| Some(s.pose[p].1 * out[p] * Vec3::Y));
+    let up = body.mean_local(j, |s| Some(maths::compose(s.pose[p].1, out[p]) * Vec3::Y));
     frame_xy(body.offsets[child.index()] * sign, up.unwrap_or(Vec3::Y)).unwrap_or(Quat::IDENTITY)
 }
 
@@ -99,7 +102,7 @@ fn limb(body: &Body, j: Joint, out: &Alignment) -> Quat {
     let from = frame_xy(t_pose, t_hinge);
     let to = frame_xy(along, hinge);
     match (from, to) {
-        (Some(f), Some(t)) => (t * f.inverse()).normalize(),
+        (Some(f), Some(t)) => maths::compose(t, f.inverse()).normalize(),
         _ => near,
     }
 }
@@ -149,7 +152,7 @@ fn segment(body: &Body, j: Joint) -> Option<Vec3> {
 /// Turns a snapped limb back onto its segment by the shortest arc.
 fn aim(body: &Body, j: Joint, a: Quat) -> Quat {
     match (segment(body, j), limb_direction(j)) {
-        (Some(to), Some(from)) => (Quat::from_rotation_arc((a * from).normalize(), to) * a).normalize(),
+        (Some(to), Some(from)) => maths::compose(Quat::from_rotation_arc((a * from).normalize(), to), a).normalize(),
         _ => a,
     }
 }
@@ -158,7 +161,7 @@ fn aim(body: &Body, j: Joint, a: Quat) -> Quat {
 fn level(body: &Body, a: Quat) -> Quat {
     let across = body.offsets[Joint::LeftThigh.index()] - body.offsets[Joint::RightThigh.index()];
     match across.try_normalize() {
-        Some(across) => (Quat::from_rotation_arc((a * Vec3::X).normalize(), across) * a).normalize(),
+        Some(across) => maths::compose(Quat::from_rotation_arc((a * Vec3::X).normalize(), across), a).normalize(),
         None => a,
     }
 }

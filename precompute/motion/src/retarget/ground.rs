@@ -4,6 +4,7 @@
 
 use super::transfer::Motion;
 use glam::{Vec2, Vec3};
+use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// The lowest part of the feet may be standing where it is slower than this (m/s).
@@ -117,7 +118,7 @@ fn foot_positions(root: Vec3, local: &[glam::Quat], skeleton: &Skeleton) -> [Vec
         let (mut p, mut r) = (root, local[0]);
         for (k, j) in chain.iter().enumerate() {
             p += r * skeleton.offsets[j.index()];
-            r *= local[j.index()];
+            r = maths::compose(r, local[j.index()]);
             if k >= 2 {
                 out[side * 2 + k - 2] = p;
             }

@@ -4,6 +4,7 @@ use super::align::{Alignment, main_child};
 use super::body::{Body, RolePose, Source, anchor, role_pose};
 use super::legs::Legs;
 use glam::{Quat, Vec3};
+use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// Segments shorter than this have no direction (m).
@@ -41,15 +42,19 @@ pub fn transfer(source: Source, body: &Body, a: &Alignment, own: &Skeleton, targ
         for (clavicle, arm) in SHOULDERS {
             let i = clavicle.index();
             let chest = model[Joint::UpperChest.index()];
-            let local = chest.inverse() * model[i];
-            model[i] = chest * shoulder(local, own.offsets[arm.index()], target.offsets[arm.index()], scale);
+            let local = maths::compose(chest.inverse(), model[i]);
+            model[i] =
+                maths::compose(chest, shoulder(local, own.offsets[arm.index()], target.offsets[arm.index()], scale));
         }
         let between = (pose[thighs[0]].0 + pose[thighs[1]].0) * 0.5 * scale + legs.rise();
         let root = between - model[0] * middle;
         root_positions.push(root);
         legs.reach(&mut model, root, &pose);
         for j in Joint::ALL {
-            let local = j.parent().map_or(model[0], |p| model[p.index()].inverse() * model[j.index()]).normalize();
+            let local = j
+                .parent()
+                .map_or(model[0], |p| maths::compose(model[p.index()].inverse(), model[j.index()]))
+                .normalize();
             let before = frame.checked_sub(1).map(|f| rotations[f * NUM_JOINTS + j.index()]);
             let flip = before.is_some_and(|b| b.dot(local) < 0.0);
             rotations.push(if flip { -local } else { local });
@@ -64,7 +69,7 @@ pub fn transfer(source: Source, body: &Body, a: &Alignment, own: &Skeleton, targ
 pub fn shoulder(local: Quat, own: Vec3, target: Vec3, scale: f32) -> Quat {
     let moved = target + (local * own - own) * scale;
     match (moved.try_normalize(), (local * target).try_normalize()) {
-        (Some(to), Some(from)) => (Quat::from_rotation_arc(from, to) * local).normalize(),
+        (Some(to), Some(from)) => maths::compose(Quat::from_rotation_arc(from, to), local).normalize(),
         _ => local,
     }
 }
@@ -78,7 +83,7 @@ fn model_rotations(pose: &RolePose, body: &Body, a: &Alignment) -> [Quat; NUM_JO
             model[i] = model[anchor(&body.roles, j).index()];
             continue;
         }
-        model[i] = (aim(pose, body, j) * pose[i].1 * a[i]).normalize();
+        model[i] = maths::compose(maths::compose(aim(pose, body, j), pose[i].1), a[i]).normalize();
     }
     model
 }

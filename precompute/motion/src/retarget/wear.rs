@@ -9,6 +9,7 @@ use super::{check, check_legs};
 use crate::error::BuildError;
 use crate::import::Imported;
 use glam::{Quat, Vec3};
+use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// A body that wears motion.
@@ -70,15 +71,16 @@ impl Fit {
         let mut model = pose.map(|(_, r)| r);
         for (clavicle, arm) in SHOULDERS {
             let (i, chest) = (clavicle.index(), model[Joint::UpperChest.index()]);
-            let local = chest.inverse() * model[i];
-            model[i] = chest * shoulder(local, own.offsets[arm.index()], target.offsets[arm.index()], 1.0);
+            let local = maths::compose(chest.inverse(), model[i]);
+            model[i] =
+                maths::compose(chest, shoulder(local, own.offsets[arm.index()], target.offsets[arm.index()], 1.0));
         }
         let thighs = [Joint::LeftThigh.index(), Joint::RightThigh.index()];
         let middle = (target.offsets[thighs[0]] + target.offsets[thighs[1]]) * 0.5;
         let legs = Legs::new(own, target, 1.0, self.has_toes);
         let hips = (pose[thighs[0]].0 + pose[thighs[1]].0) * 0.5 + legs.rise() - model[0] * middle;
         legs.reach(&mut model, hips, pose);
-        let joints = std::array::from_fn(|j| (model[j] * self.alignment[j].inverse()).normalize());
+        let joints = std::array::from_fn(|j| (maths::compose(model[j], self.alignment[j].inverse())).normalize());
         Worn { hips, joints, model }
     }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::linkage::LimbPose;
 use crate::problem::{Problem, Solid, State};
-use crate::rotation::{Rigid, exp, slerp};
+use crate::rotation::{Rigid, exp};
 use crate::shape::{Mesh, Shape};
 use crate::testing::{Somebody, solid};
 use crate::track::Path;
@@ -10,6 +10,7 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
+use throng_base::maths::slerp;
 
 const PAPER: EdgeCheck = EdgeCheck::Bisection { resolution_rad: 0.05 };
 

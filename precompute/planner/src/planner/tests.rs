@@ -1,10 +1,11 @@
 use super::*;
 use crate::problem::{Solid, State};
-use crate::rotation::{Rigid, angle, slerp};
+use crate::rotation::{Rigid, angle};
 use crate::shape::Shape;
 use crate::testing::{Somebody, solid, stuck};
 use crate::track::Path;
 use glam::DVec3;
+use throng_base::maths::slerp;
 
 /// A hand below a table that has to come above it: the straight way leads through the plate.
 fn table() -> Problem {

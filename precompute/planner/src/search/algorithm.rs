@@ -6,10 +6,11 @@ use crate::collide::{Checker, EdgeCheck};
 use crate::ik::LimbIk;
 use crate::limits::{Sampler, Style};
 use crate::problem::{Problem, State};
-use crate::rotation::{Rigid, between, slerp};
+use crate::rotation::{Rigid, between};
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
+use throng_base::maths::slerp;
 
 /// How the search goes.
 #[derive(Clone, Copy, Debug, PartialEq)]

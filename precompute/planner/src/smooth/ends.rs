@@ -3,7 +3,7 @@
 use super::Smoother;
 use super::ease::smoothstep;
 use crate::linkage::LimbPose;
-use crate::rotation::slerp;
+use throng_base::maths::slerp;
 
 impl Smoother<'_> {
     /// Blends the first and the last frames with the external motion's poses, where the plan begins or ends in its pose, or

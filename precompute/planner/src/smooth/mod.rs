@@ -14,8 +14,8 @@ pub(crate) use round::Window;
 use crate::collide::{Checker, EdgeCheck};
 use crate::linkage::LimbPose;
 use crate::problem::{Problem, State};
-use crate::rotation::slerp;
 use crate::search::TimeGrid;
+use throng_base::maths::slerp;
 
 /// How the way is smoothed.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,6 @@
 //! The check of everything that a task did, by the means of [`crate::recheck`].
 
+use throng_base::maths;
 use super::gaze;
 use super::lean;
 use super::stage::{Actor, Leaned, Pin, Planned, Stage, Whereabouts, hand};
@@ -189,9 +190,9 @@ fn gazes(stage: &Stage<'_>, report: &mut RecheckReport) {
         let turned = |frame: usize| {
             let [a, b] = [&actor.before, &actor.clip].map(|clip| {
                 let all = clip.joint_transforms(&actor.skeleton, frame);
-                all[Joint::UpperChest.index()].1.inverse() * all[Joint::Head.index()].1
+                maths::compose(all[Joint::UpperChest.index()].1.inverse(), all[Joint::Head.index()].1)
             });
-            (a.inverse() * b).normalize().as_dquat()
+            maths::compose(a.inverse(), b).normalize().as_dquat()
         };
         let mut violation = |frame: usize, what: String| {
             report.violations.push(Violation { time_s: frame as f64 / rate_hz, what });

@@ -1,5 +1,6 @@
 //! Who and what is there while a task is worked on: clips as they are by now, and where every thing is at every time.
 
+use throng_base::maths;
 use super::file::{Character, Start, Task};
 use super::held::capsules;
 use super::step::{Anchor, Place};
@@ -160,7 +161,7 @@ impl Actor {
         if *placed != Rigid::IDENTITY {
             let turn: Quat = placed.rotation.as_quat();
             clip.root_positions.iter_mut().for_each(|p| *p = placed.point(p.as_dvec3()).as_vec3());
-            clip.rotations.iter_mut().step_by(NUM_JOINTS).for_each(|q| *q = (turn * *q).normalize());
+            clip.rotations.iter_mut().step_by(NUM_JOINTS).for_each(|q| *q = maths::compose(turn, *q).normalize());
         }
         let motion = driven(&clip, &skeleton);
         let limits = BodyLimits::built_in(&skeleton);

@@ -144,7 +144,7 @@ fn pose(frame: u32, clip: u32) -> [Quat; NUM_JOINTS] {
     let t = frame as f32 / 30.0;
     let mut pose = std::array::from_fn(|j| {
         let a = 0.3 * maths::sin(3.0 * t + j as f32 + 0.5 * clip as f32);
-        maths::rotation_x(a) * maths::rotation_y(0.5 * a) * maths::rotation_z(-0.3 * a)
+        maths::compose(maths::compose(maths::rotation_x(a), maths::rotation_y(0.5 * a)), maths::rotation_z(-0.3 * a))
     });
     // Knees bent, so that a locked foot stays within reach.
     for (j, angle) in

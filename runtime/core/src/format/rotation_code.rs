@@ -111,7 +111,7 @@ impl JointCode {
     ///
     /// - `before`: its neighbour; on the same side as this where w is stored.
     fn put(&self, rotation: Quat, before: Option<&FrameRow>, row: &mut FrameRow) {
-        let mut coded = Quat::from_array(self.centre).conjugate() * rotation;
+        let mut coded = maths::compose(Quat::from_array(self.centre).conjugate(), rotation);
         let other_side = match before {
             Some(row) if self.stores_w() => self.coded(row).dot(coded) < 0.0,
             _ => coded.w < 0.0,
@@ -210,12 +210,12 @@ impl RotationCode {
         for (j, code) in self.joints.iter().enumerate() {
             let (mut target, mut above) = (local[j], Quat::IDENTITY);
             if let Some(p) = Joint::ALL[j].parent() {
-                wanted[j] = (wanted[p.index()] * local[j]).normalize();
+                wanted[j] = (maths::compose(wanted[p.index()], local[j])).normalize();
                 above = shown[p.index()];
-                target = above.conjugate() * wanted[j];
+                target = maths::compose(above.conjugate(), wanted[j]);
             }
             code.put(target, before, row);
-            shown[j] = (above * self.rotation(row, j)).normalize();
+            shown[j] = (maths::compose(above, self.rotation(row, j))).normalize();
         }
     }
 
@@ -289,7 +289,7 @@ fn ranges_of(rotations: &[Quat]) -> (JointCode, f32) {
     let (centre, least) = if stores_w { (Quat::IDENTITY, 1.0) } else { (centre, least) };
     let (mut low, mut high) = ([f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
     for &rotation in rotations {
-        let coded = centre.conjugate() * rotation;
+        let coded = maths::compose(centre.conjugate(), rotation);
         let coded = if coded.w < 0.0 { -coded } else { coded };
         for (k, v) in coded.to_array().into_iter().enumerate() {
             (low[k], high[k]) = (low[k].min(v), high[k].max(v));

@@ -1,5 +1,6 @@
 //! Fills frames with what leads past them.
 
+use throng_base::maths;
 use super::Glitch;
 use crate::raw::RawClip;
 
@@ -17,7 +18,7 @@ pub fn bridge(clip: &mut RawClip, glitch: &Glitch) {
             let (a, b, at) = (from * n + j, to * n + j, f * n + j);
             clip.translations[at] = clip.translations[a].lerp(clip.translations[b], ratio);
             let (p, q) = (clip.rotations[a], clip.rotations[b]);
-            clip.rotations[at] = p.slerp(if p.dot(q) < 0.0 { -q } else { q }, ratio).normalize();
+            clip.rotations[at] = maths::slerp_f32(p, q, ratio);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Tracks of positions and rotations, and how far from its path a value lies.
 
 use glam::{Quat, Vec3};
+use throng_base::maths;
 
 /// A position or a rotation.
 pub trait Value: Copy {
@@ -23,12 +24,12 @@ impl Value for Vec3 {
 impl Value for Quat {
     fn apart(self, other: Self) -> f32 {
         // Exact for small angles, where a dot product says nothing.
-        let d = self.inverse() * other;
+        let d = maths::compose(self.inverse(), other);
         2.0 * d.xyz().length().atan2(d.w.abs())
     }
 
     fn towards(self, other: Self, ratio: f32) -> Self {
-        self.slerp(if self.dot(other) < 0.0 { -other } else { other }, ratio)
+        maths::slerp_f32(self, other, ratio)
     }
 }
 

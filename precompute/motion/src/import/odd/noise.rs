@@ -4,6 +4,7 @@ use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use std::fmt;
+use throng_base::maths;
 use throng_core::Joint;
 
 /// Frames are looked at about so many a second, so that clips of all rates compare (Hz).
@@ -70,7 +71,8 @@ pub(super) fn shaking(clip: &RawClip, roles: &RoleMap) -> Option<f32> {
 
 /// Each acceleration times the next one (rad a frame, squared, squared).
 fn products(track: &[Quat]) -> Vec<f32> {
-    let turn = |w: &[Quat]| (w[0].inverse() * if w[0].dot(w[1]) < 0.0 { -w[1] } else { w[1] }).to_scaled_axis();
+    let turn =
+        |w: &[Quat]| maths::compose(w[0].inverse(), if w[0].dot(w[1]) < 0.0 { -w[1] } else { w[1] }).to_scaled_axis();
     let turns: Vec<Vec3> = track.windows(2).map(turn).collect();
     let accelerations: Vec<Vec3> = turns.windows(2).map(|w| w[1] - w[0]).collect();
     accelerations.windows(2).map(|w| w[0].dot(w[1])).collect()
