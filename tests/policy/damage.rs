@@ -16,16 +16,16 @@ fn sound() -> Parts {
     let mut rng = Pcg64::seed_from_u64(8);
     let tables = solved(&random_model(&mut rng, 3), &approach(4, 5, RewardForm::Max, 0.9), &PolicyConfig::default());
     let p = tables.policies.into_iter().next().expect("one policy");
-    (p.record, tables.action_offsets, tables.action_segments, p.segments, p.values, p.best)
+    (p.record, tables.action_offsets, tables.action_segments, p.segments, p.values, p.best, tables.action_errors)
 }
 
 /// What is spoilt, and how.
 type Change<'a> = (&'a str, &'a dyn Fn(&mut Parts));
-type Parts = (PolicyRecord, Vec<u32>, Vec<u32>, Vec<SegmentRecord>, Vec<f32>, Vec<u8>);
+type Parts = (PolicyRecord, Vec<u32>, Vec<u32>, Vec<SegmentRecord>, Vec<f32>, Vec<u8>, Vec<f32>);
 
 fn opens(parts: &Parts) -> bool {
-    let (record, offsets, actions, segments, values, best) = parts;
-    let Ok(actions) = ActionTable::new(offsets, actions, segments.len()) else { return false };
+    let (record, offsets, actions, segments, values, best, errors) = parts;
+    let Ok(actions) = ActionTable::new(offsets, actions, errors, segments.len()) else { return false };
     PolicyTable::new(record, actions, slices(segments, values, best)).is_ok()
 }
 
@@ -42,7 +42,7 @@ fn spoilt_tables_are_refused() {
         f(&mut parts);
         !opens(&parts)
     };
-    let changes: [Change; 16] = [
+    let changes: [Change; 21] = [
         ("value missing", &|p| p.4.truncate(1)),
         ("value too many", &|p| p.4.push(0.0)),
         ("value not finite", &|p| p.4[7] = f32::NAN),
@@ -59,6 +59,11 @@ fn spoilt_tables_are_refused() {
         ("first offset not zero", &|p| p.1[0] = 1),
         ("states", &|p| p.0.num_states = 4),
         ("choices", &|p| p.0.num_choices = 0),
+        ("transition cost negative", &|p| p.0.reward.transition_cost = -0.1),
+        ("transition cost where the gain is negative", &|p| p.0.reward.gain = -1.0),
+        ("error missing", &|p| p.6.truncate(1)),
+        ("error negative", &|p| p.6[1] = -0.1),
+        ("error not finite", &|p| p.6[1] = f32::NAN),
     ];
     for (what, change) in changes {
         assert!(spoilt(change), "{what}");
@@ -78,8 +83,8 @@ proptest! {
         } else {
             bytemuck::bytes_of_mut(&mut parts.0)[at] = byte;
         }
-        let (record, offsets, actions, segments, values, best) = &parts;
-        let actions = ActionTable::new(offsets, actions, segments.len()).expect("untouched");
+        let (record, offsets, actions, segments, values, best, errors) = &parts;
+        let actions = ActionTable::new(offsets, actions, errors, segments.len()).expect("untouched");
         if let Ok(policy) = PolicyTable::new(record, actions.clone(), slices(segments, values, best)) {
             let (states, targets) = ([state], [Vec3::from_array(target)]);
             let mut ranked = [RankedActions::NONE];

@@ -19,12 +19,15 @@ pub struct Hit {
     /// Segment, frame, place and force of each blow.
     pub blows: Vec<(usize, u32, Vec3, f64)>,
     pub radius: f32,
+    /// Of its reward (1/rad).
+    pub transition_cost: f32,
 }
 
 impl Behaviour for Hit {
     fn spec(&self) -> Spec<'_> {
         let grid = TargetGrid::cylinder([5, 4, 3], Vec3::new(-1.0, 0.4, 1.2), Vec3::new(1.0, 1.3, 1.6), 0.1);
-        let reward = Reward::new(RewardRecord::new(COMBINE_MAX, KERNEL_WITHIN, self.radius));
+        let record = RewardRecord::new(COMBINE_MAX, KERNEL_WITHIN, self.radius);
+        let reward = Reward::new(RewardRecord { transition_cost: self.transition_cost, ..record });
         Spec::new("hit", grid.expect("a valid grid"), reward.expect("a valid reward"), self.discount)
     }
 
@@ -43,8 +46,16 @@ pub fn segment(end: u32, num_frames: u32, displacement: Planar) -> SegmentMotion
     SegmentMotion { end, num_frames, displacement, path }
 }
 
+/// Of a state's actions the first goes on in its clip; the others are transitions, ever farther.
 pub fn model(offsets: &[u32], actions: &[u32], segments: Vec<SegmentMotion>) -> ActionModel {
-    ActionModel { rate_hz: 30.0, action_offsets: offsets.to_vec(), action_segments: actions.to_vec(), segments }
+    let errors = offsets.windows(2).flat_map(|w| (0..w[1].saturating_sub(w[0])).map(|a| 0.15 * a as f32));
+    ActionModel {
+        rate_hz: 30.0,
+        action_offsets: offsets.to_vec(),
+        action_segments: actions.to_vec(),
+        action_errors: errors.collect(),
+        segments,
+    }
 }
 
 /// Few states with several actions each, some of which share segments.
@@ -67,7 +78,8 @@ pub fn random_model(rng: &mut Pcg64, num_states: u32) -> ActionModel {
 pub fn approach(rings: u32, angles: u32, reward: RewardForm, discount: f64) -> Approach {
     let reward = Some(reward);
     let grid = GridConfig::polar(rings, angles, 3.0, 0.4, 1.0);
-    Approach::new(&BehaviourConfig { grid, reward, discount, ..BehaviourConfig::default() }, 30.0, None).expect("valid")
+    let config = BehaviourConfig { grid, reward, discount, transition_cost_s: Some(0.4), ..BehaviourConfig::default() };
+    Approach::new(&config, 30.0, None).expect("valid")
 }
 
 /// The backup in f64, written down again from the definitions and sharing no code with the solver.
@@ -154,7 +166,8 @@ impl<'a> Naive<'a> {
     }
 
     /// Score of an action, given what a (state, cell) is worth.
-    fn score(&self, segment: usize, cell: usize, value: &mut dyn FnMut(u32, usize) -> f64) -> f64 {
+    fn score(&self, action: usize, cell: usize, value: &mut dyn FnMut(u32, usize) -> f64) -> f64 {
+        let segment = self.model.action_segments[action] as usize;
         let c = self.grid.cell_coordinates(cell).as_dvec3();
         let target = [c.y * c.x.sin(), if self.grid.is_polar() { 0.0 } else { c.z }, c.y * c.x.cos()];
         let d = self.model.segments[segment].displacement;
@@ -165,16 +178,26 @@ impl<'a> Naive<'a> {
         let next = self.weights(cos * dx - sin * dz, sin * dx + cos * dz);
         let next: f64 = next.iter().map(|&(c, w)| w * value(self.model.segments[segment].end, height + c)).sum();
         let discount = self.discount.powi(self.model.segments[segment].num_frames as i32);
-        self.reward(&self.records[segment], target) + discount * next
+        self.after_transition(action) * (self.reward(&self.records[segment], target) + discount * next)
     }
 
     pub fn segments_of(&self, state: usize) -> &[u32] {
+        &self.model.action_segments[self.actions_of(state)]
+    }
+
+    /// Indices of a state's actions.
+    pub fn actions_of(&self, state: usize) -> std::ops::Range<usize> {
         let o = &self.model.action_offsets;
-        &self.model.action_segments[o[state] as usize..o[state + 1] as usize]
+        o[state] as usize..o[state + 1] as usize
+    }
+
+    /// What a transition leaves of an action's score.
+    fn after_transition(&self, action: usize) -> f64 {
+        (-f64::from(self.reward.transition_cost) * f64::from(self.model.action_errors[action])).exp()
     }
 
     pub fn best(&self, state: usize, cell: usize, value: &mut dyn FnMut(u32, usize) -> f64) -> f64 {
-        self.segments_of(state).iter().map(|&s| self.score(s as usize, cell, value)).fold(f64::NEG_INFINITY, f64::max)
+        self.actions_of(state).map(|a| self.score(a, cell, value)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Optimal values, by Bellman's iteration to 1e-9.

@@ -1,11 +1,11 @@
 //! How much motion at run time looks like the clips that it comes from: speed of low toes, knees, jumps at changes of
 //! segment, smoothness between frames, life of the hands.
 
-use throng_base::maths;
 use crate::matching::runs;
 use glam::Vec3;
 use serde::Serialize;
 use std::f32::consts::TAU;
+use throng_base::maths;
 use throng_motion::clip::joint_transforms;
 use throng_runtime::{Bundle, Joint, NUM_JOINTS, Planar};
 
@@ -275,7 +275,8 @@ pub(crate) fn clip_joints(tables: &Bundle, frame: u32) -> [(Vec3, glam::Quat); N
     let [x, z, heading] = row.planar;
     let root = Planar::new(x, z, heading);
     let at = root.translation().with_y(row.height);
-    let local = |j: usize| if j == 0 { maths::compose(root.rotation(), code.rotation(row, 0)) } else { code.rotation(row, j) };
+    let local =
+        |j: usize| if j == 0 { maths::compose(root.rotation(), code.rotation(row, 0)) } else { code.rotation(row, j) };
     joint_transforms(tables.skeleton(), at, local)
 }
 

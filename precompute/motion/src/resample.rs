@@ -1,6 +1,5 @@
 //! Clips at one rate, and their mirrored copies.
 
-use throng_base::maths;
 use crate::clip::{Clip, ClipSet, Exclusion, FrameRange, Hit, Tag};
 use crate::error::{BuildError, check_ranges};
 use crate::mirror::mirror;
@@ -8,6 +7,7 @@ use glam::Quat;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use throng_base::maths;
 use throng_core::NUM_JOINTS;
 
 /// Rate of the database and whether each clip gets a mirrored copy.

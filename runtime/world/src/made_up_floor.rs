@@ -90,7 +90,10 @@ fn poses(kind: &Kind, number: usize) -> Vec<[Quat; NUM_JOINTS]> {
             let s = f as f32 / kind.frames as f32;
             let mut pose = std::array::from_fn(|j: usize| {
                 let a = swing * maths::sin(std::f32::consts::TAU * s * 2.0 + j as f32 * 0.7 + number as f32) * 0.4;
-                maths::compose(maths::compose(maths::rotation_x(a), maths::rotation_y(0.3 * a)), maths::rotation_z(-0.2 * a))
+                maths::compose(
+                    maths::compose(maths::rotation_x(a), maths::rotation_y(0.3 * a)),
+                    maths::rotation_z(-0.2 * a),
+                )
             });
             for (j, angle) in
                 [(Joint::LeftThigh, -0.2), (Joint::LeftShin, 0.4), (Joint::RightThigh, -0.2), (Joint::RightShin, 0.4)]

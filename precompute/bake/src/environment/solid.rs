@@ -1,10 +1,10 @@
 //! Pieces of geometry and the distance to them.
 
-use throng_base::maths;
 use super::bounds::Bounds;
 use super::triangles::Triangles;
 use super::{Shape, mesh};
 use glam::{Quat, Vec3};
+use throng_base::maths;
 use throng_motion::error::BuildError;
 
 /// Nearer than this a direction away from a surface cannot be told from rounding (m).
@@ -55,7 +55,10 @@ impl Solid {
         Ok(match shape {
             Shape::Box { at, size, heading_deg, pitch_deg } => Self::Box {
                 centre: Vec3::from(*at),
-                rotation: maths::compose(Quat::from_rotation_y(heading_deg.to_radians()), Quat::from_rotation_x(pitch_deg.to_radians())),
+                rotation: maths::compose(
+                    Quat::from_rotation_y(heading_deg.to_radians()),
+                    Quat::from_rotation_x(pitch_deg.to_radians()),
+                ),
                 half: 0.5 * Vec3::from(*size),
             },
             Shape::Bar { from, to, radius } => {

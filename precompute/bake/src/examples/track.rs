@@ -1,8 +1,8 @@
 //! What a clip's body does over time, at any time between its frames.
 
-use throng_base::maths;
 use super::arc::wrap;
 use glam::{DVec2, Quat, Vec3};
+use throng_base::maths;
 use throng_core::{Contacts, Joint, NUM_JOINTS};
 use throng_motion::clip::{Clip, FrameRange};
 

@@ -154,7 +154,8 @@ fn measure<'a>(clip: &'a Clip, run: &FrameRange, frame: usize) -> Measured<'a> {
         joint_velocities,
         root_height: clip.root_positions[frame].y - clip.support.get(frame).copied().unwrap_or(0.0),
         root_velocity: to_local * ((clip.root_positions[next] - clip.root_positions[prev]) * per_second),
-        root_angular_velocity: to_local * (rotation_vector(maths::compose(after[0], before[0].conjugate())) * per_second),
+        root_angular_velocity: to_local
+            * (rotation_vector(maths::compose(after[0], before[0].conjugate())) * per_second),
     }
 }
 

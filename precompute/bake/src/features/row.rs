@@ -1,9 +1,9 @@
 //! The features of one frame, laid out so that a compiler turns the distance into vector instructions.
 
-use throng_base::maths;
 use super::config::Weights;
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
+use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS};
 
 /// Joints of a row, padded to a multiple of 8; the hips are not among them, the padding has weight 0.

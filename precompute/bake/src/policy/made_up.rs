@@ -95,6 +95,9 @@ impl MadeUp {
             segments: segments.collect(),
             action_offsets: (0..=self.states).map(|s| s * self.actions).collect(),
             action_segments: (0..num_segments).collect(),
+            action_errors: (0..num_segments)
+                .map(|a| if a % self.actions == 0 { 0.0 } else { 0.1 * (a % 5) as f32 })
+                .collect(),
         }
     }
 

@@ -4,7 +4,7 @@ use crate::graph::MotionGraph;
 use glam::Vec2;
 use std::ops::Range;
 use throng_core::planar::{Planar, wrap_angle};
-use throng_core::policy::MAX_ACTIONS;
+use throng_core::policy::{ActionTable, MAX_ACTIONS};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::BuildError;
 
@@ -51,6 +51,8 @@ pub struct ActionModel {
     pub action_offsets: Vec<u32>,
     /// Segment of each action.
     pub action_segments: Vec<u32>,
+    /// Distance of each action's transition, 0 where the clip goes on (rad).
+    pub action_errors: Vec<f32>,
     /// The segments.
     pub segments: Vec<SegmentMotion>,
 }
@@ -91,6 +93,7 @@ impl ActionModel {
             rate_hz,
             action_offsets: graph.action_offsets.clone(),
             action_segments: graph.actions.iter().map(|a| a.segment.0).collect(),
+            action_errors: graph.actions.iter().map(|a| a.error).collect(),
             segments: segments.collect(),
         })
     }
@@ -102,7 +105,20 @@ impl ActionModel {
 
     /// Segments of the actions of some states (below num_states).
     pub fn segments_of(&self, states: Range<usize>) -> &[u32] {
-        &self.action_segments[self.action_offsets[states.start] as usize..self.action_offsets[states.end] as usize]
+        &self.action_segments[self.actions_of(states)]
+    }
+
+    /// Actions of some states (below num_states).
+    pub fn actions_of(&self, states: Range<usize>) -> Range<usize> {
+        self.action_offsets[states.start] as usize..self.action_offsets[states.end] as usize
+    }
+
+    /// The runtime's view on the actions.
+    ///
+    /// # Errors
+    /// [`throng_core::Error`] where the model does not hold together.
+    pub fn action_table(&self) -> throng_core::Result<ActionTable> {
+        ActionTable::new(&self.action_offsets, &self.action_segments, &self.action_errors, self.segments.len())
     }
 
     /// Frames of the shortest segment.

@@ -194,6 +194,11 @@ impl Pairs {
 }
 
 impl Pair {
+    /// The pair whose backup is so many times as large.
+    pub fn times(self, factor: f32) -> Self {
+        Self { near: factor * self.near, far: factor * self.far, reward: factor * self.reward, ..self }
+    }
+
     /// The backup, from the values of all states.
     #[inline(always)]
     pub fn back_up(&self, values: &[f32], stride: usize) -> f32 {

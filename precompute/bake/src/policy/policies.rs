@@ -27,6 +27,8 @@ pub struct PolicyTables {
     pub action_offsets: Vec<u32>,
     /// Segment of each action.
     pub action_segments: Vec<u32>,
+    /// Distance of each action's transition, 0 where the clip goes on (rad).
+    pub action_errors: Vec<f32>,
     /// In the order of the configuration.
     pub policies: Vec<Policy>,
 }
@@ -96,7 +98,8 @@ impl PolicyTables {
     /// [`throng_core::Error`] never for what [`solve`] returned; for tables changed since, what does not fit.
     pub fn table(&self, index: usize) -> throng_core::Result<PolicyTable> {
         let p = &self.policies[index];
-        let actions = ActionTable::new(&self.action_offsets, &self.action_segments, p.segments.len())?;
+        let (offsets, segments) = (&self.action_offsets, &self.action_segments);
+        let actions = ActionTable::new(offsets, segments, &self.action_errors, p.segments.len())?;
         let slices = PolicySlices {
             segments: (&p.segments).into(),
             paths: (&p.paths).into(),
@@ -191,8 +194,8 @@ fn solve_shared(
         }
         policies.push(solve_one(&model, behaviour, cfg, rng, (progress, comm)).map_err(|e| e.within(&key))?);
     }
-    let ActionModel { action_offsets, action_segments, .. } = model;
-    Ok(PolicyTables { action_offsets, action_segments, policies })
+    let ActionModel { action_offsets, action_segments, action_errors, .. } = model;
+    Ok(PolicyTables { action_offsets, action_segments, action_errors, policies })
 }
 
 fn solve_one(

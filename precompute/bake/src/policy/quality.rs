@@ -186,8 +186,7 @@ fn realise(table: &PolicyTable, pairs: &[Situation], found: &[Found], config: &Q
     let mut at = pairs.to_vec();
     for (i, f) in found.iter().enumerate() {
         for &action in &f.actions[..config.depth] {
-            let segment = table.actions().segments_of(at[i].state)[usize::from(action)];
-            let played = super::search::play(table, segment, at[i].target);
+            let played = super::search::play(table, at[i], action);
             sums[i] += discounts[i] * f64::from(played.reward);
             discounts[i] *= f64::from(played.discount);
             at[i] = played.then;

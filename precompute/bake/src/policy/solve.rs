@@ -8,9 +8,7 @@ use super::sweep::Sweeper;
 use crate::share::joined;
 use std::time::Instant;
 use throng_base::{Alone, Comm};
-use throng_core::policy::{
-    ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
-};
+use throng_core::policy::{PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord};
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
 
@@ -99,7 +97,7 @@ pub fn shared_value_iteration(
     let best = vec![0; solution.values.len()];
     let own = comm.share(model.num_states());
     let pairs = Pairs::new(&solution.table(model, &best)?, &solution.segments, model.segments_of(own.clone()));
-    let mut sweeper = Sweeper::new(pairs, model, own);
+    let mut sweeper = Sweeper::new(pairs, model, behaviour.spec().reward, own);
     solution.bytes_per_sweep = sweeper.bytes_per_sweep();
     solution.setup_s = begin.elapsed().as_secs_f64();
     let begin = Instant::now();
@@ -244,7 +242,6 @@ impl Solution {
     pub fn table(&self, model: &ActionModel, best: &[u8]) -> Result<PolicyTable, BuildError> {
         let fault =
             |e: throng_core::Error| stage_error(e.to_string(), "The motion graph is not sound: build it again.");
-        let actions = ActionTable::new(&model.action_offsets, &model.action_segments, model.segments.len());
         let slices = PolicySlices {
             segments: (&self.segments).into(),
             paths: (&self.paths).into(),
@@ -252,6 +249,6 @@ impl Solution {
             values: (&self.values).into(),
             best: best.into(),
         };
-        PolicyTable::new(&self.record, actions.map_err(fault)?, slices).map_err(fault)
+        PolicyTable::new(&self.record, model.action_table().map_err(fault)?, slices).map_err(fault)
     }
 }

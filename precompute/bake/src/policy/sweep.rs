@@ -4,6 +4,7 @@ use super::model::ActionModel;
 use super::pairs::{Pair, Pairs};
 use rayon::prelude::*;
 use std::ops::Range;
+use throng_core::policy::Reward;
 use throng_core::simd::vectorize;
 
 /// A segment that one action alone plays is backed up where that action is; others once for all.
@@ -13,6 +14,8 @@ const PRIVATE: u32 = u32::MAX;
 pub(super) struct Sweeper<'a> {
     pairs: Pairs,
     model: &'a ActionModel,
+    /// What transitions leave of the backups of the block's actions, in order.
+    left: Vec<f32>,
     /// The block.
     own: Range<usize>,
     /// Row of each segment in `shared`, or [`PRIVATE`].
@@ -34,7 +37,7 @@ struct Scratch {
 }
 
 impl<'a> Sweeper<'a> {
-    pub fn new(pairs: Pairs, model: &'a ActionModel, own: Range<usize>) -> Self {
+    pub fn new(pairs: Pairs, model: &'a ActionModel, reward: Reward, own: Range<usize>) -> Self {
         let mut uses = vec![0u32; model.segments.len()];
         model.segments_of(own.clone()).iter().for_each(|&s| uses[s as usize] += 1);
         let shared_segments: Vec<u32> = (0..uses.len() as u32).filter(|&s| uses[s as usize] > 1).collect();
@@ -44,7 +47,9 @@ impl<'a> Sweeper<'a> {
         let per_segment = shape.heights * shape.row();
         let shared = vec![0.0; shared_segments.len() * per_segment];
         let greedy = vec![Pair::default(); own.len() * per_segment];
-        Self { pairs, model, own, shared_rows, shared_segments, shared, greedy }
+        let errors = &model.action_errors[model.actions_of(own.clone())];
+        let left = errors.iter().map(|&error| reward.after_transition(error)).collect();
+        Self { pairs, model, left, own, shared_rows, shared_segments, shared, greedy }
     }
 
     /// Number of values, spare columns included.
@@ -71,7 +76,7 @@ impl<'a> Sweeper<'a> {
     ///
     /// Returns the largest change. Every state reads `values` alone, so that the split over threads does not matter.
     pub fn full(&mut self, values: &[f32], next: &mut [f32]) -> f32 {
-        let Self { pairs, model, own, shared_rows, shared_segments, shared, greedy } = self;
+        let Self { pairs, model, left, own, shared_rows, shared_segments, shared, greedy } = self;
         let shape = pairs.shape;
         let (row, plane) = (shape.row(), shape.value_plane());
         shared.par_chunks_mut(shape.heights * row).zip(&*shared_segments).for_each(|(out, &segment)| {
@@ -90,9 +95,12 @@ impl<'a> Sweeper<'a> {
         rows.enumerate()
             .map_init(Scratch::default, |scratch, (n, (next, greedy))| {
                 let state = own.start + n;
+                let first = model.action_offsets[own.start] as usize;
+                let actions = model.actions_of(state..state + 1);
+                let left = &left[actions.start - first..actions.end - first];
                 vectorize(
                     #[inline(always)]
-                    || view.state(state, next, greedy, scratch),
+                    || view.state(state, left, next, greedy, scratch),
                 )
             })
             .reduce(|| 0.0, f32::max)
@@ -136,8 +144,10 @@ struct View<'a> {
 
 impl View<'_> {
     /// Backs up one state over all its actions. Returns the largest change.
+    ///
+    /// - `left`: what the transition of each action leaves of its backup.
     #[inline(always)]
-    fn state(&self, state: usize, next: &mut [f32], greedy: &mut [Pair], scratch: &mut Scratch) -> f32 {
+    fn state(&self, state: usize, left: &[f32], next: &mut [f32], greedy: &mut [Pair], scratch: &mut Scratch) -> f32 {
         let shape = self.pairs.shape;
         let (row, plane) = (shape.row(), shape.value_plane());
         let segments = self.model.segments_of(state..state + 1);
@@ -150,10 +160,11 @@ impl View<'_> {
             scratch.best.resize(row, f32::NEG_INFINITY);
             for (a, &segment) in segments.iter().enumerate() {
                 let backup = self.backup(segment as usize, h, &mut scratch.backup);
-                keep_best(backup, a as u32, &mut scratch.best, &mut scratch.action);
+                keep_best(backup, left[a], a as u32, &mut scratch.best, &mut scratch.action);
             }
             for (c, pair) in greedy[h * row..][..row].iter_mut().enumerate() {
-                *pair = self.pairs.pair(segments[scratch.action[c] as usize] as usize, h, c);
+                let action = scratch.action[c] as usize;
+                *pair = self.pairs.pair(segments[action] as usize, h, c).times(left[action]);
             }
             let next = &mut next[h * plane..][..plane];
             shape.store(&scratch.best[..shape.plane()], next);
@@ -178,9 +189,12 @@ impl View<'_> {
 }
 
 /// Notes an action wherever its backup is better; of equal ones the first stays.
+///
+/// - `left`: what its transition leaves of the backup.
 #[inline(always)]
-fn keep_best(backup: &[f32], action: u32, best: &mut [f32], actions: &mut [u32]) {
+fn keep_best(backup: &[f32], left: f32, action: u32, best: &mut [f32], actions: &mut [u32]) {
     for ((&q, best), noted) in backup.iter().zip(best).zip(actions) {
+        let q = left * q;
         let better = q > *best;
         *noted = if better { action } else { *noted };
         *best = if better { q } else { *best };

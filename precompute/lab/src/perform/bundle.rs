@@ -1,11 +1,11 @@
 //! Performs what a bundle holds: characters who run on it, which clips they play, and its clips.
 
-use throng_base::maths;
 use super::camera::Camera;
 use super::{PerformConfig, SAME_S, Span, chosen, refused};
 use crate::trial::{self, TrialConfig};
 use glam::{Quat, Vec3};
 use std::path::Path;
+use throng_base::maths;
 use throng_motion::error::BuildError;
 use throng_motion::export::{Instance, Instances, Pose, Take, TakeWriter};
 use throng_motion::progress::Progress;

@@ -1,6 +1,5 @@
 //! The check of everything that a task did, by the means of [`crate::recheck`].
 
-use throng_base::maths;
 use super::gaze;
 use super::lean;
 use super::stage::{Actor, Leaned, Pin, Planned, Stage, Whereabouts, hand};
@@ -12,6 +11,7 @@ use crate::rotation::{Rigid, angle};
 use crate::setup::Allowed;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
+use throng_base::maths;
 use throng_core::{Contacts, Joint};
 use throng_motion::Clip;
 

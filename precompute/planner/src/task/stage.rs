@@ -1,6 +1,5 @@
 //! Who and what is there while a task is worked on: clips as they are by now, and where every thing is at every time.
 
-use throng_base::maths;
 use super::file::{Character, Start, Task};
 use super::held::capsules;
 use super::step::{Anchor, Place};
@@ -18,6 +17,7 @@ use crate::worn::Worn;
 use glam::{DVec3, Quat};
 use std::f64::consts::TAU;
 use std::sync::Arc;
+use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_motion::Clip;
 

@@ -16,7 +16,8 @@ pub(super) fn open(t: &Bundle) -> Result<Vec<PolicyTable>, FormatError> {
         let names = t.meta().behaviours.len();
         return Err(FormatError::layout(format!("META names {names} behaviours, there are {n} policies")));
     }
-    let actions = ActionTable::new(&graph.action_offsets, &graph.action_segments, graph.segments.len());
+    let (offsets, segments, errors) = (&graph.action_offsets, &graph.action_segments, &graph.action_errors);
+    let actions = ActionTable::new(offsets, segments, errors, graph.segments.len());
     let actions = actions.map_err(|e| FormatError::layout(e.to_string()))?;
     let mut next = Next::default();
     let policies = (0..n).map(|i| policy(t, &actions, i, &mut next)).collect::<Result<_, _>>()?;
@@ -49,7 +50,7 @@ struct Next {
 fn policy(t: &Bundle, actions: &ActionTable, index: usize, next: &mut Next) -> Result<PolicyTable, FormatError> {
     let wrong = |e: Error| FormatError::value(tags::POLICIES, index, e.to_string());
     let (s, r) = (t.sections(), &t.policy_records()[index]);
-    if r.reward.reserved != [0; 2] {
+    if r.reward.reserved != 0 {
         return Err(FormatError::value(tags::POLICIES, index, "its reserved fields are not zero"));
     }
     let (num_states, num_segments) = (actions.num_states(), actions.num_segments());

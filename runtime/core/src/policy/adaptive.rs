@@ -224,6 +224,7 @@ mod tests {
         record: PolicyRecord,
         offsets: Vec<u32>,
         actions: Vec<u32>,
+        errors: Vec<f32>,
         segments: Vec<SegmentRecord>,
         state_grids: Vec<StateGridRecord>,
         values: Vec<f32>,
@@ -255,7 +256,10 @@ mod tests {
             Self {
                 record: PolicyRecord {
                     grid: *grid.record(),
-                    reward: RewardRecord::new(COMBINE_MAX, KERNEL_EXPONENTIAL, 0.7),
+                    reward: RewardRecord {
+                        transition_cost: 0.8,
+                        ..RewardRecord::new(COMBINE_MAX, KERNEL_EXPONENTIAL, 0.7)
+                    },
                     num_states: STATES as u32,
                     num_segments: ACTIONS as u32,
                     num_choices: 1,
@@ -267,6 +271,7 @@ mod tests {
                 },
                 offsets: (0..=STATES as u32).map(|s| s * ACTIONS as u32).collect(),
                 actions: (0..STATES).flat_map(|_| 0..ACTIONS as u32).collect(),
+                errors: noise(4).take(STATES * ACTIONS).collect(),
                 segments: segments.collect(),
                 values: noise(1).take(first as usize).collect(),
                 best: noise(3).take(first as usize).map(|v| (v * 10.9) as u8).collect(),
@@ -275,7 +280,7 @@ mod tests {
         }
 
         fn open(&self) -> Result<PolicyTable> {
-            let actions = ActionTable::new(&self.offsets, &self.actions, self.segments.len())?;
+            let actions = ActionTable::new(&self.offsets, &self.actions, &self.errors, self.segments.len())?;
             let slices = PolicySlices {
                 segments: (&self.segments).into(),
                 state_grids: (&self.state_grids).into(),
@@ -297,7 +302,7 @@ mod tests {
     fn by_definition(table: &PolicyTable, state: u32, target: Vec3) -> Vec<f32> {
         let t = table.grid().clamp(table.to_grid(target));
         let start = table.reward().kernel(t.x.hypot(t.z));
-        let score = |&segment: &u32| {
+        let score = |(&segment, &error): (&u32, &f32)| {
             let s = &table.segments()[segment as usize];
             let [x, z, distance] = s.target_after(t);
             let polar = table.grid().is_polar();
@@ -306,9 +311,11 @@ mod tests {
             } else {
                 table.reward().of_segment::<false>(s, t, start, distance)
             };
-            reward + s.discount * table.value_in(s.end, &table.grid_of(s.end), Vec3::new(x, t.y, z))
+            let value = table.value_in(s.end, &table.grid_of(s.end), Vec3::new(x, t.y, z));
+            (-0.8 * error).exp() * (reward + s.discount * value)
         };
-        table.actions().segments_of(state).iter().map(score).collect()
+        let actions = table.actions();
+        actions.segments_of(state).iter().zip(actions.errors_of(state)).map(score).collect()
     }
 
     fn scores(table: &PolicyTable, state: u32, target: Vec3) -> Vec<f32> {

@@ -238,7 +238,7 @@ mod tests {
                 let values = vec![0.0; grid.num_cells()];
                 let best = vec![0; grid.num_cells()];
                 let slices = PolicySlices { segments: (&[segment]).into(), values: (&values).into(), best: (&best).into(), ..PolicySlices::default() };
-                let actions = ActionTable::new(&[0, 1], &[0], 1).expect("one action");
+                let actions = ActionTable::new(&[0, 1], &[0], &[0.0], 1).expect("one action");
                 let table = PolicyTable::new(&record, actions, slices).expect("sound");
                 let kernel = |(x, z): (f32, f32)| table.reward().kernel((x * x + z * z).sqrt());
                 let targets =

@@ -25,7 +25,7 @@ pub struct Goal<'a> {
 ///
 /// Score of an action: sum over goals of weight * (reward + discount^frames * value of the successor). That is the
 /// right-hand side of Lee and Lee (2004), equation 4, at the target's exact position, with values interpolated between
-/// cells.
+/// cells. Where transitions cost something ([`super::RewardRecord::transition_cost`]), the goal's part is less by it.
 ///
 /// Allocates nothing; split by range to run on several threads.
 #[derive(Debug)]
@@ -81,15 +81,14 @@ impl Work for LookAheadJob<'_> {
         for (i, (ranked, &state)) in self.ranked.iter_mut().zip(self.states).enumerate() {
             let mut num_actions = 0;
             for (g, goal) in self.goals.iter().enumerate() {
-                let segments = goal.policy.actions().segments_of(state);
-                num_actions = segments.len();
+                num_actions = goal.policy.actions().segments_of(state).len();
                 let weight = goal.weights[i];
                 if g == 0 {
                     scores[..num_actions.div_ceil(LANES)].fill([0.0; LANES]);
                 }
                 if weight != 0.0 {
                     let target = goal.policy.grid.clamp(goal.policy.to_grid(goal.targets[i]));
-                    goal.policy.add_scores::<F>(segments, target, weight, &mut scores);
+                    goal.policy.add_scores::<F>(state, target, weight, &mut scores);
                 }
             }
             *ranked = RankedActions::of_scores::<F>(&mut scores, num_actions);
@@ -116,32 +115,33 @@ struct Query {
 }
 
 impl PolicyTable {
-    /// Adds `weight` times the score of each action to `scores`.
+    /// Adds `weight` times the score of each action of a state to `scores`.
     ///
-    /// - `segments`: of the actions.
     /// - `target`: relative to the grid's centre.
     #[inline(always)]
-    fn add_scores<F: Lanes>(&self, segments: &[u32], target: Vec3, weight: f32, scores: &mut [[f32; LANES]]) {
+    fn add_scores<F: Lanes>(&self, state: u32, target: Vec3, weight: f32, scores: &mut [[f32; LANES]]) {
+        let actions = (self.actions.segments_of(state), self.actions.errors_of(state));
         if self.grid.is_space_time() {
             let scores = scores.as_flattened_mut();
-            for (score, &segment) in scores.iter_mut().zip(segments) {
-                *score += weight * self.score_in_space_time(segment, target);
+            for (score, (&segment, &error)) in scores.iter_mut().zip(actions.0.iter().zip(actions.1)) {
+                let left = self.reward.after_transition(error);
+                *score += weight * left * self.score_in_space_time(segment, target);
             }
             return;
         }
         let query = self.query(target);
         match (self.grid.is_polar(), self.is_adaptive()) {
-            (true, false) => self.add_scores_of::<F, true, false>(segments, &query, weight, scores),
-            (false, false) => self.add_scores_of::<F, false, false>(segments, &query, weight, scores),
-            (true, true) => self.add_scores_of::<F, true, true>(segments, &query, weight, scores),
-            (false, true) => self.add_scores_of::<F, false, true>(segments, &query, weight, scores),
+            (true, false) => self.add_scores_of::<F, true, false>(actions, &query, weight, scores),
+            (false, false) => self.add_scores_of::<F, false, false>(actions, &query, weight, scores),
+            (true, true) => self.add_scores_of::<F, true, true>(actions, &query, weight, scores),
+            (false, true) => self.add_scores_of::<F, false, true>(actions, &query, weight, scores),
         }
     }
 
     #[inline(always)]
     fn add_scores_of<F: Lanes, const POLAR: bool, const ADAPTIVE: bool>(
         &self,
-        segments: &[u32],
+        (segments, errors): (&[u32], &[f32]),
         query: &Query,
         weight: f32,
         scores: &mut [[f32; LANES]],
@@ -150,13 +150,15 @@ impl PolicyTable {
         let start_kernel = F::splat(query.start_kernel);
         let targets = Targets { x: F::splat(x), y: F::splat(y), z: F::splat(z), start_kernel };
         let (whole, rest) = segments.as_chunks::<LANES>();
-        for (segments, scores) in whole.iter().zip(&mut *scores) {
-            self.add_group::<F, POLAR, ADAPTIVE>(segments, query, &targets, weight, scores);
+        let (whole_errors, rest_errors) = errors.as_chunks::<LANES>();
+        for ((segments, errors), scores) in whole.iter().zip(whole_errors).zip(&mut *scores) {
+            self.add_group::<F, POLAR, ADAPTIVE>((segments, errors), query, &targets, weight, scores);
         }
         if let (Some(&last), Some(scores)) = (rest.last(), scores.get_mut(whole.len())) {
-            let mut segments = [last; LANES];
+            let (mut segments, mut errors) = ([last; LANES], [0.0; LANES]);
             segments[..rest.len()].copy_from_slice(rest);
-            self.add_group::<F, POLAR, ADAPTIVE>(&segments, query, &targets, weight, scores);
+            errors[..rest.len()].copy_from_slice(rest_errors);
+            self.add_group::<F, POLAR, ADAPTIVE>((&segments, &errors), query, &targets, weight, scores);
         }
     }
 
@@ -164,7 +166,7 @@ impl PolicyTable {
     #[inline(always)]
     fn add_group<F: Lanes, const POLAR: bool, const ADAPTIVE: bool>(
         &self,
-        segments: &[u32; LANES],
+        (segments, errors): (&[u32; LANES], &[f32; LANES]),
         query: &Query,
         targets: &Targets<F>,
         weight: f32,
@@ -185,7 +187,11 @@ impl PolicyTable {
                 low
             }
         };
-        (F::load(scores) + F::splat(weight) * (reward + discount * value)).store(scores);
+        let mut score = reward + discount * value;
+        if self.reward.record().transition_cost > 0.0 {
+            score = score * self.reward.after_transitions(F::load(errors));
+        }
+        (F::load(scores) + F::splat(weight) * score).store(scores);
     }
 
     /// The part of a score that does not depend on the action.
@@ -232,7 +238,7 @@ impl PolicyTable {
             return Err(Error::Length { what: "scores", got: scores.len(), expected });
         }
         let mut groups = [[0.0; LANES]; MAX_GROUPS];
-        dispatch(AllScores { table: self, segments, target, scores: &mut groups });
+        dispatch(AllScores { table: self, state, target, scores: &mut groups });
         scores[..segments.len()].copy_from_slice(&groups.as_flattened()[..segments.len()]);
         Ok(segments.len())
     }
@@ -241,7 +247,7 @@ impl PolicyTable {
 /// Scores of all actions of a state.
 struct AllScores<'a> {
     table: &'a PolicyTable,
-    segments: &'a [u32],
+    state: u32,
     target: Vec3,
     scores: &'a mut [[f32; LANES]],
 }
@@ -251,7 +257,7 @@ impl Work for AllScores<'_> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        self.table.add_scores::<F>(self.segments, self.target, 1.0, self.scores);
+        self.table.add_scores::<F>(self.state, self.target, 1.0, self.scores);
     }
 }
 

@@ -36,15 +36,18 @@ pub struct RewardRecord {
     pub gain: f32,
     /// Height of the target on a space-time grid, where a target's Y is the time left (m).
     pub height: f32,
+    /// What a transition costs: an action is worth `exp(-transition_cost * distance)` of what it were without, for the
+    /// distance between the frame it leaves and the one it goes on from (1/rad, >= 0; 0 where gain is negative).
+    pub transition_cost: f32,
     /// Zero.
-    pub reserved: [u32; 2],
+    pub reserved: u32,
 }
 const _: () = assert!(size_of::<RewardRecord>() == 32);
 
 impl RewardRecord {
-    /// A reward with offset 0 and gain 1.
+    /// A reward with offset 0 and gain 1, where transitions cost nothing.
     pub fn new(combine: u32, kernel: u32, scale: f32) -> Self {
-        Self { combine, kernel, scale, offset: 0.0, gain: 1.0, height: 0.0, reserved: [0; 2] }
+        Self { combine, kernel, scale, offset: 0.0, gain: 1.0, height: 0.0, transition_cost: 0.0, reserved: 0 }
     }
 }
 
@@ -79,6 +82,9 @@ impl Reward {
         ] {
             check(what, None, got, (low..=1e3).contains(&got), "at most 1000, offsets from 0")?;
         }
+        let cost = record.transition_cost;
+        let good = (0.0..=1e3).contains(&cost) && (cost == 0.0 || record.gain > 0.0);
+        check("reward transition cost", None, cost, good, "0 to 1000, and 0 where the gain is not positive")?;
         let inverse_scale = record.scale.recip();
         Ok(Self { record, inverse_scale, exponent_per_metre: -LOG2_E * inverse_scale })
     }
@@ -112,6 +118,20 @@ impl Reward {
             return (F::splat(1.0) - ratio).max(F::splat(0.0));
         }
         F::select_lt(F::splat(1.0), ratio, F::splat(0.0), F::splat(1.0))
+    }
+
+    /// What a transition leaves of an action's score, see [`RewardRecord::transition_cost`].
+    ///
+    /// - `distance`: between the frames it joins (rad, >= 0).
+    #[inline(always)]
+    pub fn after_transition(&self, distance: f32) -> f32 {
+        exp_neg(self.record.transition_cost * distance)
+    }
+
+    /// [`Self::after_transition`] of eight lanes.
+    #[inline(always)]
+    pub(super) fn after_transitions<F: Lanes>(&self, distance: F) -> F {
+        (distance * F::splat(-LOG2_E * self.record.transition_cost)).exp2_neg()
     }
 
     /// The factor on the whole reward.

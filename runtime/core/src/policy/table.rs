@@ -87,11 +87,12 @@ impl SegmentRecord {
     }
 }
 
-/// Checked view of states and their actions: which segment each action plays.
+/// Checked view of states and their actions: which segment each action plays, and how far off its first frame is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActionTable {
     offsets: Table<u32>,
     segments: Table<u32>,
+    errors: Table<f32>,
     num_segments: usize,
 }
 
@@ -100,23 +101,32 @@ impl ActionTable {
     ///
     /// - `offsets`: actions of state s are `offsets[s]..offsets[s + 1]` (num_states + 1).
     /// - `segments`: segment of each action (num_actions, < num_segments).
+    /// - `errors`: distance between the state's frame and the segment's first one, 0 where the clip goes on (rad,
+    ///   num_actions).
     ///
     /// # Errors
     /// [`Error`] where offsets do not ascend from 0 to the number of actions, a state has no action or more
-    /// than [`MAX_ACTIONS`], or a segment does not exist.
-    pub fn new(offsets: impl Into<Table<u32>>, segments: impl Into<Table<u32>>, num_segments: usize) -> Result<Self> {
-        let (offsets, segments) = (offsets.into(), segments.into());
+    /// than [`MAX_ACTIONS`], a segment does not exist, or an error is no distance.
+    pub fn new(
+        offsets: impl Into<Table<u32>>,
+        segments: impl Into<Table<u32>>,
+        errors: impl Into<Table<f32>>,
+        num_segments: usize,
+    ) -> Result<Self> {
+        let (offsets, segments, errors) = (offsets.into(), segments.into(), errors.into());
         let (Some(&first), Some(&last)) = (offsets.first(), offsets.last()) else {
             return Err(Error::Length { what: "action offsets", got: 0, expected: "1 or more".into() });
         };
         check("first action offset", None, first, first == 0, "0")?;
         check_length("actions", segments.len(), last as usize)?;
+        check_length("action errors", errors.len(), segments.len())?;
+        check_numbers("action error", None, &errors, |e| (0.0..1e9).contains(&e), "a distance")?;
         for (state, pair) in offsets.windows(2).enumerate() {
             let good = pair[1] > pair[0] && (pair[1] - pair[0]) as usize <= MAX_ACTIONS;
             check("end of the actions", Some(Id::first(state)), pair[1], good, "1 to 255 after their begin")?;
         }
         check_indices("action segments", segments.iter().map(|&s| s as usize), num_segments)?;
-        Ok(Self { offsets, segments, num_segments })
+        Ok(Self { offsets, segments, errors, num_segments })
     }
 
     /// Number of states.
@@ -142,8 +152,20 @@ impl ActionTable {
     /// Segments of a state's actions, in order (1 to 255, state < num_states).
     #[inline]
     pub fn segments_of(&self, state: u32) -> &[u32] {
+        &self.segments[self.of(state)]
+    }
+
+    /// Distances of a state's actions from its frame, in order (1 to 255, state < num_states) (rad).
+    #[inline]
+    pub fn errors_of(&self, state: u32) -> &[f32] {
+        &self.errors[self.of(state)]
+    }
+
+    /// The actions of a state.
+    #[inline]
+    fn of(&self, state: u32) -> Range<usize> {
         let s = state as usize;
-        &self.segments[self.offsets[s] as usize..self.offsets[s + 1] as usize]
+        self.offsets[s] as usize..self.offsets[s + 1] as usize
     }
 }
 

@@ -40,6 +40,10 @@ pub struct BehaviourConfig {
     pub offset: f64,
     /// Factor on the reward, negative to avoid; 1, and -1 for `evade`, where absent (-100 to 100).
     pub gain: Option<f64>,
+    /// What a transition costs: the delay that one between frames at a distance of 1 rad counts as, in proportion to its
+    /// distance; 0 where the gain is not positive. Characters change clips less often, and at nearer frames, and come later
+    /// (s, 0 to 60).
+    pub transition_cost_s: Option<f64>,
     /// For `approach`: what is to come to the target.
     pub centre: CentreConfig,
     /// For `approach` with `integral`: how much more a moment counts in which the character stands, as a share.
@@ -72,6 +76,7 @@ impl Default for BehaviourConfig {
             scale: None,
             offset: 0.0,
             gain: None,
+            transition_cost_s: None,
             centre: CentreConfig::default(),
             stand_bonus: 0.2,
             stand_speed: 0.3,
@@ -148,6 +153,7 @@ impl BehaviourConfig {
             ("scale", self.scale.unwrap_or(1.0), 1e-3, 1e3),
             ("offset", self.offset, 0.0, 100.0),
             ("gain", self.gain.unwrap_or(1.0), -100.0, 100.0),
+            ("transition_cost_s", self.transition_cost_s.unwrap_or(0.0), 0.0, 60.0),
             ("stand_bonus", self.stand_bonus, 0.0, 1.0),
             ("stand_speed", self.stand_speed, 1e-3, 1e3),
             ("height", self.height.unwrap_or(0.0), -10.0, 10.0),
@@ -196,7 +202,12 @@ impl BehaviourConfig {
         };
         let record = RewardRecord::new(combine, kernel, self.scale.unwrap_or(scale) as f32);
         let (offset, gain) = (self.offset as f32, self.gain.unwrap_or(gain) as f32);
-        Reward::new(RewardRecord { offset, gain, ..record }).map_err(|e| BuildError::key("scale", e))
+        let per_s = -30.0 * self.discount.ln();
+        let transition_cost = (per_s * self.transition_cost_s.unwrap_or(0.0)) as f32;
+        if transition_cost > 0.0 && gain <= 0.0 {
+            return Err(BuildError::key("transition_cost_s", format!("expected 0 with a gain of {gain}")));
+        }
+        Reward::new(RewardRecord { offset, gain, transition_cost, ..record }).map_err(|e| BuildError::key("scale", e))
     }
 }
 

@@ -116,9 +116,12 @@ impl Bounds {
                 self.of_segment(table.reward(), segment, row, heights, then, most);
             }
             for (state, most) in out.chunks_exact_mut(side).enumerate() {
-                for &segment in table.actions().segments_of(state as u32) {
-                    let of_segment = &of_segments[segment as usize * side..][..side];
-                    most.iter_mut().zip(of_segment).for_each(|(m, &s)| *m = m.max(s));
+                let actions = table.actions();
+                for (&segment, &error) in actions.segments_of(state as u32).iter().zip(actions.errors_of(state as u32))
+                {
+                    let (of_segment, left) =
+                        (&of_segments[segment as usize * side..][..side], table.reward().after_transition(error));
+                    most.iter_mut().zip(of_segment).for_each(|(m, &s)| *m = m.max(left * s));
                 }
             }
         });

@@ -21,7 +21,7 @@ impl Situation {
     }
 }
 
-/// What a segment of motion pays and where it leads.
+/// What an action pays and where it leads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Played {
     /// Reward, as the policy was solved for it.
@@ -32,8 +32,15 @@ pub struct Played {
     pub then: Situation,
 }
 
-/// Plays a segment. The target stays where it is in the world, and is not moved into the grid (segment exists).
-pub fn play(table: &PolicyTable, segment: u32, target: Vec3) -> Played {
+/// Plays an action. The target stays where it is in the world, and is not moved into the grid.
+///
+/// What the transition costs is in both reward and discount.
+///
+/// - `action`: index within those of the state (both exist).
+pub fn play(table: &PolicyTable, from: Situation, action: u8) -> Played {
+    let (action, target) = (usize::from(action), from.target);
+    let segment = table.actions().segments_of(from.state)[action];
+    let left = table.reward().after_transition(table.actions().errors_of(from.state)[action]);
     let (record, place) = (&table.segments()[segment as usize], table.to_grid(target));
     let [x, z, distance] = record.target_after(place);
     let (y, reward) = match table.paths().get(segment as usize) {
@@ -41,7 +48,8 @@ pub fn play(table: &PolicyTable, segment: u32, target: Vec3) -> Played {
         None => (target.y, of_samples(table, record, place, distance)),
     };
     let target = Vec3::new(x, y, z) + table.centre();
-    Played { reward, discount: record.discount, then: Situation { state: record.end, target } }
+    let then = Situation { state: record.end, target };
+    Played { reward: left * reward, discount: left * record.discount, then }
 }
 
 /// The reward of a segment's samples.
@@ -90,8 +98,8 @@ pub fn collect(table: &PolicyTable, from: &[Situation], follow: Follow, negligib
     while discounts.iter().any(|&d| d > negligible) {
         choices.make(table, &states, &targets, follow, rng);
         for i in 0..n {
-            let segment = table.actions().segments_of(states[i])[usize::from(choices.actions[i])];
-            let played = play(table, segment, targets[i]);
+            let from = Situation { state: states[i], target: targets[i] };
+            let played = play(table, from, choices.actions[i]);
             sums[i] += discounts[i] * f64::from(played.reward);
             discounts[i] *= f64::from(played.discount);
             (states[i], targets[i]) = (played.then.state, played.then.target);

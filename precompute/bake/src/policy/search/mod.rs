@@ -71,9 +71,8 @@ impl<'a> Search<'a> {
             best.1[0] = action;
             return best;
         }
-        let segments = self.table.actions().segments_of(at.state);
         for action in by_score(&scores[..n]) {
-            let played = play(self.table, segments[usize::from(action)], at.target);
+            let played = play(self.table, at, action);
             let floor = best.0.max(enough);
             if let Some(bounds) = self.bounds {
                 let most = bounds.most(left - 1, played.then);

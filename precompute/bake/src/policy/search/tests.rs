@@ -40,8 +40,12 @@ fn solved(model: ActionModel, behaviour: &dyn Behaviour) -> PolicyTables {
 fn made_up(seed: u64) -> (PolicyTables, PolicyTables) {
     let small = MadeUp { states: 5, actions: 4, rings: 7, angles: 9, seed };
     let grid = GridConfig::polar(small.rings, small.angles, 3.0, 0.25, 1.0);
-    let approach =
-        Approach::new(&BehaviourConfig { grid, ..BehaviourConfig::default() }, 30.0, None).expect("a valid grid");
+    let approach = Approach::new(
+        &BehaviourConfig { grid, transition_cost_s: Some(0.5), ..BehaviourConfig::default() },
+        30.0,
+        None,
+    )
+    .expect("a valid grid");
     (solved(small.model(), &approach), solved(small.model(), &Blows))
 }
 
@@ -58,6 +62,7 @@ fn line() -> ActionModel {
         segments: vec![segment(0.5), segment(0.0)],
         action_offsets: vec![0, 2],
         action_segments: vec![0, 1],
+        action_errors: vec![0.0, 0.3],
     }
 }
 
@@ -74,12 +79,11 @@ fn every_sequence(table: &PolicyTable, at: Situation, left: usize) -> f64 {
         let low = plane(height);
         return if ratio > 0.0 { low + (plane(height + 1) - low) * f64::from(ratio) } else { low };
     }
-    let segments = table.actions().segments_of(at.state);
-    let of = |&segment: &u32| {
-        let played = play(table, segment, at.target);
+    let of = |action: usize| {
+        let played = play(table, at, action as u8);
         f64::from(played.reward) + f64::from(played.discount) * every_sequence(table, played.then, left - 1)
     };
-    segments.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+    (0..table.actions().segments_of(at.state).len()).map(of).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// The place at (angle, distance, height), each from 0 to 1 over the grid.

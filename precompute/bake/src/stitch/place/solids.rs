@@ -1,10 +1,10 @@
 //! Units that stand in each other: an environment like that was put together by mistake.
 
-use throng_base::maths;
 use super::near::overlapping;
 use crate::environment::{Bounds, Environment, Shape, Unit};
 use crate::stitch::library::{Library, STAGE, turned};
 use glam::{Quat, Vec3};
+use throng_base::maths;
 use throng_core::patch::Placement;
 use throng_motion::error::BuildError;
 
@@ -27,7 +27,10 @@ impl Solid {
 
     fn from_shape(shape: &Shape) -> Option<Self> {
         let Shape::Box { at, size, heading_deg, pitch_deg } = shape else { return None };
-        let turn = maths::compose(Quat::from_rotation_y(heading_deg.to_radians()), Quat::from_rotation_x(pitch_deg.to_radians()));
+        let turn = maths::compose(
+            Quat::from_rotation_y(heading_deg.to_radians()),
+            Quat::from_rotation_x(pitch_deg.to_radians()),
+        );
         let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|a| turn * a);
         Some(Self { centre: Vec3::from_array(*at), axes, half: Vec3::from_array(*size) * 0.5 })
     }

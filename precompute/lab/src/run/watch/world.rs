@@ -1,11 +1,11 @@
 //! Watches characters of a world: penetrations, progress.
 
-use throng_base::maths;
 use crate::run::figures::InhabitedFigures;
 use crate::run::report::{fault, geometry};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::collections::BTreeSet;
 use throng_bake::environment::{Body, PlacedGeometry};
+use throng_base::maths;
 use throng_motion::error::BuildError;
 use throng_runtime::simulation::{GroupCast, Simulation};
 use throng_runtime::world::inhabitants::Doing;
@@ -132,7 +132,8 @@ impl WorldWatch {
         for &c in &self.characters {
             let (Some(root), Some(pose)) = (sim.root(c), sim.pose(c)) else { continue };
             let (turn, by) = (root.rotation(), root.translation());
-            let transforms = std::array::from_fn(|j| (turn * pose[j].translation() + by, maths::compose(turn, pose[j].rotation())));
+            let transforms =
+                std::array::from_fn(|j| (turn * pose[j].translation() + by, maths::compose(turn, pose[j].rotation())));
             let body = self.body.pose(&transforms, sim.contacts(c));
             let Some((unit, p)) = body.penetration_in(&self.geometry, PENETRATION_M) else { continue };
             self.deepest_m = self.deepest_m.max(p.depth);

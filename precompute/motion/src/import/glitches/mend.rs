@@ -1,8 +1,8 @@
 //! Fills frames with what leads past them.
 
-use throng_base::maths;
 use super::Glitch;
 use crate::raw::RawClip;
+use throng_base::maths;
 
 /// Lays what is wrong in a run of frames on the way from the frame before it to the one after; at the ends of the
 /// clip the nearest sound frame is held.
