@@ -65,6 +65,7 @@ fn states_lie_in_the_frames_and_are_entered() {
         states(p, |s| s.push(s[0]));
         p.edit::<u32>(tags::ACTION_OFFSETS, |o| o.push(o[o.len() - 1] + 1));
         p.edit::<u32>(tags::ACTION_SEGMENTS, |s| s.push(s[0]));
+        p.edit::<f32>(tags::ACTION_ERRORS, |e| e.push(e[0]));
     };
     refuses(Some(tags::STATES), &[("a state that nothing leads to", &lonely)]);
 }

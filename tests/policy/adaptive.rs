@@ -44,7 +44,7 @@ fn blows(rng: &mut Pcg64) -> (ActionModel, Hit, TargetGrid) {
         let place = grid.cell_centre(rng.random_range(0..grid.num_cells()));
         (s, rng.random_range(0..model.segments[s].num_frames), place, rng.random_range(0.3..1.0))
     });
-    let hit = Hit { discount: 0.97, blows: places.collect(), radius: 0.25, transition_cost: 0.7 };
+    let hit = Hit { discount: 0.97, blows: places.collect(), radius: 0.25, transition_cost: 4.0 };
     (model, hit, grid)
 }
 

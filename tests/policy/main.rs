@@ -48,11 +48,11 @@ fn a_transition_is_taken_where_it_pays_for_its_cost() {
     let model = model(&[0, 2], &[0, 1], segments);
     let grid = Hit { discount: 0.9, blows: vec![], radius: 0.1, transition_cost: 0.0 }.spec().grid;
     let (target, d) = (25, 0.9f64.powi(10));
-    for (transition_cost, best) in [(0.0, 1), (4.0, 1), (8.0, 0)] {
+    for (transition_cost, best) in [(0.0, 1), (15.0, 1), (30.0, 0)] {
         let blows = [(0, 0.5), (1, 1.0)].map(|(s, force)| (s, 0, grid.cell_centre(target), force)).to_vec();
         let hit = Hit { discount: 0.9, blows, radius: 0.1, transition_cost };
         let tables = solved(&model, &hit, &PolicyConfig { epsilon: 1e-6, ..PolicyConfig::default() });
-        let left = (-0.15 * f64::from(transition_cost)).exp();
+        let left = (-0.15 * 0.15 * f64::from(transition_cost)).exp();
         let expected = (0.5 / (1.0 - d)).max(left / (1.0 - left * d));
         let table = tables.table(0).expect("sound tables");
         assert!((f64::from(tables.policies[0].values[target]) - expected).abs() < 1e-5, "cost {transition_cost}");
@@ -98,13 +98,13 @@ fn hits_in_three_dimensions_are_within_epsilon_of_brute_force() {
     for seed in 0..4 {
         let mut rng = Pcg64::seed_from_u64(100 + seed);
         let model = random_model(&mut rng, 4);
-        let grid = Hit { discount: 0.95, blows: vec![], radius: 0.2, transition_cost: 0.7 }.spec().grid;
+        let grid = Hit { discount: 0.95, blows: vec![], radius: 0.2, transition_cost: 4.0 }.spec().grid;
         let blows = (0..model.segments.len()).map(|s| {
             let cell = rng.random_range(0..grid.num_cells());
             let place = grid.cell_centre(cell) + Vec3::new(0.03, 0.05, -0.04);
             (s, rng.random_range(0..model.segments[s].num_frames), place, rng.random_range(0.3..1.0))
         });
-        let hit = Hit { discount: 0.95, blows: blows.collect(), radius: 0.2, transition_cost: 0.7 };
+        let hit = Hit { discount: 0.95, blows: blows.collect(), radius: 0.2, transition_cost: 4.0 };
         let error = largest_error(&model, &hit, &PolicyConfig::default());
         assert!(error <= 1e-4 + ARITHMETIC, "seed {seed}: {error:e}");
     }
@@ -117,12 +117,11 @@ fn values_are_those_of_an_exhaustive_search() {
         let mut rng = Pcg64::seed_from_u64(200 + seed);
         let mut model = random_model(&mut rng, 3);
         model.action_segments.truncate(3);
-        model.action_errors.truncate(3);
-        model.action_offsets = vec![0, 1, 2, 3];
         let extra: Vec<u32> = (0..3).map(|_| rng.random_range(0..model.segments.len() as u32)).collect();
         let own = model.action_segments.clone();
         model.action_segments = vec![own[0], extra[0], own[1], extra[1], own[2], extra[2]];
         model.action_offsets = vec![0, 2, 4, 6];
+        model.action_errors = vec![0.0, 0.3, 0.0, 0.2, 0.4, 0.1];
         let behaviour = approach(4, 7, RewardForm::Integral, 0.5);
         let tables = solved(&model, &behaviour, &PolicyConfig { epsilon: 1e-5, ..PolicyConfig::default() });
         let naive = Naive::new(&model, &behaviour);
@@ -199,9 +198,9 @@ fn weighted_behaviours_are_the_weighted_sum_of_their_scores() {
     let mut rng = Pcg64::seed_from_u64(5);
     let model = random_model(&mut rng, 5);
     let come = approach(6, 11, RewardForm::Integral, 0.97);
-    let grid = Hit { discount: 0.95, blows: vec![], radius: 0.5, transition_cost: 0.7 }.spec().grid;
+    let grid = Hit { discount: 0.95, blows: vec![], radius: 0.5, transition_cost: 4.0 }.spec().grid;
     let blows = (0..model.segments.len()).map(|s| (s, 2, grid.cell_centre(s), 1.0)).collect();
-    let hit = Hit { discount: 0.95, blows, radius: 0.5, transition_cost: 0.7 };
+    let hit = Hit { discount: 0.95, blows, radius: 0.5, transition_cost: 4.0 };
     let cfg = PolicyConfig::default();
     let tables = solve_behaviours(model, &[&come, &hit], &cfg, &mut rng, &Silent).expect("it converges");
     let policies = [tables.table(0).expect("sound tables"), tables.table(1).expect("sound tables")];

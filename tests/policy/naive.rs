@@ -78,7 +78,7 @@ pub fn random_model(rng: &mut Pcg64, num_states: u32) -> ActionModel {
 pub fn approach(rings: u32, angles: u32, reward: RewardForm, discount: f64) -> Approach {
     let reward = Some(reward);
     let grid = GridConfig::polar(rings, angles, 3.0, 0.4, 1.0);
-    let config = BehaviourConfig { grid, reward, discount, transition_cost_s: Some(0.4), ..BehaviourConfig::default() };
+    let config = BehaviourConfig { grid, reward, discount, transition_cost_s: Some(3.0), ..BehaviourConfig::default() };
     Approach::new(&config, 30.0, None).expect("valid")
 }
 
@@ -193,7 +193,7 @@ impl<'a> Naive<'a> {
 
     /// What a transition leaves of an action's score.
     fn after_transition(&self, action: usize) -> f64 {
-        (-f64::from(self.reward.transition_cost) * f64::from(self.model.action_errors[action])).exp()
+        (-f64::from(self.reward.transition_cost) * f64::from(self.model.action_errors[action]).powi(2)).exp()
     }
 
     pub fn best(&self, state: usize, cell: usize, value: &mut dyn FnMut(u32, usize) -> f64) -> f64 {

@@ -174,12 +174,15 @@ pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
 }
 
 /// A rotation after another one: `a` after `b`. That of glam fuses products and sums where the processor can.
+///
+/// Terms are added in pairs, so that the difference of equal rotations has no axis, and that of two the same but its sign,
+/// whichever is taken from the other.
 #[inline]
 pub fn compose(a: Quat, b: Quat) -> Quat {
     Quat::from_xyzw(
-        a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-        a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+        (a.w * b.x + a.x * b.w) + (a.y * b.z - a.z * b.y),
+        (a.w * b.y + a.y * b.w) + (a.z * b.x - a.x * b.z),
+        (a.w * b.z + a.z * b.w) + (a.x * b.y - a.y * b.x),
         a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
     )
 }
@@ -232,6 +235,8 @@ mod tests {
         let [a, b] = [Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0), Quat::from_rotation_z(-0.7)];
         let v = Vec3::new(0.4, -2.0, 1.5);
         assert!(rotate(a, v).distance(a * v) < 1e-6 && compose(a, b).abs_diff_eq(a * b, 1e-6));
+        assert_eq!(compose(a.conjugate(), a).xyz(), Vec3::ZERO);
+        assert_eq!(compose(a, b.conjugate()).xyz(), -compose(b, a.conjugate()).xyz());
         assert!(between(a, -b, 0.25).abs_diff_eq((a * 0.75 + b * (0.25 * a.dot(b).signum())).normalize(), 1e-6));
         assert!(slerp_f32(a, -b, 0.25).abs_diff_eq(a.slerp(-b, 0.25), 1e-6));
         assert_eq!(unit(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)), Quat::IDENTITY);

@@ -312,7 +312,7 @@ mod tests {
                 table.reward().of_segment::<false>(s, t, start, distance)
             };
             let value = table.value_in(s.end, &table.grid_of(s.end), Vec3::new(x, t.y, z));
-            (-0.8 * error).exp() * (reward + s.discount * value)
+            (-0.8 * error * error).exp() * (reward + s.discount * value)
         };
         let actions = table.actions();
         actions.segments_of(state).iter().zip(actions.errors_of(state)).map(score).collect()

@@ -36,8 +36,9 @@ pub struct RewardRecord {
     pub gain: f32,
     /// Height of the target on a space-time grid, where a target's Y is the time left (m).
     pub height: f32,
-    /// What a transition costs: an action is worth `exp(-transition_cost * distance)` of what it were without, for the
-    /// distance between the frame it leaves and the one it goes on from (1/rad, >= 0; 0 where gain is negative).
+    /// What a transition costs: an action is worth `exp(-transition_cost * distance^2)` of what it were without, for the
+    /// distance between the frame it leaves and the one it goes on from (1/rad^2, >= 0; 0 where gain is negative).
+    /// Acceleration grows with the distance, and far transitions are worse than two near ones.
     pub transition_cost: f32,
     /// Zero.
     pub reserved: u32,
@@ -125,13 +126,13 @@ impl Reward {
     /// - `distance`: between the frames it joins (rad, >= 0).
     #[inline(always)]
     pub fn after_transition(&self, distance: f32) -> f32 {
-        exp_neg(self.record.transition_cost * distance)
+        exp_neg(self.record.transition_cost * (distance * distance))
     }
 
     /// [`Self::after_transition`] of eight lanes.
     #[inline(always)]
     pub(super) fn after_transitions<F: Lanes>(&self, distance: F) -> F {
-        (distance * F::splat(-LOG2_E * self.record.transition_cost)).exp2_neg()
+        (distance * distance * F::splat(-LOG2_E * self.record.transition_cost)).exp2_neg()
     }
 
     /// The factor on the whole reward.

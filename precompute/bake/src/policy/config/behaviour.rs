@@ -40,9 +40,13 @@ pub struct BehaviourConfig {
     pub offset: f64,
     /// Factor on the reward, negative to avoid; 1, and -1 for `evade`, where absent (-100 to 100).
     pub gain: Option<f64>,
-    /// What a transition costs: the delay that one between frames at a distance of 1 rad counts as, in proportion to its
-    /// distance; 0 where the gain is not positive. Characters change clips less often, and at nearer frames, and come later
-    /// (s, 0 to 60).
+    /// What a transition costs: the delay that one between frames at a distance of 1 rad counts as; it grows with the
+    /// square of the distance. Characters change clips less often and at nearer frames, and come a little later. 1 for
+    /// `approach` with a positive gain, else 0, where absent (s, 0 to 60).
+    ///
+    /// # Source
+    /// That transitions are weighed against control is of Treuille, Lee and Popovic (2007), *Near-optimal Character
+    /// Animation with Continuous Control*. Differs: it is a delay, so it weighs as much far from the target as near it.
     pub transition_cost_s: Option<f64>,
     /// For `approach`: what is to come to the target.
     pub centre: CentreConfig,
@@ -62,6 +66,9 @@ pub struct BehaviourConfig {
     /// over the database, where absent (m, -10 to 10).
     pub height: Option<f64>,
 }
+
+/// [`BehaviourConfig::transition_cost_s`] of `approach`.
+const TRANSITION_COST_S: f64 = 1.0;
 
 impl Default for BehaviourConfig {
     fn default() -> Self {
@@ -203,7 +210,8 @@ impl BehaviourConfig {
         let record = RewardRecord::new(combine, kernel, self.scale.unwrap_or(scale) as f32);
         let (offset, gain) = (self.offset as f32, self.gain.unwrap_or(gain) as f32);
         let per_s = -30.0 * self.discount.ln();
-        let transition_cost = (per_s * self.transition_cost_s.unwrap_or(0.0)) as f32;
+        let usual_s = if self.kind == BehaviourKind::Approach && gain > 0.0 { TRANSITION_COST_S } else { 0.0 };
+        let transition_cost = (per_s * self.transition_cost_s.unwrap_or(usual_s)) as f32;
         if transition_cost > 0.0 && gain <= 0.0 {
             return Err(BuildError::key("transition_cost_s", format!("expected 0 with a gain of {gain}")));
         }

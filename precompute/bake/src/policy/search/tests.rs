@@ -41,7 +41,7 @@ fn made_up(seed: u64) -> (PolicyTables, PolicyTables) {
     let small = MadeUp { states: 5, actions: 4, rings: 7, angles: 9, seed };
     let grid = GridConfig::polar(small.rings, small.angles, 3.0, 0.25, 1.0);
     let approach = Approach::new(
-        &BehaviourConfig { grid, transition_cost_s: Some(0.5), ..BehaviourConfig::default() },
+        &BehaviourConfig { grid, transition_cost_s: Some(3.0), ..BehaviourConfig::default() },
         30.0,
         None,
     )
