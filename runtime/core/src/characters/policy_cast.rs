@@ -122,8 +122,9 @@ impl PolicyCharacters {
     /// Everybody's planar root, and what [`Characters::poses_mut`] gives.
     pub fn poses_mut(
         &mut self,
-    ) -> (&[Planar], (impl Fn(usize) -> Contacts + Sync, &mut [Mat3x4], &mut [LocalTransform])) {
-        (&self.roots, self.characters.poses_mut())
+    ) -> (&[Planar], impl Fn(usize) -> Contacts + Sync, &mut [Mat3x4], &mut [LocalTransform]) {
+        let (contacts, model, locals) = self.characters.poses_mut();
+        (&self.roots, contacts, model, locals)
     }
 
     /// Row of a character, in the order of bodies.

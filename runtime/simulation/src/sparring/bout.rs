@@ -189,7 +189,7 @@ impl Sparring {
     /// Moves limbs out of the other's body in the poses of a step; none for poses that are shown again.
     fn touch(&mut self, dt_s: Option<f32>, run: &dyn Run) {
         let (body, limbs, config) = (&self.body, &self.limbs, &self.config.touch);
-        let (roots, (contacts, model, locals)) = self.boxers.poses_mut();
+        let (roots, contacts, model, locals) = self.boxers.poses_mut();
         let mut locals = locals.chunks_mut(2 * PART * NUM_JOINTS);
         let poses = roots.chunks(2 * PART).zip(model.chunks_mut(2 * PART * NUM_JOINTS));
         let parts = self.state.touches.chunks_mut(PART).zip(poses);

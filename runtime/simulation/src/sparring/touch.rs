@@ -24,6 +24,8 @@ const PIECE_M: f32 = 0.06;
 const MOST_PIECES: usize = 4;
 /// Rounds in which limbs are moved out of what they are in.
 const ROUNDS: usize = 6;
+/// Rounds in which a whole arm is turned out of what it is in still.
+const SWINGS: usize = 4;
 /// Nobody's limbs reach farther than this from the hips (m).
 const REACH_M: f32 = 1.3;
 /// Limbs that are displaced by less are where their motion has them (m).
@@ -109,7 +111,7 @@ impl Limb {
 
     /// Turns the whole limb about its root out of what it is in still: that turns no elbow.
     fn swing_out(&mut self, shape: &LimbShape, core: &[Capsule], give_m: f32) {
-        for capsule in core.iter().chain(core) {
+        for capsule in core.iter().cycle().take(SWINGS * core.len()) {
             let [root, middle, end] = self.displaced();
             let Some(turn) = swing(root, [middle, end], shape, capsule, give_m) else { continue };
             let turned = [middle, end].map(|p| root + maths::rotate(turn, p - root));

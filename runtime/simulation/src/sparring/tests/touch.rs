@@ -295,6 +295,36 @@ fn a_fast_fist_stops_on_its_side_of_the_head() {
 }
 
 #[test]
+fn arms_that_come_back_from_a_body_stay_out_of_it() {
+    let rest = rest_pose();
+    let mut goes_through = 0;
+    for i in 0..400u32 {
+        let share = |salt: u32| {
+            (i.wrapping_mul(2_654_435_761).wrapping_add(salt).wrapping_mul(2_246_822_519) >> 8) as f32
+                / (1 << 24) as f32
+        };
+        let (x, z) = (-0.2 + 0.6 * share(1), 0.3 + 0.4 * share(2));
+        let other = Planar::new(x, z, std::f32::consts::TAU * share(3));
+        let (mut touch, mut deepest, mut worst) = (Touch::default(), 0.0f32, 0.0f32);
+        for step_no in 0..60 {
+            // Out within 0.1 s, back within 0.2 s, and the whole body turns into the blow and back.
+            let way = (step_no as f32 / 6.0).min((24.0 - step_no as f32).max(0.0) / 12.0).min(1.0);
+            let roots = [Planar::new(0.0, 0.1 * way, (0.6 * share(4) - 0.9) * way), other];
+            let motion = punch(way);
+            let posed = step(&mut touch, [&motion, &rest], roots, &config().touch);
+            worst = worst.max(depth(&[motion, rest], roots));
+            // Whoever stands in the other to begin with has to come out first.
+            if step_no > 3 {
+                deepest = deepest.max(depth(&posed, roots));
+            }
+        }
+        goes_through += u32::from(worst > 0.1);
+        assert!(deepest < 0.06, "{deepest} in place of {worst} at {x}, {z}, number {i}");
+    }
+    assert!(goes_through > 100, "{goes_through} would go through");
+}
+
+#[test]
 fn arms_come_and_go_without_a_jump() {
     let (arm, rest, config) = (punch(0.6), punch(0.0), config().touch);
     let mut touch = Touch::default();
