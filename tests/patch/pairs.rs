@@ -99,6 +99,33 @@ fn two_are_to_each_other_as_in_capture_at_every_step_of_what_they_do_together() 
 }
 
 #[test]
+fn who_has_done_something_together_goes_on_soon() {
+    let world = open(&PLAIN);
+    for seed in 1..8 {
+        let mut people = people(&world, seed, 2);
+        let two = [Id::first(0), Id::first(1)];
+        people.meet(two, GIVE, 1.0).unwrap();
+        until_begun(&mut people, two);
+        let is_done = |people: &Inhabitants| two.iter().all(|id| people.state(*id).unwrap().num_fulfilled > 0);
+        while !is_done(&people) {
+            people.step(DT, &Inline).unwrap();
+        }
+        two.iter().for_each(|&id| people.order(id, Wish::Roam).unwrap());
+        let plays = |people: &Inhabitants| two.map(|id| people.characters().scheduled_clip(id.index as usize).0);
+        let (rests, mut goes) = (plays(&people), [None; 2]);
+        for step in 1..120 {
+            people.step(DT, &Inline).unwrap();
+            for (k, now) in plays(&people).into_iter().enumerate().filter(|(k, now)| *now != rests[*k]) {
+                assert_ne!(now, GIVEN[k]);
+                goes[k] = goes[k].or(Some(step as f32 * DT));
+            }
+        }
+        // A rest of the made-up bundle takes 1 s.
+        assert!(goes.iter().all(|s| s.is_some_and(|s| (0.15..0.6).contains(&s))), "seed {seed}: {goes:?}");
+    }
+}
+
+#[test]
 fn two_who_are_near_but_far_to_walk_meet_halfway() {
     let world = open(&["#.#", "#.#", "#.#", "#.#", "###"]);
     let mut people = Inhabitants::new(&world, 2, InhabitantsConfig::default()).expect("room");

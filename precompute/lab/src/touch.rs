@@ -14,6 +14,10 @@ pub struct TouchFigures {
     pub arms_in_bodies_per_minute: f64,
     /// Times that a shin or a foot came within 10 cm of the opponent's spine, a minute and boxer.
     pub legs_in_bodies_per_minute: f64,
+    /// Times that a shin or a foot came within 8 cm of a shin or a foot of the opponent, a minute and boxer.
+    pub legs_in_legs_per_minute: f64,
+    /// Share of the time that they were.
+    pub legs_in_legs_fraction: f64,
     /// Times that a wrist came within 8 cm of the middle of the opponent's head, a minute and boxer; not within 0.1 s after
     /// its blow landed there.
     pub wrists_in_heads_per_minute: f64,
@@ -31,6 +35,8 @@ pub struct TouchFigures {
 const IN_BODY_M: f32 = 0.1;
 /// Wrists nearer to the middle of a head than this are in it (m).
 const IN_HEAD_M: f32 = 0.08;
+/// Shins and feet nearer to the other's than this are in them (m).
+const IN_LEG_M: f32 = 0.08;
 /// Heads nearer to each other than this are too near to strike (m).
 const CLOSE_M: f32 = 0.45;
 /// A wrist may be in a head this long after its blow landed there (s).
@@ -56,7 +62,10 @@ pub struct TouchMeter {
     boxers: Vec<Option<Boxer>>,
     arms_in_bodies: u64,
     legs_in_bodies: u64,
+    legs_in_legs: u64,
     wrists_in_heads: u64,
+    /// Time that legs of pairs were in each other (s).
+    legs_in_legs_s: f64,
     close_s: f64,
     head_distance_sum: f64,
     /// Time of all pairs (s).
@@ -69,6 +78,8 @@ pub struct TouchMeter {
 struct Boxer {
     in_body: [bool; 2],
     legs_in_body: [bool; 2],
+    /// Each leg in either of the other's.
+    in_legs: [bool; 2],
     in_head: [bool; 2],
     /// Time since a blow of each hand landed on the other's head (s).
     landed_s: [f32; 2],
@@ -118,12 +129,19 @@ impl TouchMeter {
                     }
                 }
                 for (l, leg) in LEGS.into_iter().enumerate() {
-                    let [knee, ankle, toes] = leg.map(|j| joints[k][j.index()]);
-                    let distance = |bone| spine_distance(bone, &joints[k ^ 1]);
-                    now.legs_in_body[l] = distance([knee, ankle]).min(distance([ankle, toes])) < IN_BODY_M;
-                    let came = before.is_some_and(|b| !b.legs_in_body[l]) && dt_s > 0.0;
-                    self.legs_in_bodies += u64::from(now.legs_in_body[l] && came);
+                    let bones = lower_leg(leg, &joints[k]);
+                    let others = LEGS.into_iter().flat_map(|leg| lower_leg(leg, &joints[k ^ 1]));
+                    let to_legs =
+                        others.flat_map(|other| bones.map(|bone| distance(bone, other))).fold(f32::MAX, f32::min);
+                    now.in_legs[l] = to_legs < IN_LEG_M;
+                    now.legs_in_body[l] =
+                        bones.into_iter().any(|bone| spine_distance(bone, &joints[k ^ 1]) < IN_BODY_M);
+                    if let Some(b) = before.filter(|_| dt_s > 0.0) {
+                        self.legs_in_bodies += u64::from(now.legs_in_body[l] && !b.legs_in_body[l]);
+                        self.legs_in_legs += u64::from(now.in_legs[l] && !b.in_legs[l]);
+                    }
                 }
+                self.legs_in_legs_s += if k == 0 && now.in_legs.contains(&true) { f64::from(dt_s) } else { 0.0 };
                 self.boxers[first_number + rows[k]] = Some(now);
             }
         }
@@ -139,6 +157,8 @@ impl TouchMeter {
         (self.pair_s > 0.0).then(|| TouchFigures {
             arms_in_bodies_per_minute: self.arms_in_bodies as f64 / boxer_minutes,
             legs_in_bodies_per_minute: self.legs_in_bodies as f64 / boxer_minutes,
+            legs_in_legs_per_minute: self.legs_in_legs as f64 / boxer_minutes,
+            legs_in_legs_fraction: self.legs_in_legs_s / self.pair_s,
             wrists_in_heads_per_minute: self.wrists_in_heads as f64 / boxer_minutes,
             heads_close_fraction: self.close_s / self.pair_s,
             head_distance_mean_m: self.head_distance_sum / self.pair_s,
@@ -170,11 +190,19 @@ fn source_elbows(bundle: &Bundle) -> Rates {
 /// Distance between a bone and a spine (m).
 fn spine_distance(bone: [Vec3; 2], joints: &[Vec3; NUM_JOINTS]) -> f32 {
     let link = |w: &[Joint]| [joints[w[0].index()], joints[w[1].index()]];
-    let distance = |link: [Vec3; 2]| {
-        let [p, q] = nearest_points(bone, link);
-        p.distance(q)
-    };
-    SPINE.windows(2).map(|w| distance(link(w))).fold(f32::INFINITY, f32::min)
+    SPINE.windows(2).map(|w| distance(bone, link(w))).fold(f32::INFINITY, f32::min)
+}
+
+/// Shin and foot of a leg (m).
+fn lower_leg(leg: [Joint; 3], joints: &[Vec3; NUM_JOINTS]) -> [[Vec3; 2]; 2] {
+    let [knee, ankle, toes] = leg.map(|j| joints[j.index()]);
+    [[knee, ankle], [ankle, toes]]
+}
+
+/// Distance between two bones (m).
+fn distance(a: [Vec3; 2], b: [Vec3; 2]) -> f32 {
+    let [p, q] = nearest_points(a, b);
+    p.distance(q)
 }
 
 /// A histogram of rates.
@@ -214,6 +242,20 @@ mod tests {
         assert!((rates.quantile(0.5) - 5.0).abs() < 0.03, "{}", rates.quantile(0.5));
         assert_eq!(rates.quantile(1.0), 10.0);
         assert_eq!(Rates::default().quantile(0.5), 0.0);
+    }
+
+    #[test]
+    fn feet_of_two_are_as_far_from_each_other_as_they_stand() {
+        let joints = throng_runtime::skeleton::Skeleton::default().rest_positions();
+        let [near, ahead] = LEGS.map(|leg| lower_leg(leg, &joints));
+        let apart = near[0][1].distance(ahead[0][1]);
+        let least = |by: Vec3| {
+            let moved = ahead.map(|bone| bone.map(|p| p + by));
+            near.iter().flat_map(|a| moved.map(|b| distance(*a, b))).fold(f32::MAX, f32::min)
+        };
+        assert!((least(Vec3::ZERO) - apart).abs() < 0.02, "{} {apart}", least(Vec3::ZERO));
+        // The right foot steps to where the left one stands.
+        assert!(least(near[0][1] - ahead[0][1]) < 1e-3);
     }
 
     #[test]

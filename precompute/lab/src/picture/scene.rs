@@ -47,10 +47,14 @@ pub fn scene_sheet(
         let all = first.characters.start..end;
         let stands = geometry(compiled, world.group)?;
         let (g, num) = (&report.groups[number], all.len());
-        let title = if groups_of(world) > 1 { format!("{}: {num} characters", report.scene) } else { title(g, num) };
+        // Where several groups are drawn, what is said is of all of them, as it is printed first.
+        let (title, figures) = match groups_of(world) {
+            1 => (title(g, num), &g.figures),
+            _ => (format!("{}: {num} characters", report.scene), &report.total),
+        };
         let of = |g: &Group| (scene.groups[g.number].name.clone(), poses(g.characters.clone()));
         let groups: Vec<_> = sim.groups().iter().filter(|g| g.cast == world.cast).map(of).collect();
-        sheets.push(inhabited_sheet(&title, &g.figures, (&scene.picture, world), &groups, &stands));
+        sheets.push(inhabited_sheet(&title, figures, (&scene.picture, world), &groups, &stands));
     }
     for paths in &record.paths {
         let (g, group) = (&report.groups[paths.group], &sim.groups()[paths.group]);

@@ -21,6 +21,9 @@ const GRIP: DVec3 = DVec3::new(0.03, 1.0, 0.085);
 /// The same of hands at the two ends of what is handed over (m).
 const ENDS: DVec3 = DVec3::new(0.0, 1.02, 0.13);
 
+/// Pitch of a head that looks another one in the face: who stands by itself looks a little down (rad).
+const FACE: f64 = -0.09;
+
 /// What two people do together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Together {
@@ -77,8 +80,13 @@ pub fn together(what: Together, variation: f64, rng: &mut impl Rng) -> [Script; 
 
 /// A nod, before and after.
 fn greet(s: &mut Script, at: f64) {
-    s.look(at, 0.25, 0.0, 0.16, 0.0);
-    s.look(at + 0.35, 0.3, 0.0, 0.0, 0.0);
+    s.look(at, 0.25, 0.0, FACE + 0.16, 0.0);
+    face(s, at + 0.35, 0.3);
+}
+
+/// Looks the other one in the face at `t`, setting out `over` seconds before.
+fn face(s: &mut Script, t: f64, over: f64) {
+    s.look(t, over, 0.0, FACE, 0.0);
 }
 
 /// A wrist of the right hand at a point on the way to the other one: aside (to the right), up and back from the middle.
@@ -135,19 +143,20 @@ fn nod(s: &mut Script, from: f64, to: f64, rng: &mut impl Rng) {
     let mut t = from;
     while t < to - 0.6 {
         let yaw = s.vary(0.06, rng);
-        s.look(t + 0.28, 0.25, yaw, 0.16, 0.0);
-        s.look(t + 0.58, 0.28, yaw, 0.01, 0.0);
+        s.look(t + 0.28, 0.25, yaw, FACE + 0.16, 0.0);
+        s.look(t + 0.58, 0.28, yaw, FACE, 0.0);
         t += rng.random_range(0.9..1.8);
     }
 }
 
-/// Hands meet in the middle, go up and down together, and part.
+/// Hands meet in the middle, go up and down together, and part. A glance goes to the hands before they meet.
 fn shake_hands(two: &mut [Script; 2], rng: &mut impl Rng) {
     let from = two[0].now();
     let beats: Vec<f64> = [0.035, -0.04, 0.03, -0.035, 0.0].iter().map(|u| u * rng.random_range(0.8..1.2)).collect();
     let over = rng.random_range(0.16..0.19);
     for (k, s) in two.iter_mut().enumerate() {
-        s.look(from + 0.4, 0.4, 0.0, 0.05, 0.0);
+        s.look(from + 0.4, 0.35, 0.0, 0.12, 0.0);
+        face(s, from + 0.85, 0.4);
         s.pose(from + 0.8, 0.8, chest(0.14, 0.1));
         s.hand(Side::Right, from + 0.8, 0.75, met(k, GRIP, 0.0));
         let mut t = from + 0.9;
@@ -156,7 +165,6 @@ fn shake_hands(two: &mut [Script; 2], rng: &mut impl Rng) {
             t += over;
             s.hand(Side::Right, t, over, met(k, GRIP + DVec3::Y * *up, 0.0));
         }
-        s.look(t, 0.3, 0.0, 0.13, 0.0);
         s.hand(Side::Right, t + 0.2, 0.15, met(k, GRIP, 0.0));
         s.relax(t + 1.1, 0.85);
         s.wait_until(t + 1.2);
@@ -172,11 +180,12 @@ fn hand_over(two: &mut [Script; 2], rng: &mut impl Rng) {
     // It comes up to the belly, is looked at, and is held out.
     giver.hand(Side::Right, from + 0.8, 0.75, near);
     giver.look(from + 0.7, 0.5, 0.0, 0.3, 0.0);
-    giver.look(from + 1.4, 0.4, 0.0, 0.02, 0.0);
+    face(giver, from + 1.4, 0.4);
     giver.pose(meet, 0.9, chest(0.14, 0.11));
     giver.hand(Side::Right, meet, 0.85, met(0, ENDS, -0.6));
     giver.hand(Side::Right, meet + 0.45, 0.1, met(0, ENDS, -0.6));
     giver.look(meet, 0.4, 0.0, 0.2, 0.0);
+    face(giver, meet + 0.5, 0.4);
     giver.relax(meet + 1.5, 0.95);
     taker.look(meet - 0.5, 0.5, 0.0, 0.22, 0.0);
     taker.pose(meet + 0.05, 0.9, chest(0.14, 0.11));
@@ -185,7 +194,7 @@ fn hand_over(two: &mut [Script; 2], rng: &mut impl Rng) {
     taker.hand(Side::Right, meet + 1.1, 0.7, near);
     taker.pose(meet + 1.2, 0.8, chest(0.0, 0.03));
     taker.look(meet + 1.2, 0.4, 0.0, 0.28, 0.0);
-    taker.look(meet + 1.9, 0.4, 0.0, 0.05, 0.0);
+    face(taker, meet + 1.8, 0.4);
     taker.relax(meet + 2.8, 0.8);
     two.iter_mut().for_each(|s| s.wait_until(meet + 2.9));
 }
@@ -198,7 +207,7 @@ fn dance(two: &mut [Script; 2]) {
         for side in Side::BOTH {
             s.hand(side, from + 1.0, 0.9, on(side, hands));
         }
-        s.look(from + 0.8, 0.5, 0.0, 0.03, 0.0);
+        face(s, from + 0.8, 0.5);
         s.wait_until(from + 1.1);
         let home = s.stance();
         // The same way in the room: left for one is right for the other.

@@ -247,3 +247,39 @@ fn people_come_from_all_sides_and_leave_to_all_sides() {
     }
     assert!(sectors.iter().all(|s| s.iter().all(|n| *n >= 2)), "{sectors:?}");
 }
+
+/// The angles between where heads of two look and the middles of each other's heads, over what a tag names (rad).
+fn off_faces(set: &ClipSet, pair: [&Clip; 2], range: std::ops::Range<usize>) -> Vec<f32> {
+    let head = |clip: &Clip, f: usize| {
+        let chain = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck, Joint::Head];
+        let turn = chain.iter().fold(Quat::IDENTITY, |q, j| q * clip.frame_rotations(f)[j.index()]);
+        let at = clip.joint_positions(&set.skeleton, f)[Joint::Head.index()];
+        (at + turn * (0.5 * set.skeleton.tips[0]), turn * Vec3::Z)
+    };
+    let of = |f: usize| {
+        let [(a, looks_a), (b, looks_b)] = pair.map(|clip| head(clip, f));
+        [looks_a.angle_between(b - a), looks_b.angle_between(a - b)]
+    };
+    range.flat_map(of).collect()
+}
+
+#[test]
+fn partners_look_each_other_in_the_face() {
+    for clip in SET.clips.iter().filter(|c| c.name.starts_with("office_pair") && c.name.ends_with("_a")) {
+        let name = clip.name.replace("_a", "_b");
+        let other = SET.clips.iter().find(|c| c.name == name).unwrap();
+        for tag in &clip.tags {
+            let mut off = off_faces(&SET, [clip, other], tag.range.clone());
+            off.sort_by(f32::total_cmp);
+            let at = |share: f32| off[((off.len() - 1) as f32 * share) as usize].to_degrees();
+            // What is handed over is looked at, and who talks looks about.
+            let most = match tag.name.as_str() {
+                "handshake" => [6.5, 13.0],
+                "dance" | "dispute" => [9.0, 13.0],
+                _ => [13.0, 32.0],
+            };
+            let found = [at(0.5), at(0.9)];
+            assert!(found[0] < most[0] && found[1] < most[1], "{} {}: {found:?} deg", clip.name, tag.name);
+        }
+    }
+}

@@ -449,12 +449,15 @@ impl Characters {
         &self.matrices[..self.num_characters * NUM_JOINTS]
     }
 
-    /// Joints of all characters in model space, and relative to their parents where the config asks for that, to be displaced
-    /// after a step; the next one poses everybody anew. (num_characters * NUM_JOINTS, and as many or 0)
-    pub fn poses_mut(&mut self) -> (&mut [Mat3x4], &mut [LocalTransform]) {
+    /// What of each character's feet is planted, by number, and joints of all characters in model space, and relative to
+    /// their parents where the config asks for that, to be displaced after a step; the next one poses everybody anew.
+    /// (num_characters * NUM_JOINTS, and as many or 0)
+    pub fn poses_mut(&mut self) -> (impl Fn(usize) -> Contacts + Sync, &mut [Mat3x4], &mut [LocalTransform]) {
         let num = self.num_characters * NUM_JOINTS;
         let num_locals = num.min(self.locals.len());
-        (&mut self.matrices[..num], &mut self.locals[..num_locals])
+        let blocks = &self.blocks;
+        let contacts = |character: usize| blocks[character / LANES].contacts[character % LANES];
+        (contacts, &mut self.matrices[..num], &mut self.locals[..num_locals])
     }
 
     /// Joints of one character in model space (NUM_JOINTS, character < num_characters).

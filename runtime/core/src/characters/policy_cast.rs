@@ -119,10 +119,12 @@ impl PolicyCharacters {
         &self.characters
     }
 
-    /// Everybody's planar root, and poses to be displaced after a step; see [`Characters::poses_mut`].
-    pub fn poses_mut(&mut self) -> (&[Planar], &mut [Mat3x4], &mut [LocalTransform]) {
-        let (model, locals) = self.characters.poses_mut();
-        (&self.roots, model, locals)
+    /// Everybody's planar root, and what [`Characters::poses_mut`] gives.
+    pub fn poses_mut(
+        &mut self,
+    ) -> (&[Planar], impl Fn(usize) -> Contacts + Sync, &mut [Mat3x4], &mut [LocalTransform]) {
+        let (contacts, model, locals) = self.characters.poses_mut();
+        (&self.roots, contacts, model, locals)
     }
 
     /// Row of a character, in the order of bodies.

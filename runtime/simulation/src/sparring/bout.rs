@@ -4,10 +4,11 @@ use super::body::{Body, Posed};
 use super::config::{NO_THREAT_S, SparringConfig};
 use super::landing::{Landing, meet};
 use super::pair::Pair;
+use super::rod::LimbShape;
 use super::snapshot;
 use super::stagger::{StepsAway, staggers};
 use super::tally::{Outcome, Tally};
-use super::touch::{LimbShape, NUM_LIMBS, Touch, limb_shapes};
+use super::touch::{NUM_LIMBS, Touch, limb_shapes};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::{Error, Hash128, Id, Inline, Result, Run, SnapshotKind, maths, run_each};
@@ -188,18 +189,19 @@ impl Sparring {
     /// Moves limbs out of the other's body in the poses of a step; none for poses that are shown again.
     fn touch(&mut self, dt_s: Option<f32>, run: &dyn Run) {
         let (body, limbs, config) = (&self.body, &self.limbs, &self.config.touch);
-        let (roots, model, locals) = self.boxers.poses_mut();
+        let (roots, contacts, model, locals) = self.boxers.poses_mut();
         let mut locals = locals.chunks_mut(2 * PART * NUM_JOINTS);
         let poses = roots.chunks(2 * PART).zip(model.chunks_mut(2 * PART * NUM_JOINTS));
         let parts = self.state.touches.chunks_mut(PART).zip(poses);
         let parts = parts.map(|part| (part, locals.next().unwrap_or_default()));
-        run_each(run, parts, |((touches, (roots, model)), locals)| {
+        run_each(run, parts.enumerate(), |(part, ((touches, (roots, model)), locals))| {
             let mut locals = locals.chunks_mut(NUM_JOINTS);
             let pairs = roots.chunks_exact(2).zip(model.chunks_exact_mut(2 * NUM_JOINTS));
-            for (touch, (roots, model)) in touches.iter_mut().zip(pairs) {
+            for (i, (touch, (roots, model))) in touches.iter_mut().zip(pairs).enumerate() {
                 if let Some(dt_s) = dt_s {
+                    let first = 2 * (part * PART + i);
                     let poses = [0, 1].map(|k| Posed::new(&model[k * NUM_JOINTS..], roots[k]));
-                    touch.settle(body, limbs, &poses, config, dt_s);
+                    touch.settle(body, limbs, (&poses, [first, first + 1].map(&contacts)), config, dt_s);
                 }
                 for (k, model) in model.chunks_exact_mut(NUM_JOINTS).enumerate() {
                     touch.apply(k, roots[k], model, locals.next().unwrap_or_default());

@@ -11,6 +11,7 @@ mod distance;
 mod landing;
 mod pair;
 mod practice;
+mod rod;
 mod snapshot;
 mod stagger;
 mod tally;

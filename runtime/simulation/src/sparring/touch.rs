@@ -1,42 +1,37 @@
-//! Arms and kicking legs that stop where they meet the other's body or guard, or slide there.
+//! Arms and legs that stop where they meet the other's body, guard or legs, or slide there.
 //!
 //! Each limb remembers how far it is displaced from where its motion has it. In a step the displacement fades, then elbow
-//! and wrist, or knee and ankle, are moved out of what they are in, as points of a rod that keeps its length (Müller et al.
-//! 2007, position based dynamics); fast limbs go their way in short pieces, so that none comes out on the other side. Legs are
-//! moved while they are raised; those that stand are only in the way of others. What a blow meets is told by the motion and
-//! not by this.
+//! and wrist, or knee and ankle, are moved out of what they are in, as points of a [`Rod`]; fast limbs go their way in short
+//! pieces, so that none comes out on the other side. A leg that steps goes aside over the ground, one that kicks is moved as
+//! arms are, and one that carries stays where it came down: it is only in the way of others. What a blow meets is told by
+//! the motion and not by this.
 
 use super::body::{Body, Capsule, NUM_CORE, Posed};
 use super::config::{TouchConfig, within};
 use super::distance::nearest_points;
+use super::rod::{Ball, LimbShape, Rod, SOFT_ELBOW_M, Way, arc, elbow_angle, part, reach, swing};
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
 use throng_base::maths;
-use throng_core::Planar;
 use throng_core::pose::{LocalTransform, Mat3x4};
 use throng_core::skeleton::{Joint, Skeleton};
+use throng_core::{Contacts, Planar};
 
 /// Pieces of a way are about as long as this, but for very fast arms (m).
 const PIECE_M: f32 = 0.06;
 /// Most pieces of a way.
 const MOST_PIECES: usize = 4;
-/// Limbs that are in something by less are out of it (m).
-const ENOUGH_M: f32 = 1e-3;
-/// How far a limb may be moved in a piece, for what it might come into (m).
-const ROOM_M: f32 = 0.08;
 /// Rounds in which limbs are moved out of what they are in.
 const ROUNDS: usize = 6;
+/// Rounds in which a whole arm is turned out of what it is in still.
+const SWINGS: usize = 4;
 /// Nobody's limbs reach farther than this from the hips (m).
 const REACH_M: f32 = 1.3;
 /// Limbs that are displaced by less are where their motion has them (m).
 const AT_REST_M: f32 = 5e-4;
 /// Bones of limbs are taken to be at least this long (m).
 const LEAST_M: f32 = 1e-3;
-/// Elbows and knees that are less off the straight line bend outwards and down, or ahead (m).
-const SOFT_ELBOW_M: f32 = 0.02;
-/// Limbs keep this share of their length from being straight.
-const STRETCH: f32 = 5e-4;
 /// A leg whose ankle is so much higher than the other one is raised: it kicks (m).
 const RAISED_M: f32 = 0.25;
 
@@ -51,6 +46,9 @@ pub(crate) const NUM_LIMBS: usize = 4;
 /// The first limb that is a leg, and the toes of legs.
 const LEGS: usize = 2;
 const TOES: [Joint; 2] = [Joint::LeftToe, Joint::RightToe];
+const SOLES: [Contacts; 2] = [Contacts::LEFT, Contacts::RIGHT];
+/// Ankles farther from each other than this are of feet that do not meet in a step (m).
+const FEET_APART_M: f32 = 0.6;
 
 /// What they hang from.
 const PARENTS: [Joint; NUM_LIMBS] = [Joint::LeftClavicle, Joint::RightClavicle, Joint::Hips, Joint::Hips];
@@ -86,6 +84,11 @@ impl Limb {
         [shoulder, elbow + self.off[0], wrist + self.off[1]]
     }
 
+    /// How much it bends where it is straight: one that is hardly displaced comes back to where it is straight (0 to 1).
+    fn soft(&self) -> f32 {
+        (self.off[0].length().max(self.off[1].length()) / SOFT_ELBOW_M).min(1.0)
+    }
+
     /// Gives the limb its lengths, and its elbow or knee as slow a turn as `most`: the end gives way along its way from the
     /// root (rad).
     ///
@@ -93,9 +96,7 @@ impl Limb {
     /// - `out`: see [`reach`].
     fn keep_lengths(&mut self, shape: &LimbShape, before: f32, most: f32, out: Vec3) {
         let [shoulder, elbow, wrist] = self.displaced();
-        // A straight limb comes back to where it is straight.
-        let off_m = self.off[0].length().max(self.off[1].length());
-        let soft = (off_m / SOFT_ELBOW_M).min(1.0);
+        let soft = self.soft();
         let mut ends = reach(shoulder, [elbow, wrist], shape, (out, soft));
         let angle = elbow_angle([shoulder, ends[0], ends[1]]);
         let slow = angle.clamp(before - most, before + most);
@@ -107,6 +108,16 @@ impl Limb {
         }
         self.off = [ends[0] - self.was[1], ends[1] - self.was[2]];
     }
+
+    /// Turns the whole limb about its root out of what it is in still: that turns no elbow.
+    fn swing_out(&mut self, shape: &LimbShape, core: &[Capsule], give_m: f32) {
+        for capsule in core.iter().cycle().take(SWINGS * core.len()) {
+            let [root, middle, end] = self.displaced();
+            let Some(turn) = swing(root, [middle, end], shape, capsule, give_m) else { continue };
+            let turned = [middle, end].map(|p| root + maths::rotate(turn, p - root));
+            self.off = [turned[0] - self.was[1], turned[1] - self.was[2]];
+        }
+    }
 }
 
 /// What is remembered of the limbs of two opponents.
@@ -116,19 +127,6 @@ pub(crate) struct Touch {
     limbs: [[Limb; NUM_LIMBS]; 2],
     /// False where one has no step behind it.
     seen: [bool; 2],
-}
-
-/// What of a limb does not change.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct LimbShape {
-    /// Lengths of its two bones (m).
-    lengths: [f32; 2],
-    /// How far the axis goes on beyond its end, into the fist; 0 for legs (m).
-    hand_m: f32,
-    /// Of the forearm or shin (m).
-    radius: f32,
-    /// Of the upper arm or thigh (m).
-    upper_radius: f32,
 }
 
 /// The limbs of a skeleton, in the order of [`LIMBS`].
@@ -159,29 +157,27 @@ impl Touch {
 
     /// Finds how far all limbs have to be displaced.
     ///
-    /// - `poses`: as the motion has them.
+    /// - `poses`: as the motion has them, and what of their feet is planted.
     pub fn settle(
         &mut self,
         body: &Body,
         shapes: &[LimbShape; NUM_LIMBS],
-        poses: &[Posed<'_>; 2],
+        (poses, contacts): (&[Posed<'_>; 2], [Contacts; 2]),
         config: &TouchConfig,
         dt_s: f32,
     ) {
         let now: Places = [0, 1].map(|k| LIMBS.map(|limb| limb.map(|j| poses[k].point(j, Vec3::ZERO))));
         let before = self.limbs;
+        let ways = [0, 1].map(|k| ways(&now[k], contacts[k]));
         let keep = maths::exp(-std::f32::consts::LN_2 * dt_s / config.half_life_s);
-        for (limb, now) in self
-            .limbs
-            .iter_mut()
-            .zip(&now)
-            .zip(self.seen)
-            .flat_map(|((limbs, now), seen)| limbs.iter_mut().zip(now.iter().map(move |now| (*now, seen))))
-        {
-            if !now.1 {
-                limb.was = now.0;
+        for (k, l) in (0..2).flat_map(|k| (0..NUM_LIMBS).map(move |l| (k, l))) {
+            let limb = &mut self.limbs[k][l];
+            if !self.seen[k] {
+                limb.was = now[k][l];
             }
-            limb.off = limb.off.map(|o| o * keep);
+            // A foot stays where it came down.
+            let end = if ways[k][l] == Way::Stays { 1.0 } else { keep };
+            limb.off = [limb.off[0] * keep, limb.off[1] * end];
             if limb.off.iter().all(|o| o.length_squared() < AT_REST_M * AT_REST_M) {
                 limb.off = [Vec3::ZERO; 2];
             }
@@ -189,14 +185,15 @@ impl Touch {
         self.seen = [true; 2];
         let hips = poses.each_ref().map(|p| p.point(Joint::Hips, Vec3::ZERO));
         let is_near = hips[0].distance_squared(hips[1]) < 4.0 * REACH_M * REACH_M;
-        let moves = now.each_ref().map(moving);
-        if config.enabled && is_near && self.may_touch(shapes, &now, &moves, &hips) {
-            let cores = poses.each_ref().map(|p| body.obstacles(p));
+        let touches = config.enabled && is_near && self.may_touch(shapes, &now, &ways, &hips);
+        let cores = touches.then(|| poses.each_ref().map(|p| body.obstacles(p)));
+        if let Some(cores) = &cores {
             let toes = [0, 1].map(|k| TOES.map(|j| poses[k].point(j, Vec3::ZERO)));
-            let fastest = self.limbs.iter().flatten().zip(now.iter().flatten()).zip(moves.iter().flatten());
-            let fastest = fastest.filter(|(_, moves)| **moves).map(|((limb, now), _)| now[2].distance(limb.was[2]));
+            let fastest = self.limbs.iter().flatten().zip(now.iter().flatten()).zip(ways.iter().flatten());
+            let fastest =
+                fastest.filter(|(_, way)| **way == Way::Free).map(|((limb, now), _)| now[2].distance(limb.was[2]));
             let pieces = ((fastest.fold(0.0, f32::max) / PIECE_M).ceil() as usize).clamp(1, MOST_PIECES);
-            let scene = Scene { shapes, cores: &cores, now: &now, toes: &toes, moves: &moves, give_m: config.give_m };
+            let scene = Scene { shapes, cores, now: &now, toes: &toes, ways: &ways, give_m: config.give_m };
             for piece in 1..=pieces {
                 self.piece(&scene, piece as f32 / pieces as f32);
             }
@@ -209,6 +206,9 @@ impl Touch {
                     let most = (elbow_angle(now) - elbow_angle(was)).abs().max(config.elbow_radps * dt_s);
                     let before = elbow_angle(Limb { was, ..before[k][l] }.displaced());
                     limb.keep_lengths(&shapes[l], before, most, out);
+                    if let Some(cores) = cores.as_ref().filter(|_| l < LEGS) {
+                        limb.swing_out(&shapes[l], &cores[k ^ 1], config.give_m);
+                    }
                 }
             }
         }
@@ -219,12 +219,17 @@ impl Touch {
         &self,
         shapes: &[LimbShape; NUM_LIMBS],
         now: &Places,
-        moves: &[[bool; NUM_LIMBS]; 2],
+        ways: &[[Way; NUM_LIMBS]; 2],
         hips: &[Vec3; 2],
     ) -> bool {
         /// No core, no arm whose fist is there and no thigh reaches farther from the axis over the hips than this (m).
         const WIDE: f32 = 0.45;
-        if self.limbs.iter().flatten().any(Limb::is_displaced) || moves.iter().any(|m| m[LEGS..].contains(&true)) {
+        let kicks = |ways: &[Way; NUM_LIMBS]| ways[LEGS..].contains(&Way::Free);
+        if self.limbs.iter().flatten().any(Limb::is_displaced) || ways.iter().any(kicks) {
+            return true;
+        }
+        let ankles = |k: usize| now[k][LEGS..].iter().map(|leg| leg[2]);
+        if ankles(0).any(|a| ankles(1).any(|b| a.distance_squared(b) < FEET_APART_M * FEET_APART_M)) {
             return true;
         }
         let axis = |k: usize| [hips[k], hips[k] + Vec3::Y * 0.8];
@@ -244,37 +249,45 @@ impl Touch {
 
     /// Goes a piece of the way since the last step, and moves limbs out of what they are in.
     fn piece(&mut self, scene: &Scene<'_>, share: f32) {
-        let &Scene { shapes, now, moves, give_m, .. } = scene;
-        let each = |k: usize| (0..NUM_LIMBS).filter(move |l| moves[k][*l]);
+        let &Scene { shapes, now, ways, give_m, .. } = scene;
+        let free = |k: usize| (0..NUM_LIMBS).filter(move |l| ways[k][*l] == Way::Free);
         let base: Places = std::array::from_fn(|k| {
             std::array::from_fn(|l| std::array::from_fn(|i| self.limbs[k][l].was[i].lerp(now[k][l][i], share)))
         });
+        let out = base.each_ref().map(outwards);
         let mut rods: [[Rod; NUM_LIMBS]; 2] = std::array::from_fn(|k| {
             std::array::from_fn(|l| {
-                let (b, off) = (&base[k][l], &self.limbs[k][l].off);
+                let (b, limb) = (&base[k][l], &self.limbs[k][l]);
+                let mut ends = [0, 1].map(|i| b[i + 1] + limb.off[i]);
+                if limb.is_displaced() {
+                    // What fades has not its lengths: the elbow is elsewhere.
+                    ends = reach(b[0], ends, &shapes[l], (out[k][l], limb.soft()));
+                }
                 let foot = if l < LEGS { Vec3::ZERO } else { scene.toes[k][l - LEGS] - now[k][l][2] };
-                Rod { ends: [b[1] + off[0], b[2] + off[1]], foot, moved: false }
+                Rod { ends, foot, way: ways[k][l], moved: false }
             })
         });
         let obstacles = [0, 1].map(|k| obstacles(&now[k], shapes, &scene.cores[k]));
         let mut near = [[Near::default(); NUM_LIMBS]; 2];
-        let mut balls = [[None; NUM_LIMBS]; 2];
-        for k in 0..2 {
-            for l in each(k) {
-                let first = if l < LEGS { FOR_ARMS } else { 0 };
-                near[k][l] = Near::of(&rods[k][l], base[k][l][0], &shapes[l], (&obstacles[k ^ 1], first));
-                balls[k][l] = Some(Ball::about(rods[k][l].axis(&shapes[l]), shapes[l].radius));
-            }
+        for (k, l) in [0, 1].into_iter().flat_map(|k| free(k).map(move |l| (k, l))) {
+            let first = if l < LEGS { FOR_ARMS } else { 0 };
+            near[k][l] = Near::of(&rods[k][l], base[k][l][0], &shapes[l], (&obstacles[k ^ 1], first));
         }
-        let are_near = |a: usize, b: usize| balls[0][a].zip(balls[1][b]).is_some_and(|(a, b)| a.is_near(&b));
+        // Arms and legs that kick meet each other; legs that step or carry, legs alone.
+        let balls = rods.each_ref().map(|rods| [0, 1, 2, 3].map(|l| rods[l].ball(&shapes[l])));
+        let meet = |a: usize, b: usize| {
+            let are_alike = a.min(b) >= LEGS || [ways[0][a], ways[1][b]] == [Way::Free; 2];
+            are_alike && balls[0][a].is_near(&balls[1][b])
+        };
         for _ in 0..ROUNDS {
             let mut any = false;
-            for (a, b) in each(0).flat_map(|a| each(1).map(move |b| (a, b))).filter(|(a, b)| are_near(*a, *b)) {
+            for (a, b) in (0..NUM_LIMBS).flat_map(|a| (0..NUM_LIMBS).map(move |b| (a, b))).filter(|(a, b)| meet(*a, *b))
+            {
                 let [first, second] = &mut rods;
                 any |= part(&mut first[a], &shapes[a], &mut second[b], &shapes[b], give_m);
             }
             for k in 0..2 {
-                for l in each(k) {
+                for l in free(k) {
                     let (rod, shape, near) = (&mut rods[k][l], &shapes[l], near[k][l]);
                     // Legs, upper arms, then the core: what comes last counts most.
                     for (i, capsule) in obstacles[k ^ 1].iter().enumerate() {
@@ -291,9 +304,8 @@ impl Touch {
                 break;
             }
             for k in 0..2 {
-                let out = outwards(&base[k]);
                 for (l, rod) in rods[k].iter_mut().enumerate().filter(|(_, rod)| rod.moved) {
-                    rod.ends = reach(base[k][l][0], rod.ends, &shapes[l], (out[l], 1.0));
+                    rod.ends = reach(base[k][l][0], rod.ends, &shapes[l], (out[k][l], 1.0));
                 }
             }
         }
@@ -350,15 +362,20 @@ struct Scene<'a> {
     cores: &'a [[Capsule; NUM_CORE + 1]; 2],
     now: &'a Places,
     toes: &'a [[Vec3; 2]; 2],
-    moves: &'a [[bool; NUM_LIMBS]; 2],
+    ways: &'a [[Way; NUM_LIMBS]; 2],
     /// How far flesh gives (m).
     give_m: f32,
 }
 
-/// Which limbs are moved where they are in something: arms, and a leg that is raised.
-fn moving(now: &[[Vec3; 3]; NUM_LIMBS]) -> [bool; NUM_LIMBS] {
-    let [left, right] = [now[LEGS][2].y, now[LEGS + 1][2].y];
-    [true, true, left > right + RAISED_M, right > left + RAISED_M]
+/// How limbs are moved where they are in something.
+fn ways(now: &[[Vec3; 3]; NUM_LIMBS], contacts: Contacts) -> [Way; NUM_LIMBS] {
+    let ankles = [0, 1].map(|k| now[LEGS + k][2].y);
+    std::array::from_fn(|l| match l {
+        0..LEGS => Way::Free,
+        _ if ankles[l - LEGS] > ankles[LEGS + 1 - l] + RAISED_M => Way::Free,
+        _ if contacts.any(SOLES[l - LEGS]) => Way::Stays,
+        _ => Way::Level,
+    })
 }
 
 /// Where straight limbs bend to: elbows outwards and down, knees ahead.
@@ -368,29 +385,9 @@ fn outwards(limbs: &[[Vec3; 3]; NUM_LIMBS]) -> [Vec3; NUM_LIMBS] {
     [shoulders - Vec3::Y, -shoulders - Vec3::Y, ahead, ahead]
 }
 
-/// The angle at an elbow or a knee (rad).
-fn elbow_angle([shoulder, elbow, wrist]: [Vec3; 3]) -> f32 {
-    let (upper, lower) = (shoulder - elbow, wrist - elbow);
-    maths::atan2(upper.cross(lower).length(), upper.dot(lower))
-}
-
-/// The turn from one direction to another; none where either has no length. Small turns are exact, other than glam's,
-/// which leaves out those below 0.7 mrad.
-fn arc(from: Vec3, to: Vec3) -> Quat {
-    let (Some(from), Some(to)) = (from.try_normalize(), to.try_normalize()) else { return Quat::IDENTITY };
-    let w = 1.0 + from.dot(to);
-    if w < 1e-6 {
-        // Any axis does.
-        let axis = from.any_orthonormal_vector();
-        return Quat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
-    }
-    let axis = from.cross(to);
-    maths::unit(Quat::from_xyzw(axis.x, axis.y, axis.z, w))
-}
-
-/// What limbs stop at: the other's thighs and shins, for legs alone, upper arms, then the core, for upper arms and thighs too.
+/// What limbs stop at: the other's thighs, for legs alone, upper arms, then the core, for upper arms and thighs too.
 const NUM_OBSTACLES: usize = FOR_UPPER + NUM_CORE + 1;
-const FOR_ARMS: usize = 4;
+const FOR_ARMS: usize = 2;
 const FOR_UPPER: usize = FOR_ARMS + LEGS;
 
 fn obstacles(
@@ -398,31 +395,12 @@ fn obstacles(
     shapes: &[LimbShape; NUM_LIMBS],
     core: &[Capsule; NUM_CORE + 1],
 ) -> [Capsule; NUM_OBSTACLES] {
-    let bone = |l: usize, from: usize, radius: f32| Capsule { ends: [limbs[l][from], limbs[l][from + 1]], radius };
+    let upper = |l: usize| Capsule { ends: [limbs[l][0], limbs[l][1]], radius: shapes[l].upper_radius };
     std::array::from_fn(|i| match i {
-        0..2 => bone(LEGS + i, 0, shapes[LEGS + i].upper_radius),
-        2..FOR_ARMS => bone(i, 1, shapes[i].radius),
-        FOR_ARMS..FOR_UPPER => bone(i - FOR_ARMS, 0, shapes[i - FOR_ARMS].upper_radius),
+        0..FOR_ARMS => upper(LEGS + i),
+        FOR_ARMS..FOR_UPPER => upper(i - FOR_ARMS),
         _ => core[i - FOR_UPPER],
     })
-}
-
-/// A ball around a capsule.
-#[derive(Clone, Copy, Debug)]
-struct Ball {
-    centre: Vec3,
-    radius: f32,
-}
-
-impl Ball {
-    fn about(ends: [Vec3; 2], radius: f32) -> Self {
-        Self { centre: (ends[0] + ends[1]) * 0.5, radius: 0.5 * ends[0].distance(ends[1]) + radius }
-    }
-
-    fn is_near(&self, other: &Self) -> bool {
-        let reach = self.radius + other.radius + ROOM_M;
-        self.centre.distance_squared(other.centre) < reach * reach
-    }
 }
 
 /// What the two bones of a limb might come into, a bit for each obstacle.
@@ -435,7 +413,7 @@ struct Near {
 impl Near {
     /// - `first`: number of the first obstacle that counts.
     fn of(rod: &Rod, root: Vec3, shape: &LimbShape, (obstacles, first): (&[Capsule; NUM_OBSTACLES], usize)) -> Self {
-        let fore = Ball::about(rod.axis(shape), shape.radius + rod.foot.length());
+        let fore = rod.ball(shape);
         let upper = Ball::about([root, rod.ends[0]], shape.upper_radius);
         let mut near = Self::default();
         for (i, capsule) in obstacles.iter().enumerate().skip(first) {
@@ -445,100 +423,4 @@ impl Near {
         }
         near
     }
-}
-
-/// A forearm or shin that is moved about.
-#[derive(Clone, Copy, Debug)]
-struct Rod {
-    /// Elbow and wrist, or knee and ankle (m).
-    ends: [Vec3; 2],
-    /// From the ankle to the toes; none for arms (m).
-    foot: Vec3,
-    moved: bool,
-}
-
-impl Rod {
-    /// From the elbow to where the fist begins to round, or from knee to ankle (m).
-    fn axis(&self, shape: &LimbShape) -> [Vec3; 2] {
-        let [elbow, wrist] = self.ends;
-        [elbow, wrist + (wrist - elbow) * (shape.hand_m / shape.lengths[1])]
-    }
-
-    /// Moves a point of its axis; what is near the elbow carries the wrist along, and the foot the ankle (m).
-    fn shift(&mut self, at: Vec3, by: Vec3) {
-        let [elbow, wrist] = self.ends;
-        let along = wrist - elbow;
-        let s = ((at - elbow).dot(along) / along.length_squared().max(1e-9)).clamp(0.0, 1.0);
-        let per = 1.0 / ((1.0 - s) * (1.0 - s) + s);
-        self.ends = [elbow + by * ((1.0 - s) * per), wrist + by * per];
-        self.moved = true;
-    }
-
-    /// Moves it out of a capsule that stays; false where it is not in it.
-    fn leave(&mut self, shape: &LimbShape, capsule: &Capsule, give_m: f32) -> bool {
-        let allowed_m = shape.radius + capsule.radius - give_m;
-        let mut found = depth(self.axis(shape), capsule.ends, allowed_m);
-        found.into_iter().for_each(|(at, _, by)| self.shift(at, by));
-        if self.foot != Vec3::ZERO {
-            let ankle = self.ends[1];
-            let of_foot = depth([ankle, ankle + self.foot], capsule.ends, allowed_m);
-            of_foot.into_iter().for_each(|(_, _, by)| self.shift(ankle, by));
-            found = found.or(of_foot);
-        }
-        found.is_some()
-    }
-
-    /// Moves the elbow or knee, and what is beyond it, so that the upper arm or thigh leaves a capsule as well; false where it is not in it.
-    fn lift(&mut self, shoulder: Vec3, shape: &LimbShape, capsule: &Capsule, give_m: f32) -> bool {
-        /// A point of it nearer to its root than this share of its length is out of reach of the elbow or knee.
-        const LEAST: f32 = 0.4;
-        let allowed_m = shape.upper_radius + capsule.radius - give_m;
-        let found = depth([shoulder, self.ends[0]], capsule.ends, allowed_m);
-        let found = found.filter(|(at, ..)| at.distance(shoulder) > LEAST * shape.lengths[0]);
-        if let Some((at, _, by)) = found {
-            self.shift(self.ends[0], by * (shape.lengths[0] / at.distance(shoulder)));
-        }
-        found.is_some()
-    }
-}
-
-/// Moves two forearms or shins apart, each by half; false where they do not meet.
-fn part(a: &mut Rod, shape_a: &LimbShape, b: &mut Rod, shape_b: &LimbShape, give_m: f32) -> bool {
-    let axes = (a.axis(shape_a), b.axis(shape_b));
-    match depth(axes.0, axes.1, shape_a.radius + shape_b.radius - give_m) {
-        Some((at_a, at_b, by)) => {
-            a.shift(at_a, by * 0.5);
-            b.shift(at_b, by * -0.5);
-            true
-        }
-        None => false,
-    }
-}
-
-/// Where two axes are nearest and how far the first one has to go, if they are nearer than allowed (m).
-fn depth(a: [Vec3; 2], b: [Vec3; 2], allowed_m: f32) -> Option<(Vec3, Vec3, Vec3)> {
-    let [p, q] = nearest_points(a, b);
-    let way = p - q;
-    let distance = way.length();
-    // Crossing axes leave the way that the arm came from.
-    let out = if distance > 1e-5 { way / distance } else { (a[0] - q).normalize_or(Vec3::Y) };
-    (distance < allowed_m - ENOUGH_M).then(|| (p, q, out * (allowed_m - distance)))
-}
-
-/// Middle and end as near to `ends` as a limb of these lengths can be.
-///
-/// - `out`: where a straight limb bends to, and how much of that there is (0 to 1).
-fn reach(shoulder: Vec3, [elbow, wrist]: [Vec3; 2], shape: &LimbShape, (out, soft): (Vec3, f32)) -> [Vec3; 2] {
-    let [l1, l2] = shape.lengths;
-    let way = wrist - shoulder;
-    let direction = way.normalize_or(Vec3::NEG_Y);
-    // Of bones shorter than that, the least distance is above the greatest one.
-    let d = way.length().min((l1 + l2) * (1.0 - STRETCH * soft * soft)).max((l1 - l2).abs() + 1e-3);
-    let across = |v: Vec3| v - direction * v.dot(direction);
-    let pole = across(elbow - shoulder);
-    let soft = (SOFT_ELBOW_M * soft - pole.length()).max(0.0);
-    let pole = (pole + across(out).normalize_or_zero() * soft).normalize_or_zero();
-    let along = (l1 * l1 - l2 * l2 + d * d) / (2.0 * d);
-    let across = (l1 * l1 - along * along).max(0.0).sqrt();
-    [shoulder + direction * along + pole * across, shoulder + direction * d]
 }

@@ -71,6 +71,8 @@ struct State {
     plays_pair: bool,
     /// Why it was freed of a meeting since the last step, if it was.
     parted: Option<Parted>,
+    /// When it goes on after what it did with another one: it need not rest for long (s).
+    leaves_s: Option<f64>,
 }
 
 impl State {
@@ -96,14 +98,16 @@ impl State {
             meeting: None,
             plays_pair: false,
             parted: None,
+            leaves_s: None,
         }
     }
 
     /// The same with another wish, which it has not begun with.
     fn wishing(self, wish: Wish) -> Self {
         let doing = if wish.is_roaming() { Doing::Roaming } else { Doing::Planning };
-        let Self { at, through, num_fulfilled, draws, purpose, progress, plays_pair, parted, .. } = self;
-        Self { wish, doing, through, num_fulfilled, draws, purpose, progress, plays_pair, parted, ..Self::at(at) }
+        let Self { at, through, num_fulfilled, draws, purpose, progress, plays_pair, parted, leaves_s, .. } = self;
+        let new = Self { wish, doing, through, num_fulfilled, draws, purpose, progress, ..Self::at(at) };
+        Self { plays_pair, parted, leaves_s, ..new }
     }
 }
 

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use throng_base::error::check;
 use throng_base::{Error, Id, Result, maths};
 use throng_core::characters::uniform;
-use throng_core::patch::{LinkRecord, NONE};
+use throng_core::patch::{LinkRecord, NONE, Placement};
 use throng_core::planar::wrap_angle;
 use throng_core::{Contacts, Planar};
 
@@ -24,6 +24,10 @@ const GIVE_UP_S: f64 = 60.0;
 const NEAR_START: (f32, f32) = (0.06, 0.1);
 /// Who breaks off stands this near to where it may rest (m, rad).
 const NEAR_REST: (f32, f32) = (0.06, 0.15);
+/// How long one stays at least and at most after what two did together, if it knows where to go (s).
+const LINGERS_S: [f32; 2] = [0.2, 0.5];
+/// Who knows so much later where to go need not hurry any more (s).
+const HURRIES_S: f64 = 1.0;
 /// Heels and toes.
 const BOTH_FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
 /// Places for two that are compared, the nearest ones.
@@ -296,7 +300,30 @@ impl Inhabitants {
             }
         }
         self.break_off(graph);
+        self.leave_soon(graph);
         self.tell_parted();
+    }
+
+    /// Lets those go on soon who rest where they did something together, once they know where to.
+    fn leave_soon(&mut self, graph: &WorldGraph) {
+        for c in 0..self.states.len() {
+            let state = &self.states[c];
+            let Some(leaves_s) = state.leaves_s.filter(|&leaves_s| leaves_s <= self.time_s) else { continue };
+            let knows = match self.paths.target(c) {
+                Some(_) => !self.paths.of(c).is_empty(),
+                None => state.doing != Doing::Arrived,
+            };
+            if self.time_s - leaves_s > HURRIES_S || !graph.is_rest(state.at) {
+                self.states[c].leaves_s = None;
+            } else if knows
+                && stands_at(graph.place(state.at), self.roots[c])
+                && self.characters.contacts(c).all(BOTH_FEET)
+                && self.characters.frames_left(c) > 1.0
+            {
+                self.characters.cut(c, self.characters.frames_left(c).fract());
+                self.states[c].leaves_s = None;
+            }
+        }
     }
 
     /// Lets those leave what two do together who have been told something else, where both feet stand near to a rest.
@@ -310,11 +337,7 @@ impl Inhabitants {
                 continue;
             }
             let root = self.roots[c];
-            let near = graph.rest_cells(state.at.instance).find(|&node| {
-                let place = graph.place(node);
-                maths::hypot(place.x - root.x, place.z - root.z) < NEAR_REST.0
-                    && wrap_angle(place.heading - root.heading).abs() < NEAR_REST.1
-            });
+            let near = graph.rest_cells(state.at.instance).find(|&node| stands_at(graph.place(node), root));
             if let Some(node) = near {
                 let left = self.characters.frames_left(c).fract().clamp(0.0, 1.0);
                 self.characters.cut(c, left);
@@ -369,8 +392,11 @@ impl Inhabitants {
         let fits = |o: &PairOffer| o.tag == offer.tag && o.starts == offer.ends;
         let num = self.pair_offers.iter().filter(|o| fits(o)).count();
         if num == 0 || self.states[c].performed as f32 / self.rate_hz >= seconds {
+            let [least, most] = LINGERS_S;
+            let lingers_s = least + (most - least) * self.chance(c);
             let state = &mut self.states[c];
             (state.doing, state.meeting) = (Doing::Arrived, None);
+            state.leaves_s = Some(self.time_s + f64::from(lingers_s));
             state.num_fulfilled = state.num_fulfilled.wrapping_add(1);
             self.events.push((self.roster.ids()[c], InhabitantEvent::Fulfilled));
             return self.rest(graph, c);
@@ -434,6 +460,12 @@ impl Inhabitants {
         let other = self.roster.row(self.states[c].meeting?.with).ok()?;
         self.states[other].meeting.is_some_and(|m| m.with == self.roster.ids()[c]).then_some(other)
     }
+}
+
+/// True where a root is so near to a place of rest that what is missing goes over.
+fn stands_at(place: Placement, root: Planar) -> bool {
+    maths::hypot(place.x - root.x, place.z - root.z) < NEAR_REST.0
+        && wrap_angle(place.heading - root.heading).abs() < NEAR_REST.1
 }
 
 /// True where one rests at a node, or so near to it that the rest goes over when two begin.

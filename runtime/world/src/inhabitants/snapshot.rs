@@ -42,7 +42,7 @@ impl Inhabitants {
         let mut setup = Hash128::default();
         setup.bytes(&self.world.hash().to_le_bytes());
         setup.bytes(format!("{:?} {}", self.config, self.capacity()).as_bytes());
-        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 5, setup: setup.finish() }
+        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 6, setup: setup.finish() }
     }
 
     /// Takes a state of unknown origin, or changes nothing and says what does not fit.
@@ -102,6 +102,7 @@ fn is_sound(graph: &WorldGraph, state: &State) -> bool {
         && state.progress <= CALM_AFTER
         && state.tries.iter().all(|t| *t <= 2 * MAX_TRIES)
         && state.until_s.is_finite()
+        && state.leaves_s.is_none_or(f64::is_finite)
         && state.purpose.is_sound()
         && state.refused_s.is_none_or(f64::is_finite)
 }

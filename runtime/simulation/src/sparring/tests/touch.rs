@@ -1,6 +1,7 @@
-//! Arms and kicking legs that stop at the other's body.
+//! Arms and kicking legs that stop at the other's body, and feet that stand beside the other's.
 
-use super::super::touch::{LimbShape, NUM_LIMBS, Touch, limb_shapes};
+use super::super::rod::LimbShape;
+use super::super::touch::{NUM_LIMBS, Touch, limb_shapes};
 use super::*;
 use throng_core::pose::LocalTransform;
 
@@ -31,15 +32,27 @@ fn punch(way: f32) -> [Mat3x4; NUM_JOINTS] {
     pose
 }
 
-/// One step of two, and their poses after it.
+const BOTH: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
+
+/// One step of two who stand on both feet, and their poses after it.
 fn step(
     touch: &mut Touch,
     poses: [&[Mat3x4; NUM_JOINTS]; 2],
     roots: [Planar; 2],
     config: &TouchConfig,
 ) -> [[Mat3x4; NUM_JOINTS]; 2] {
+    step_on(touch, (poses, [BOTH; 2]), roots, config)
+}
+
+/// One step of two, and their poses after it.
+fn step_on(
+    touch: &mut Touch,
+    (poses, contacts): ([&[Mat3x4; NUM_JOINTS]; 2], [Contacts; 2]),
+    roots: [Planar; 2],
+    config: &TouchConfig,
+) -> [[Mat3x4; NUM_JOINTS]; 2] {
     let (body, arms) = shapes();
-    touch.settle(&body, &arms, &[0, 1].map(|k| Posed::new(poses[k], roots[k])), config, DT);
+    touch.settle(&body, &arms, (&[0, 1].map(|k| Posed::new(poses[k], roots[k])), contacts), config, DT);
     [0, 1].map(|k| {
         let mut pose = *poses[k];
         touch.apply(k, roots[k], &mut pose, &mut []);
@@ -106,7 +119,7 @@ fn a_kick_stops_at_the_body_and_comes_back() {
             // Up within a quarter of a second, held, and down again.
             let way = (i as f32 / 15.0).min((60 - i) as f32 / 15.0).min(1.0);
             let motion = kick(way);
-            let posed = step(&mut touch, [&motion, &rest], roots, &config().touch);
+            let posed = step_on(&mut touch, ([&motion, &rest], [Contacts::RIGHT, BOTH]), roots, &config().touch);
             let off = |j: Joint| posed[0][j.index()].translation() - motion[j.index()].translation();
             let bone = |from: Joint, to: Joint, pose: &[Mat3x4; NUM_JOINTS]| {
                 pose[from.index()].translation().distance(pose[to.index()].translation())
@@ -126,7 +139,7 @@ fn a_kick_stops_at_the_body_and_comes_back() {
         assert!(deepest < 0.05, "{deepest} at {distance}");
         let mut last = rest;
         for _ in 0..120 {
-            last = step(&mut touch, [&rest, &rest], roots, &config().touch)[0];
+            last = step_on(&mut touch, ([&rest, &rest], [Contacts::RIGHT, BOTH]), roots, &config().touch)[0];
         }
         let far = [Planar::IDENTITY, Planar::new(0.0, 5.0, 0.0)];
         let free = step(&mut touch, [&rest, &rest], far, &config().touch)[0];
@@ -136,6 +149,86 @@ fn a_kick_stops_at_the_body_and_comes_back() {
             leg(&last) == leg(&rest) && leg(&free) == leg(&rest),
             "{off:?} at {distance}: it is where its motion has it, to the last bit"
         );
+    }
+}
+
+/// Distance of the shins and feet of two (m).
+fn legs_apart(poses: &[[Mat3x4; NUM_JOINTS]; 2], roots: [Planar; 2]) -> f32 {
+    let bones = |k: usize| {
+        let at = Posed::new(&poses[k], roots[k]);
+        let sides = [LEG, [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]];
+        let toes = [Joint::LeftToe, Joint::RightToe];
+        let of_side = |(leg, toe): ([Joint; 3], Joint)| [[leg[1], leg[2]], [leg[2], toe]];
+        let bones = sides.into_iter().zip(toes).flat_map(of_side);
+        bones.map(|bone| bone.map(|j| at.point(j, Vec3::ZERO))).collect::<Vec<_>>()
+    };
+    let (own, other) = (bones(0), bones(1));
+    let pairs = own.iter().flat_map(|a| other.iter().map(|b| nearest_points(*a, *b)));
+    pairs.map(|[p, q]| p.distance(q)).fold(f32::MAX, f32::min)
+}
+
+/// The rest pose with the left foot ahead, as far over the ground and as high above it (m).
+fn stride(ahead: f32, up: f32) -> [Mat3x4; NUM_JOINTS] {
+    let mut pose = rest_pose();
+    // Lower hips, so that the leg reaches.
+    pose.iter_mut().for_each(|m| m.rows[1][3] -= 0.12);
+    let rest = rest_pose();
+    for side in [
+        [LEG[0], LEG[1], LEG[2], Joint::LeftToe],
+        [Joint::RightThigh, Joint::RightShin, Joint::RightFoot, Joint::RightToe],
+    ] {
+        let is_left = side[0] == LEG[0];
+        let by = if is_left { Vec3::new(0.0, up, ahead) } else { Vec3::ZERO };
+        let [hip, _, ankle, toe] = side.map(Joint::index);
+        let to = rest[ankle].translation() + by;
+        let from = pose[hip].translation();
+        let [l1, l2] = [1, 2].map(|i| Skeleton::default().offsets[side[i].index()].length());
+        let (way, d) = ((to - from).normalize(), (to - from).length().min(l1 + l2 - 1e-4));
+        let along = (l1 * l1 - l2 * l2 + d * d) / (2.0 * d);
+        let bend = (Vec3::Z - way * way.z).normalize() * (l1 * l1 - along * along).max(0.0).sqrt();
+        let knee = from + way * along + bend;
+        let turn = |from: Vec3, to: Vec3| Quat::from_rotation_arc(Vec3::NEG_Y, (to - from).normalize());
+        pose[hip] = Mat3x4::from_rotation_translation(turn(from, knee), from);
+        pose[side[1].index()] = Mat3x4::from_rotation_translation(turn(knee, from + way * d), knee);
+        pose[ankle] = Mat3x4::from_rotation_translation(Quat::IDENTITY, from + way * d);
+        pose[toe] = Mat3x4::from_rotation_translation(
+            Quat::IDENTITY,
+            from + way * d + rest[toe].translation() - rest[ankle].translation(),
+        );
+    }
+    pose
+}
+
+#[test]
+fn a_foot_comes_down_beside_the_other_ones_and_stays_there() {
+    let rest = rest_pose();
+    // Its left foot comes down where the other one's left or right one stands, or between them.
+    for beside in [-0.05, 0.0, 0.05, 0.15, 0.2] {
+        let roots = [Planar::IDENTITY, Planar::new(beside, 0.62, std::f32::consts::PI)];
+        let (mut touch, mut in_it, mut planted) = (Touch::default(), false, None::<Vec3>);
+        let mut last: Option<[Mat3x4; NUM_JOINTS]> = None;
+        for i in 0..120 {
+            // A step within 0.4 s, half a second on the ground, and back.
+            let way = (i as f32 / 24.0).min((f32::from(78 - i as i16).max(0.0)) / 24.0).clamp(0.0, 1.0);
+            let carries = (24..=54).contains(&i) || i >= 78;
+            let motion = stride(0.4 * way, if carries { 0.0 } else { 0.05 });
+            let contacts = [if carries { BOTH } else { Contacts::RIGHT }, BOTH];
+            let posed = step_on(&mut touch, ([&motion, &rest], contacts), roots, &config().touch);
+            in_it |= legs_apart(&[motion, rest], roots) < 0.06;
+            let apart = legs_apart(&posed, roots);
+            assert!(apart > 0.07, "{apart} m at {beside}, step {i}");
+            let foot = posed[0][LEG[2].index()].translation();
+            assert!((foot.y - motion[LEG[2].index()].translation().y).abs() < 0.01, "it keeps its height");
+            if carries && i < 78 {
+                let down = *planted.get_or_insert(foot);
+                assert!(foot.distance(down) < 1e-3, "a foot that carries stays: {foot} {down} at {beside}, step {i}");
+            }
+            if let Some(last) = last.replace(posed[0]) {
+                let moved = last[LEG[2].index()].translation().distance(foot);
+                assert!(moved < 4.0 * DT, "{moved} m at {beside}, step {i}");
+            }
+        }
+        assert!(in_it, "it would come down in it at {beside}");
     }
 }
 
@@ -202,6 +295,36 @@ fn a_fast_fist_stops_on_its_side_of_the_head() {
 }
 
 #[test]
+fn arms_that_come_back_from_a_body_stay_out_of_it() {
+    let rest = rest_pose();
+    let mut goes_through = 0;
+    for i in 0..400u32 {
+        let share = |salt: u32| {
+            (i.wrapping_mul(2_654_435_761).wrapping_add(salt).wrapping_mul(2_246_822_519) >> 8) as f32
+                / (1 << 24) as f32
+        };
+        let (x, z) = (-0.2 + 0.6 * share(1), 0.3 + 0.4 * share(2));
+        let other = Planar::new(x, z, std::f32::consts::TAU * share(3));
+        let (mut touch, mut deepest, mut worst) = (Touch::default(), 0.0f32, 0.0f32);
+        for step_no in 0..60 {
+            // Out within 0.1 s, back within 0.2 s, and the whole body turns into the blow and back.
+            let way = (step_no as f32 / 6.0).min((24.0 - step_no as f32).max(0.0) / 12.0).min(1.0);
+            let roots = [Planar::new(0.0, 0.1 * way, (0.6 * share(4) - 0.9) * way), other];
+            let motion = punch(way);
+            let posed = step(&mut touch, [&motion, &rest], roots, &config().touch);
+            worst = worst.max(depth(&[motion, rest], roots));
+            // Whoever stands in the other to begin with has to come out first.
+            if step_no > 3 {
+                deepest = deepest.max(depth(&posed, roots));
+            }
+        }
+        goes_through += u32::from(worst > 0.1);
+        assert!(deepest < 0.06, "{deepest} in place of {worst} at {x}, {z}, number {i}");
+    }
+    assert!(goes_through > 100, "{goes_through} would go through");
+}
+
+#[test]
 fn arms_come_and_go_without_a_jump() {
     let (arm, rest, config) = (punch(0.6), punch(0.0), config().touch);
     let mut touch = Touch::default();
@@ -256,7 +379,7 @@ fn local_transforms_build_the_displaced_pose() {
     let roots = [Planar::IDENTITY, Planar::new(0.65, 0.1, 0.4)];
     let (body, arms) = shapes();
     let mut touch = Touch::default();
-    touch.settle(&body, &arms, &roots.map(|root| Posed::new(&rest, root)), &config().touch, DT);
+    touch.settle(&body, &arms, (&roots.map(|root| Posed::new(&rest, root)), [BOTH; 2]), &config().touch, DT);
     let mut locals = [LocalTransform { rotation: [0.0, 0.0, 0.0, 1.0], ..LocalTransform::default() }; NUM_JOINTS];
     let mut posed = rest;
     touch.apply(0, roots[0], &mut posed, &mut locals);
@@ -277,7 +400,7 @@ fn rotations_of_displaced_arms_lead_to_where_the_joints_are() {
     for x in (0..60).map(|i| 0.5 + 0.005 * i as f32) {
         let roots = [Planar::IDENTITY, Planar::new(x, 0.1, 0.4)];
         let mut touch = Touch::default();
-        touch.settle(&body, &arms, &roots.map(|root| Posed::new(&rest, root)), &config().touch, DT);
+        touch.settle(&body, &arms, (&roots.map(|root| Posed::new(&rest, root)), [BOTH; 2]), &config().touch, DT);
         let mut posed = rest;
         touch.apply(0, roots[0], &mut posed, &mut []);
         for pair in LEFT.windows(2) {
@@ -301,7 +424,7 @@ fn arms_without_length_do_no_harm() {
         let (pose, roots) = (punch(0.7), [Planar::IDENTITY, Planar::new(0.0, 0.4, std::f32::consts::PI)]);
         let mut touch = Touch::default();
         for _ in 0..3 {
-            touch.settle(&body, &arms, &roots.map(|root| Posed::new(&pose, root)), &config().touch, DT);
+            touch.settle(&body, &arms, (&roots.map(|root| Posed::new(&pose, root)), [BOTH; 2]), &config().touch, DT);
             let mut posed = pose;
             touch.apply(0, roots[0], &mut posed, &mut []);
             assert!(posed.iter().all(|m| m.translation().is_finite()), "{upper} {lower}");

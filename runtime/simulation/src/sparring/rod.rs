@@ -1,0 +1,224 @@
+//! The geometry of limbs that meet: forearms and shins as rods that keep their length (Müller et al. 2007, position based
+//! dynamics), and limbs of two bones that reach.
+
+use super::body::Capsule;
+use super::distance::nearest_points;
+use glam::{Quat, Vec3};
+use throng_base::maths;
+
+/// Limbs that are in something by less are out of it (m).
+const ENOUGH_M: f32 = 1e-3;
+/// How far a limb may be moved in a piece, for what it might come into (m).
+const ROOM_M: f32 = 0.08;
+/// Elbows and knees that are less off the straight line bend outwards and down, or ahead (m).
+pub(super) const SOFT_ELBOW_M: f32 = 0.02;
+/// Limbs keep this share of their length from being straight.
+const STRETCH: f32 = 5e-4;
+/// A knee goes this much farther than a point near the ankle has to, as one over it.
+const LEAST_LEVER: f32 = 0.5;
+
+/// What of a limb does not change.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LimbShape {
+    /// Lengths of its two bones (m).
+    pub lengths: [f32; 2],
+    /// How far the axis goes on beyond its end, into the fist; 0 for legs (m).
+    pub hand_m: f32,
+    /// Of the forearm or shin (m).
+    pub radius: f32,
+    /// Of the upper arm or thigh (m).
+    pub upper_radius: f32,
+}
+
+/// How a limb moves out of what it is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Way {
+    /// Its knee alone, aside: a leg that carries.
+    Stays,
+    /// Over the ground: a leg that steps.
+    Level,
+    /// Anywhere: an arm, or a leg that kicks.
+    Free,
+}
+
+/// A forearm or shin that is moved about.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rod {
+    /// Elbow and wrist, or knee and ankle (m).
+    pub ends: [Vec3; 2],
+    /// From the ankle to the toes; none for arms (m).
+    pub foot: Vec3,
+    pub way: Way,
+    pub moved: bool,
+}
+
+impl Rod {
+    /// From the elbow to where the fist begins to round, or from knee to ankle (m).
+    pub fn axis(&self, shape: &LimbShape) -> [Vec3; 2] {
+        let [elbow, wrist] = self.ends;
+        [elbow, wrist + (wrist - elbow) * (shape.hand_m / shape.lengths[1])]
+    }
+
+    /// Its axis, or its foot if it has any (m).
+    fn bone(&self, shape: &LimbShape, is_foot: bool) -> Option<[Vec3; 2]> {
+        match is_foot {
+            false => Some(self.axis(shape)),
+            true => (self.foot != Vec3::ZERO).then(|| [self.ends[1], self.ends[1] + self.foot]),
+        }
+    }
+
+    /// A ball around it.
+    pub fn ball(&self, shape: &LimbShape) -> Ball {
+        Ball::about(self.axis(shape), shape.radius + self.foot.length())
+    }
+
+    /// Moves a point of its axis; what is near the elbow carries the wrist along, and the foot the ankle (m).
+    fn shift(&mut self, at: Vec3, by: Vec3) {
+        let by = if self.way == Way::Free { by } else { by.with_y(0.0) };
+        let [elbow, wrist] = self.ends;
+        let along = wrist - elbow;
+        let s = ((at - elbow).dot(along) / along.length_squared().max(1e-9)).clamp(0.0, 1.0);
+        if self.way == Way::Stays {
+            self.ends[0] += by / (1.0 - s).max(LEAST_LEVER);
+            self.moved |= s < 1.0;
+            return;
+        }
+        let per = 1.0 / ((1.0 - s) * (1.0 - s) + s);
+        self.ends = [elbow + by * ((1.0 - s) * per), wrist + by * per];
+        self.moved = true;
+    }
+
+    /// Moves it out of a capsule that stays; false where it is not in it.
+    pub fn leave(&mut self, shape: &LimbShape, capsule: &Capsule, give_m: f32) -> bool {
+        let allowed_m = shape.radius + capsule.radius - give_m;
+        let mut found = depth(self.axis(shape), capsule.ends, allowed_m);
+        found.into_iter().for_each(|(at, _, by)| self.shift(at, by));
+        if let Some(foot) = self.bone(shape, true) {
+            let of_foot = depth(foot, capsule.ends, allowed_m);
+            of_foot.into_iter().for_each(|(_, _, by)| self.shift(foot[0], by));
+            found = found.or(of_foot);
+        }
+        found.is_some()
+    }
+
+    /// Moves the elbow or knee, and what is beyond it, so that the upper arm or thigh leaves a capsule as well; false where it is not in it.
+    pub fn lift(&mut self, shoulder: Vec3, shape: &LimbShape, capsule: &Capsule, give_m: f32) -> bool {
+        /// A point of it nearer to its root than this share of its length is out of reach of the elbow or knee.
+        const LEAST: f32 = 0.4;
+        let allowed_m = shape.upper_radius + capsule.radius - give_m;
+        let found = depth([shoulder, self.ends[0]], capsule.ends, allowed_m);
+        let found = found.filter(|(at, ..)| at.distance(shoulder) > LEAST * shape.lengths[0]);
+        if let Some((at, _, by)) = found {
+            self.shift(self.ends[0], by * (shape.lengths[0] / at.distance(shoulder)));
+        }
+        found.is_some()
+    }
+}
+
+/// Moves two forearms, or shins and feet, apart, each by half, or the one that moves alone; false where they do not meet.
+pub(super) fn part(a: &mut Rod, shape_a: &LimbShape, b: &mut Rod, shape_b: &LimbShape, give_m: f32) -> bool {
+    let allowed_m = shape_a.radius + shape_b.radius - give_m;
+    let mut any = false;
+    for (of_a, of_b) in [(false, false), (false, true), (true, false), (true, true)] {
+        let [Some(mut p), Some(mut q)] = [a.bone(shape_a, of_a), b.bone(shape_b, of_b)] else { continue };
+        if of_a && of_b && a.way != Way::Free && b.way != Way::Free {
+            // One foot has no room above another one on which to come down.
+            p.iter_mut().chain(&mut q).for_each(|end| end.y = 0.0);
+        }
+        // A foot that carries stays.
+        let gives = [(a.way, of_a), (b.way, of_b)].map(|(way, is_foot)| way != Way::Stays || !is_foot);
+        let share = match gives {
+            [true, true] => [0.5, -0.5],
+            [true, false] => [1.0, 0.0],
+            [false, true] => [0.0, -1.0],
+            [false, false] => continue,
+        };
+        if let Some((at_a, at_b, by)) = depth(p, q, allowed_m) {
+            for (rod, at, is_foot, share) in [(&mut *a, at_a, of_a, share[0]), (&mut *b, at_b, of_b, share[1])] {
+                if share != 0.0 {
+                    rod.shift(if is_foot { rod.ends[1] } else { at }, by * share);
+                }
+            }
+            any = true;
+        }
+    }
+    any
+}
+
+/// The turn about its root that brings a forearm, with the arm that it is of, out of a capsule that stays; none where it is
+/// not in it.
+pub(super) fn swing(root: Vec3, ends: [Vec3; 2], shape: &LimbShape, capsule: &Capsule, give_m: f32) -> Option<Quat> {
+    let rod = Rod { ends, foot: Vec3::ZERO, way: Way::Free, moved: false };
+    let (at, _, by) = depth(rod.axis(shape), capsule.ends, shape.radius + capsule.radius - give_m)?;
+    Some(arc(at - root, at + by - root))
+}
+
+/// Where two axes are nearest and how far the first one has to go, if they are nearer than allowed (m).
+fn depth(a: [Vec3; 2], b: [Vec3; 2], allowed_m: f32) -> Option<(Vec3, Vec3, Vec3)> {
+    let [p, q] = nearest_points(a, b);
+    let way = p - q;
+    let distance = way.length();
+    // Crossing axes leave the way that the arm came from.
+    let out = if distance > 1e-5 { way / distance } else { (a[0] - q).normalize_or(Vec3::Y) };
+    (distance < allowed_m - ENOUGH_M).then(|| (p, q, out * (allowed_m - distance)))
+}
+
+/// Middle and end as near to `ends` as a limb of these lengths can be.
+///
+/// - `out`: where a straight limb bends to, and how much of that there is (0 to 1).
+pub(super) fn reach(
+    shoulder: Vec3,
+    [elbow, wrist]: [Vec3; 2],
+    shape: &LimbShape,
+    (out, soft): (Vec3, f32),
+) -> [Vec3; 2] {
+    let [l1, l2] = shape.lengths;
+    let way = wrist - shoulder;
+    let direction = way.normalize_or(Vec3::NEG_Y);
+    // Of bones shorter than that, the least distance is above the greatest one.
+    let d = way.length().min((l1 + l2) * (1.0 - STRETCH * soft * soft)).max((l1 - l2).abs() + 1e-3);
+    let across = |v: Vec3| v - direction * v.dot(direction);
+    let pole = across(elbow - shoulder);
+    let soft = (SOFT_ELBOW_M * soft - pole.length()).max(0.0);
+    let pole = (pole + across(out).normalize_or_zero() * soft).normalize_or_zero();
+    let along = (l1 * l1 - l2 * l2 + d * d) / (2.0 * d);
+    let across = (l1 * l1 - along * along).max(0.0).sqrt();
+    [shoulder + direction * along + pole * across, shoulder + direction * d]
+}
+/// A ball around a capsule.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ball {
+    centre: Vec3,
+    radius: f32,
+}
+
+impl Ball {
+    pub fn about(ends: [Vec3; 2], radius: f32) -> Self {
+        Self { centre: (ends[0] + ends[1]) * 0.5, radius: 0.5 * ends[0].distance(ends[1]) + radius }
+    }
+
+    pub fn is_near(&self, other: &Self) -> bool {
+        let reach = self.radius + other.radius + ROOM_M;
+        self.centre.distance_squared(other.centre) < reach * reach
+    }
+}
+
+/// The angle at an elbow or a knee (rad).
+pub(super) fn elbow_angle([shoulder, elbow, wrist]: [Vec3; 3]) -> f32 {
+    let (upper, lower) = (shoulder - elbow, wrist - elbow);
+    maths::atan2(upper.cross(lower).length(), upper.dot(lower))
+}
+
+/// The turn from one direction to another; none where either has no length. Small turns are exact, other than glam's,
+/// which leaves out those below 0.7 mrad.
+pub(super) fn arc(from: Vec3, to: Vec3) -> Quat {
+    let (Some(from), Some(to)) = (from.try_normalize(), to.try_normalize()) else { return Quat::IDENTITY };
+    let w = 1.0 + from.dot(to);
+    if w < 1e-6 {
+        // Any axis does.
+        let axis = from.any_orthonormal_vector();
+        return Quat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
+    }
+    let axis = from.cross(to);
+    maths::unit(Quat::from_xyzw(axis.x, axis.y, axis.z, w))
+}
