@@ -54,13 +54,13 @@ impl Pose {
             (translations[i], rotations[i]) = match j.parent().map(Joint::index) {
                 None => (
                     root.rotation() * model[i].translation() + root.translation(),
-                    (maths::compose(root.rotation(), turned[i])).normalize(),
+                    maths::compose(root.rotation(), turned[i]).normalize(),
                 ),
                 Some(p) => {
                     let back = turned[p].inverse();
                     (
                         back * (model[i].translation() - model[p].translation()),
-                        (maths::compose(back, turned[i])).normalize(),
+                        maths::compose(back, turned[i]).normalize(),
                     )
                 }
             };
@@ -83,7 +83,7 @@ impl Pose {
         for j in &Joint::ALL[1..] {
             let (p, r) = out[j.parent().map_or(0, Joint::index)];
             let i = j.index();
-            out[i] = (p + r * self.translations[i], (maths::compose(r, self.rotations[i])).normalize());
+            out[i] = (p + r * self.translations[i], maths::compose(r, self.rotations[i]).normalize());
         }
         out
     }

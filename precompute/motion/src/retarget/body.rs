@@ -100,7 +100,7 @@ fn chain(source: Source, world: &mut Vec<(Vec3, Quat)>, local: impl Fn(usize) ->
     for (j, joint) in source.clip.joints.iter().enumerate() {
         let (t, r) = local(j);
         let w =
-            joint.parent.map_or((t, r), |p| (world[p].0 + world[p].1 * t, (maths::compose(world[p].1, r)).normalize()));
+            joint.parent.map_or((t, r), |p| (world[p].0 + world[p].1 * t, maths::compose(world[p].1, r).normalize()));
         world.push(w);
     }
     Joint::ALL.map(|j| world[role_joint(source.roles, j)])

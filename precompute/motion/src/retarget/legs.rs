@@ -84,7 +84,7 @@ impl<'a> Legs<'a> {
         let forth = (a * a - b * b + distance * distance) / (2.0 * distance);
         let knee = to * forth + ahead * (a * a - forth * forth).max(0.0).sqrt();
         let turned = |from: Vec3, to: Vec3, by: Quat| match (from.try_normalize(), to.try_normalize()) {
-            (Some(from), Some(to)) => (maths::compose(Quat::from_rotation_arc(from, to), by)).normalize(),
+            (Some(from), Some(to)) => maths::compose(Quat::from_rotation_arc(from, to), by).normalize(),
             _ => by,
         };
         model[thigh] = turned(upper, knee, model[thigh]);

@@ -80,7 +80,7 @@ impl Fit {
         let legs = Legs::new(own, target, 1.0, self.has_toes);
         let hips = (pose[thighs[0]].0 + pose[thighs[1]].0) * 0.5 + legs.rise() - model[0] * middle;
         legs.reach(&mut model, hips, pose);
-        let joints = std::array::from_fn(|j| (maths::compose(model[j], self.alignment[j].inverse())).normalize());
+        let joints = std::array::from_fn(|j| maths::compose(model[j], self.alignment[j].inverse()).normalize());
         Worn { hips, joints, model }
     }
 

@@ -210,12 +210,12 @@ impl RotationCode {
         for (j, code) in self.joints.iter().enumerate() {
             let (mut target, mut above) = (local[j], Quat::IDENTITY);
             if let Some(p) = Joint::ALL[j].parent() {
-                wanted[j] = (maths::compose(wanted[p.index()], local[j])).normalize();
+                wanted[j] = maths::compose(wanted[p.index()], local[j]).normalize();
                 above = shown[p.index()];
                 target = maths::compose(above.conjugate(), wanted[j]);
             }
             code.put(target, before, row);
-            shown[j] = (maths::compose(above, self.rotation(row, j))).normalize();
+            shown[j] = maths::compose(above, self.rotation(row, j)).normalize();
         }
     }
 

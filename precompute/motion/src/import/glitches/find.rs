@@ -132,7 +132,7 @@ impl Tracks {
             for (j, turns, places) in &mut joints {
                 let Some((at, turn)) = roles.get(*j).map(|k| world[k]) else { continue };
                 let (origin, axes) = above(roles, *j).map_or((Vec3::ZERO, Quat::IDENTITY), |a| world[a]);
-                turns.push((maths::compose(axes.inverse(), turn)).normalize());
+                turns.push(maths::compose(axes.inverse(), turn).normalize());
                 places.push(axes.inverse() * (at - origin));
             }
         }
