@@ -158,7 +158,8 @@ pub fn bundle(name: &str) -> Vec<u8> {
     out.section(tags::FRAMES, &rows);
     out.section(tags::ROTATION_CODE, &[code]);
     let feet = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
-    let contacts = |k: &Kind| vec![if k.sway > 0.0 || k.name == "idle" { feet } else { Contacts::NONE }; k.frames as usize + 1];
+    let contacts =
+        |k: &Kind| vec![if k.sway > 0.0 || k.name == "idle" { feet } else { Contacts::NONE }; k.frames as usize + 1];
     out.section(tags::CONTACTS, &kinds.iter().flat_map(contacts).collect::<Vec<_>>());
     out.section::<HitRecord>(tags::HITS, &[]);
     out.section::<StateRecord>(tags::STATES, &[]);
