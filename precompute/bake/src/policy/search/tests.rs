@@ -62,7 +62,7 @@ fn line() -> ActionModel {
         segments: vec![segment(0.5), segment(0.0)],
         action_offsets: vec![0, 2],
         action_segments: vec![0, 1],
-        action_errors: vec![0.0, 0.3],
+        action_errors: vec![0.0, 0.0],
     }
 }
 
