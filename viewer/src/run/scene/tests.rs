@@ -119,7 +119,7 @@ fn a_target_gives_way_comes_back_and_hangs_where_it_is_put() {
 fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count() {
     let boxing = Boxing::new();
     let mut document = open(&boxing.pairs(8));
-    let (mut inactive, mut best_taken) = (0, 0);
+    let (mut inactive, mut best_taken, mut not_chosen) = (0, 0, 0);
     for step in 0..300 {
         document.run_mut().step().unwrap();
         if step % 30 != 0 {
@@ -127,7 +127,11 @@ fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count()
         }
         for c in 0..8 {
             let chooser = document.chooser(c).unwrap();
-            let why = explain(&chooser).unwrap();
+            // Who is struck may step away by a segment that it did not choose.
+            let Some(why) = explain(&chooser) else {
+                not_chosen += 1;
+                continue;
+            };
             assert_eq!(why.behaviours.len(), 3);
             assert_eq!(why.candidates[why.chosen].segment, chooser.characters.segment(c).0);
             let best = why.candidates[0].score;
@@ -145,7 +149,7 @@ fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count()
         }
     }
     assert!(inactive > 0, "no target was ever out of reach");
-    assert!(best_taken > 40, "{best_taken} of 80");
+    assert!(best_taken > 40 && not_chosen <= 4, "{best_taken} and {not_chosen} of 80");
     assert_eq!(document.weights(3).unwrap().0, ["approach", "throw-punches", "evade"]);
 }
 
