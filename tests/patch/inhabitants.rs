@@ -1,6 +1,6 @@
 //! Characters in made-up worlds: none enters reserved units, and all keep arriving.
 
-use crate::made_up_world::{self, SIDE, SIT};
+use crate::made_up_world::{self, GIVE, SIDE, SIT};
 use glam::Vec3;
 use throng_runtime::characters::CharactersConfig;
 use throng_runtime::patch::Placement;
@@ -270,6 +270,43 @@ fn seat_beside_one_taken_for(seconds: f32) -> usize {
 #[test]
 fn a_seat_that_is_soon_free_is_waited_for_and_another_one_gone_to_otherwise() {
     assert_eq!([3.0, 100.0].map(seat_beside_one_taken_for), [0, 1]);
+}
+
+/// If somebody takes the short way round a ring, on which two give each other something for so long; and if it waits.
+fn past_a_pair(seconds: f32) -> [bool; 2] {
+    let world = open(&["#######", "#.....#", "#######"]);
+    let [from, to] = [[0, 0], [6, 0]].map(|[x, z]| tile(&world, x, z));
+    let starts = [[2, 0], [3, 0], [0, 0]].map(|[x, z]| world.graph().rest_cells(tile(&world, x, z)).next().unwrap());
+    let mut people = people_at(&world, &starts);
+    let two = [Id::first(0), Id::first(1)];
+    let doing = |people: &Inhabitants, c: usize| people.state(Id::first(c)).unwrap().doing;
+    people.meet(two, GIVE, seconds).unwrap();
+    people.order(Id::first(2), Wish::GoTo { instance: from }).unwrap();
+    while doing(&people, 0) != Doing::Performing {
+        people.step(DT, &Inline).unwrap();
+    }
+    people.order(Id::first(2), Wish::GoTo { instance: to }).unwrap();
+    let (mut is_short, mut waits) = (false, false);
+    for _ in 0..3000 {
+        people.step(DT, &Inline).unwrap();
+        let walker = people.ids().iter().position(|id| *id == Id::first(2)).unwrap();
+        let root = people.characters().root(walker);
+        is_short |= (root.x - 3.0 * SIDE).abs() < 0.5 && root.z < 0.5 * SIDE;
+        waits |= doing(&people, 2) == Doing::Waiting;
+        if people.state(two[0]).is_ok_and(|s| s.doing == Doing::Arrived) {
+            two.into_iter().for_each(|id| people.despawn(id).unwrap());
+        }
+        if doing(&people, 2) == Doing::Arrived {
+            return [is_short, waits];
+        }
+    }
+    panic!("{:?}", people.state(Id::first(2)));
+}
+
+#[test]
+fn who_performs_is_walked_around_where_waiting_takes_longer() {
+    assert_eq!(past_a_pair(1000.0), [false, false]);
+    assert_eq!(past_a_pair(2.0), [true, true]);
 }
 
 #[test]

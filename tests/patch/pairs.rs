@@ -2,6 +2,8 @@
 
 use crate::inhabitants::open;
 use crate::made_up_world::{GIVE, SIDE, SIT};
+use glam::Vec2;
+use throng_runtime::base::ground::{Held, Rod};
 use throng_runtime::characters::CharactersConfig;
 use throng_runtime::planar::wrap_angle;
 use throng_runtime::world::inhabitants::{Doing, InhabitantEvent, Inhabitants, InhabitantsConfig, Wish, scatter};
@@ -245,6 +247,44 @@ fn who_is_told_something_else_leaves_without_a_jump_and_frees_the_other() {
         if after < 10 {
             assert!(last.iter().all(|&l| l < 40), "they stand at their places: {last:?}");
         }
+    }
+}
+
+#[test]
+fn who_is_held_up_gives_up_after_a_minute_and_twice_the_way() {
+    let world = open(&["####################"]);
+    let begin = |apart: usize| {
+        let mut people = Inhabitants::new(&world, 2, InhabitantsConfig::default()).expect("room");
+        let mut rests: Vec<Node> =
+            (0..world.graph().num_instances() as u32).filter_map(|i| world.graph().rest_cells(i).next()).collect();
+        rests.sort_by(|a, b| world.graph().place(*a).x.total_cmp(&world.graph().place(*b).x));
+        [0, apart].into_iter().for_each(|k| _ = people.spawn(rests[k]).expect("a start"));
+        let two = [Id::first(0), Id::first(1)];
+        people.meet(two, GIVE, 3.0).unwrap();
+        (people, two)
+    };
+    for apart in [2, 9, 19] {
+        let (mut free, two) = begin(apart);
+        let way_s = DT * until_begun(&mut free, two) as f32;
+        // Everybody is on ground that outsiders hold, so nobody takes a step.
+        let (mut held, _) = begin(apart);
+        let everywhere = Rod { from: Vec2::new(-50.0, 0.0), to: Vec2::new(100.0, 0.0), radius_m: 50.0 };
+        let others = [Held { bodies: Vec::new(), ground: vec![everywhere] }];
+        let mut gave_up_s = None;
+        for step in 1..12_000 {
+            held.mind(others.iter());
+            held.step(DT, &Inline).unwrap();
+            if held.events().contains(&(two[0], InhabitantEvent::GaveUp)) {
+                gave_up_s = Some(DT * step as f32);
+                break;
+            }
+        }
+        let waited_s = gave_up_s.expect("nobody comes") - 60.0;
+        // The way, as it was walked, has a second or two of rest, and two begin where what they play ends.
+        assert!(
+            (2.0 * way_s - 8.0..2.0 * way_s + 0.1).contains(&waited_s),
+            "{apart} tiles: {waited_s} s, way {way_s} s"
+        );
     }
 }
 

@@ -81,19 +81,20 @@ impl Inhabitants {
             // Nobody gets to its place through where the other one of two will stand.
             let partners = self.place_of_partner(c);
             let (reservations, impatient) = (&self.reservations, self.states[c].impatience > 0);
-            let states = &self.states;
+            let (states, rate_hz) = (&self.states, self.rate_hz);
             let toll = |i: u32| {
                 if partners == Some(i) {
                     return TOLL_OF_WHO_STAYS;
                 }
-                let is_passed = impatient && i != target.instance();
-                match reservations.other(graph.resources(i), c as u32).filter(|_| is_passed) {
-                    None => 0.0,
-                    Some(other) if other != OUTSIDER && states[other as usize].doing == Doing::Arrived => {
-                        TOLL_OF_WHO_STAYS
-                    }
-                    Some(_) => TOLL,
-                }
+                let held = reservations.other(graph.resources(i), c as u32).filter(|_| i != target.instance());
+                let stays = match held.map(|other| states.get(other as usize)) {
+                    None => return 0.0,
+                    // As long as waiting for its end takes.
+                    Some(Some(s)) if s.doing == Doing::Performing => s.frames_left(rate_hz).min(TOLL_OF_WHO_STAYS),
+                    Some(Some(s)) if s.doing == Doing::Arrived && impatient => TOLL_OF_WHO_STAYS,
+                    Some(_) => 0.0,
+                };
+                if impatient { stays.max(TOLL) } else { stays }
             };
             match self.planner.plan_around(graph, from, target, toll, self.paths.room(c)) {
                 Some(plan) => {
@@ -164,10 +165,7 @@ impl Inhabitants {
     /// True once a character has performed its action long enough.
     fn has_performed(&self, c: usize) -> bool {
         let state = &self.states[c];
-        match state.wish {
-            Wish::Perform { seconds, .. } => state.performed > 0 && state.performed as f32 / self.rate_hz >= seconds,
-            _ => false,
-        }
+        matches!(state.wish, Wish::Perform { .. }) && state.performed > 0 && state.frames_left(self.rate_hz) <= 0.0
     }
 
     /// At the target: stays, or does what was wished.

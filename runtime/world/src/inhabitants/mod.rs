@@ -76,6 +76,15 @@ struct State {
 }
 
 impl State {
+    /// How long it will go on with what it is to perform, at least (frames).
+    fn frames_left(&self, rate_hz: f32) -> f32 {
+        match self.wish {
+            Wish::Perform { seconds, .. } | Wish::Meet { seconds, .. } => seconds * rate_hz - self.performed as f32,
+            _ => 0.0,
+        }
+        .max(0.0)
+    }
+
     /// At rest in a place, without a wish.
     fn at(node: Node) -> Self {
         Self {

@@ -18,8 +18,9 @@ use throng_core::{Contacts, Planar};
 
 /// Within so many frames who begins comes to where the capture has it (frames).
 const ENTRY: u16 = 15;
-/// Two who have not begun so long after they were told to give it up (s).
+/// Two who have not begun so long after they were told to give it up: this, and so many times what they need to walk there (s).
 const GIVE_UP_S: f64 = 60.0;
+const GIVE_UP_WAYS: f32 = 2.0;
 /// Who rests this near to its place need not walk there (m, rad).
 const NEAR_START: (f32, f32) = (0.06, 0.1);
 /// Who breaks off stands this near to where it may rest (m, rad).
@@ -92,8 +93,8 @@ pub(super) struct Meeting {
     /// Which of the offer's two it is.
     side: u8,
     stage: Stage,
-    /// When they were told (s).
-    told_s: f64,
+    /// When they give it up, if they have not begun (s).
+    until_s: f64,
     /// When it came to its place (s).
     ready_s: f64,
     /// Times that they have begun anew.
@@ -156,8 +157,8 @@ impl Inhabitants {
 
     /// Tells two to go where they can do something together, and do it again and again, then stay.
     ///
-    /// Both get [`Wish::Meet`]. Where one of them is told something else, or they have not begun after a minute, both are
-    /// free ([`InhabitantEvent::BrokenOff`], [`InhabitantEvent::GaveUp`]).
+    /// Both get [`Wish::Meet`]. Where one of them is told something else, or they have not begun in time, both are
+    /// free ([`InhabitantEvent::BrokenOff`], [`InhabitantEvent::GaveUp`]): a minute, and twice what the way there takes.
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::Value`] for one who is to meet itself, a time out of its range or a tag that is not
@@ -168,13 +169,14 @@ impl Inhabitants {
         check("other", who, two[1].index, rows[0] != rows[1], "somebody else")?;
         check("seconds", who, seconds, (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
         check("tag", who, tag, self.offers_pair(tag), "one of motion of two that the world has room for")?;
-        let Some((offer, flipped)) = self.nearest_pair_offer(rows, tag) else {
+        let Some((offer, flipped, frames)) = self.nearest_pair_offer(rows, tag) else {
             return Err(Error::Occupied {
                 who: two[0],
                 by: "every place for two is taken or out of reach: somebody".into(),
             });
         };
         self.num_orders = self.num_orders.wrapping_add(1);
+        let until_s = self.time_s + GIVE_UP_S + f64::from(GIVE_UP_WAYS * frames / self.rate_hz);
         for (k, c) in rows.into_iter().enumerate() {
             self.part(c);
             let side = k ^ usize::from(flipped);
@@ -186,7 +188,7 @@ impl Inhabitants {
                 offer,
                 side: side as u8,
                 stage: Stage::Coming,
-                told_s: self.time_s,
+                until_s,
                 ready_s: 0.0,
                 rounds: 0,
             });
@@ -226,9 +228,9 @@ impl Inhabitants {
         Ok(Some(MeetingState { with: m.with, tag, waited_s: waited_s as f32, has_begun, partner }))
     }
 
-    /// The nearest place for two at which both are hardly later than at the soonest one, and whether the first one takes the second
-    /// part.
-    fn nearest_pair_offer(&mut self, rows: [usize; 2], tag: u16) -> Option<(u32, bool)> {
+    /// The nearest place for two at which both are hardly later than at the soonest one, whether the first one takes the second
+    /// part, and how long they need to come there where nobody is in the way (frames).
+    fn nearest_pair_offer(&mut self, rows: [usize; 2], tag: u16) -> Option<(u32, bool, f32)> {
         let world = self.world.clone();
         let graph = world.graph();
         self.reservations.clear_marks();
@@ -274,7 +276,7 @@ impl Inhabitants {
         }
         let soonest = frames.iter().copied().fold(f32::INFINITY, f32::min);
         let is_soon = |f: &f32| f.is_finite() && *f <= SOON * soonest;
-        frames.iter().position(is_soon).map(|at| tried[at])
+        frames.iter().position(is_soon).map(|at| (tried[at].0, tried[at].1, frames[at]))
     }
 
     /// Lets two begin who both are at their places, and gives up what takes too long.
@@ -284,7 +286,7 @@ impl Inhabitants {
             let partner = self.partner(c);
             let lost = partner.is_none() || self.states[c].doing == Doing::Unreachable;
             let other = partner.unwrap_or(c);
-            if lost || self.time_s - m.told_s > GIVE_UP_S {
+            if lost || self.time_s > m.until_s {
                 self.part(c);
                 self.leave_wish(c);
                 continue;
@@ -480,6 +482,6 @@ impl Meeting {
     /// True where there is such an offer.
     pub fn is_sound(&self, offers: &[PairOffer]) -> bool {
         let is_offered = (self.offer as usize) < offers.len() && self.side < 2;
-        is_offered && self.told_s.is_finite() && self.ready_s.is_finite()
+        is_offered && self.until_s.is_finite() && self.ready_s.is_finite()
     }
 }

@@ -141,13 +141,14 @@ impl Planner {
         out: &mut [Step],
     ) -> Option<Plan> {
         let (hierarchy, mut opened_nodes, mut opened_instances) = (graph.hierarchy(), 0, 0);
-        // Who finds no way among the best ones looks everywhere.
-        for most in [0.0, f32::INFINITY] {
-            if !self.upper.run(graph, hierarchy, target, from, most) {
+        let mut wide = 0.0;
+        loop {
+            if !self.upper.run(graph, hierarchy, target, from, wide) {
                 return None;
             }
             opened_instances += self.upper.opened;
             let least = self.upper.estimate(hierarchy, from).min(self.upper.limit);
+            let mut cost = f32::INFINITY;
             for &(greed, most) in tries {
                 let mut way = TowardsTarget {
                     graph,
@@ -161,13 +162,22 @@ impl Planner {
                 let found = self.nodes.search(graph, from, &mut way, most);
                 opened_nodes += self.nodes.opened;
                 if let Found::Path(way) = found {
+                    cost = self.nodes.cost(way);
                     let plan = self.report(graph, way, out);
+                    // A way around what it pays for may be far from the best ones.
+                    if wide == 0.0 && cost > plan.num_frames as f32 && cost > self.upper.limit {
+                        break;
+                    }
                     let least_frames = (least.ceil() as u32).min(plan.num_frames);
                     return Some(Plan { opened_nodes, opened_instances, least_frames, ..plan });
                 }
             }
+            // Who finds no way among the best ones looks everywhere.
+            if wide == f32::INFINITY {
+                return None;
+            }
+            wide = cost;
         }
-        None
     }
 
     /// Makes sure that no way takes so much less than one that was just found, or finds the fastest one.
