@@ -8,6 +8,7 @@ use throng_runtime::format::{
 };
 use throng_runtime::graph::{MotionSegment, StateRecord};
 use throng_runtime::policy::{NO_ACTION, PolicyRecord, SegmentRecord, StateGridRecord};
+use throng_runtime::stops::SweepNode;
 use throng_runtime::{Bundle, Contacts};
 
 /// A change of the bundle's content and what it is.
@@ -100,6 +101,12 @@ fn segments_lie_in_their_clip_and_end_at_their_state() {
             refuses(Some(tags::SEGMENTS), &[("displacement", &|p| segments(p, |s| s[2].displacement[k] = bad))]);
         }
     }
+    // It leads elsewhere than its frames.
+    for k in 0..3 {
+        refuses(Some(tags::SEGMENTS), &[("displacement", &|p| segments(p, |s| s[2].displacement[k] += 0.1))]);
+    }
+    let nodes = |p: &mut Parts, by: f32| p.edit::<SweepNode>(tags::SWEEP_NODES, |n| n[5].x += by);
+    refuses(Some(tags::SWEEPS), &[("node", &|p| nodes(p, 0.1)), ("node back", &|p| nodes(p, -0.1))]);
 }
 
 #[test]

@@ -12,6 +12,7 @@ pub(super) use stops::stops;
 
 use super::{Bundle, tags};
 use crate::format::{FormatError, FrameRow};
+use crate::planar::{Planar, wrap_angle};
 use crate::policy::ActionTable;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
@@ -23,10 +24,30 @@ const FARTHEST: f32 = 1e4;
 /// than this are told from ways that meet too coarsely (m).
 const LEAP: f32 = 100.0;
 
-/// Offsets are finite and legs have a length.
+/// Joints are nearer to their parents (m).
+const LONGEST_BONE: f32 = 10.0;
+
+/// Where segments and sweeps lead is where their frames do, up to rounding (m, rad).
+const ASTRAY: f32 = 0.02;
+
+/// Planar root of a frame as seen from another one (both < number of frames).
+fn seen(t: &Bundle, from: u32, frame: u32) -> Planar {
+    let [from, to] = [from, frame].map(|f| {
+        let [x, z, heading] = t.frames()[f as usize].planar;
+        Planar::new(x, z, heading)
+    });
+    from.to_local(to)
+}
+
+/// True where a root is at a place; false where either is not a number.
+fn is_near(root: Planar, x: f32, z: f32) -> bool {
+    (root.x - x).abs() < ASTRAY && (root.z - z).abs() < ASTRAY
+}
+
+/// Offsets are those of a body, and legs have a length.
 pub(super) fn skeleton(s: &Skeleton) -> Result<(), FormatError> {
     for (i, o) in s.offsets.iter().chain(&s.tips).enumerate() {
-        if !(o.is_finite() && o.abs().max_element() < 1e3) {
+        if !(o.is_finite() && o.abs().max_element() < LONGEST_BONE) {
             return Err(FormatError::value(tags::SKELETON, 0, format!("offset {i} is {o}, not a length in metres")));
         }
     }
@@ -144,8 +165,11 @@ pub(super) fn graph(t: &Bundle) -> Result<(), FormatError> {
         if s.num_frames == 0 || s.start < clip.first_frame || last >= clip_end || last != u64::from(end.frame) {
             return wrong("it leaves its clip or does not end at its state");
         }
-        if !s.displacement.iter().all(|v| v.abs() < FARTHEST) || s.reserved != 0 {
-            return wrong("its displacement cannot be");
+        let (stored, shown) = (s.displacement(), seen(t, s.start, last as u32));
+        let turned = wrap_angle(stored.heading - shown.heading).abs();
+        let is_there = is_near(shown, stored.x, stored.z) && turned < ASTRAY && stored.heading.abs() < FARTHEST;
+        if !is_there || s.reserved != 0 {
+            return wrong("its displacement is not that of its frames");
         }
     }
     if g.action_offsets.len() != g.states.len() + 1 {

@@ -146,7 +146,7 @@ impl Touch {
     /// False for numbers that no limbs have.
     pub fn may_be(&self) -> bool {
         let near = |v: &Vec3, most: f32| v.is_finite() && v.abs().max_element() < most;
-        self.limbs.iter().flatten().all(|a| a.off.iter().all(|v| near(v, 3.0)) && a.was.iter().all(|v| near(v, 2e6)))
+        self.limbs.iter().flatten().all(|a| a.off.iter().all(|v| near(v, 100.0)) && a.was.iter().all(|v| near(v, 2e6)))
     }
 
     /// Forgets one who was put elsewhere, and whom it touched.

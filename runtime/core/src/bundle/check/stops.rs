@@ -1,6 +1,6 @@
 //! Stop tables lead to a stand.
 
-use super::LEAP;
+use super::{LEAP, is_near, seen};
 use crate::bundle::{Bundle, tags};
 use crate::format::FormatError;
 use crate::stops::{REST, SLOW_DOWN, WALK_ON};
@@ -38,6 +38,10 @@ pub fn stops(t: &Bundle) -> Result<(), FormatError> {
         }
         if nodes.windows(2).any(|w| !((w[0].x - w[1].x).abs() <= LEAP && (w[0].z - w[1].z).abs() <= LEAP)) {
             return wrong("it leaps");
+        }
+        let start = g.segments[i].start;
+        if !nodes.iter().all(|n| is_near(seen(t, start, start + n.frame), n.x, n.z)) {
+            return wrong("it does not go where its frames go");
         }
         next = end;
     }
