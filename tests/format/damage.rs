@@ -86,13 +86,15 @@ fn values_as_large_as_the_checks_allow_stay_steppable() {
     use throng_runtime::format::{FrameRow, SkeletonRecord};
     use throng_runtime::policy::SegmentRecord;
     let mut parts = Parts::of(bundle());
+    // As far away, and turned as often: segments and sweeps lead where their frames do.
     parts.edit::<FrameRow>(tags::FRAMES, |rows| {
-        for (i, row) in rows.iter_mut().enumerate() {
-            row.planar = if i % 2 == 0 { [9e3; 3] } else { [8.91e3, 8.91e3, -9e3] };
+        for row in rows {
+            let [x, z, heading] = row.planar;
+            row.planar = [x + 9.9e3, z - 9.9e3, heading + 1590.0 * std::f32::consts::TAU];
             row.height = 900.0;
         }
     });
-    parts.edit::<SkeletonRecord>(tags::SKELETON, |s| s[0].offsets.iter_mut().for_each(|o| *o = [900.0; 3]));
+    parts.edit::<SkeletonRecord>(tags::SKELETON, |s| s[0].offsets.iter_mut().for_each(|o| *o = [9.9; 3]));
     parts.edit::<f32>(tags::POLICY_VALUES, |v| v.fill(-9e5));
     parts.edit::<SegmentRecord>(tags::POLICY_SEGMENTS, |s| s.iter_mut().for_each(|s| s.inner = [9e5; 4]));
     let tables = open_unverified(&parts.join()).expect("every number is within its limit");

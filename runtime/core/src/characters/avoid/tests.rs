@@ -2,7 +2,7 @@ use crate::Bundle;
 use crate::cast::Cast;
 use crate::characters::made_up::{bytes, tables};
 use crate::characters::{AvoidConfig, CharactersConfig, Choice, Order, PolicyCharacters, Spawn, uniform};
-use crate::format::{AlignedBytes, FormatError};
+use crate::format::{AlignedBytes, FormatError, FrameRow};
 use crate::planar::Planar;
 use crate::reserve::Rod;
 use crate::stops::SweepNode;
@@ -188,23 +188,30 @@ fn two_who_meet_pass_each_other() {
     assert!(cast.ids().iter().enumerate().all(|(at, _)| cast.characters().num_choices(at) > 3));
 }
 
-/// The made-up bundle, where a node of the second segment's sweep lies elsewhere.
-fn with_node_at(x: f32) -> Result<Bundle, FormatError> {
-    let node = tables().stops().nodes[31];
-    let (from, to) = ([node], [SweepNode { x, ..node }]);
+/// The made-up bundle, where a frame of the second segment, and the node of its sweep, lie elsewhere.
+fn with_root_at(x: f32) -> Result<Bundle, FormatError> {
+    let tables = tables();
+    let (node, row) = (tables.stops().nodes[31], tables.frames()[30]);
+    assert_eq!((node.frame, tables.graph().segments[1].start), (10, 20));
+    let [from_x, from_z, heading] = tables.frames()[20].planar;
+    let root = Planar::new(from_x, from_z, heading).compose(Planar::new(x, node.z, 0.0));
     let mut bytes = bytes(&[], false);
-    let from: &[u8] = bytemuck::cast_slice(&from);
-    let at = bytes.windows(from.len()).position(|w| w == from).expect("its node");
-    bytes[at..at + from.len()].copy_from_slice(bytemuck::cast_slice(&to));
+    let mut put = |from: &[u8], to: &[u8]| {
+        let at = bytes.windows(from.len()).position(|w| w == from).expect("it is there");
+        bytes[at..at + to.len()].copy_from_slice(to);
+    };
+    put(bytemuck::bytes_of(&node), bytemuck::bytes_of(&SweepNode { x, ..node }));
+    let moved = FrameRow { planar: [root.x, root.z, row.planar[2]], ..row };
+    put(bytemuck::bytes_of(&row), bytemuck::bytes_of(&moved));
     Bundle::from_bytes_unverified(AlignedBytes::from_slice(&bytes))
 }
 
 #[test]
 fn ways_that_leap_are_saved_and_read_back_and_refused_where_they_leap_too_far() {
-    let refused = with_node_at(150.0).unwrap_err().to_string();
+    let refused = with_root_at(150.0).unwrap_err().to_string();
     assert!(refused.contains("leaps"), "{refused}");
     for (k, x) in [3.0, 30.0, -70.0, 99.0].into_iter().enumerate() {
-        let bundle = with_node_at(x).unwrap();
+        let bundle = with_root_at(x).unwrap();
         for trial in 0..100 {
             let draw = |n: u64| uniform(k as u64, trial, n);
             let config = config(0.2, Choice::BestAction);
