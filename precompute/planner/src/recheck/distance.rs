@@ -12,15 +12,22 @@ pub(super) struct Core {
     pub radius: f64,
 }
 
-/// The least of a convex function over [0, 1].
+/// The least of a convex function over [0, 1], by golden section (Kiefer, 1953, "Sequential minimax search for a maximum").
 fn least(f: impl Fn(f64) -> f64) -> f64 {
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
     let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..50 {
-        let third = (high - low) / 3.0;
-        if f(low + third) < f(high - third) {
-            high -= third;
+    let (mut left, mut right) = (1.0 - golden, golden);
+    let (mut at_left, mut at_right) = (f(left), f(right));
+    // 0.618^42 is 2e-9.
+    for _ in 0..42 {
+        if at_left < at_right {
+            (high, right, at_right) = (right, left, at_left);
+            left = high - golden * (high - low);
+            at_left = f(left);
         } else {
-            low += third;
+            (low, left, at_left) = (left, right, at_right);
+            right = low + golden * (high - low);
+            at_right = f(right);
         }
     }
     f(0.0).min(f(1.0)).min(f(0.5 * (low + high)))
@@ -51,28 +58,25 @@ fn point_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
 
 /// Surface to surface; negative where they are in each other (m).
 ///
-/// - `far`: triangles farther away may be left out, all of them giving infinity (m).
+/// - `far`: what is farther away may give infinity (m).
 pub(super) fn to_solid(c: &Core, solid: &Solid, time_s: f64, far: f64) -> f64 {
     let place = solid.path.at(time_s);
     let inverse = place.rotation.inverse();
     let [a, b] = [c.a, c.b].map(|p| inverse * (p - place.position));
     let at = |u: f64| a.lerp(b, u);
+    let (middle, half_length) = (at(0.5), 0.5 * a.distance(b));
+    // No point of the segment is nearer than its middle by more than half its length.
+    let within = |limit: f64, from: &dyn Fn(DVec3) -> f64| {
+        if from(middle) - half_length > limit { f64::INFINITY } else { least(|u| from(at(u))) }
+    };
+    let limit = c.radius + far;
     let core = match &solid.shape {
-        Shape::Round { core, radius } => least(|u| point_segment(at(u), core.a, core.b)) - radius,
-        Shape::Cuboid { half } => least(|u| at(u).distance(at(u).clamp(-*half, *half))),
-        Shape::Mesh(mesh) => {
-            let (middle, reach) = (at(0.5), 0.5 * a.distance(b) + c.radius + far);
-            let mut nearest = f64::INFINITY;
-            for triangle in mesh.corners() {
-                let corners = triangle.map(|p| p.as_dvec3());
-                // A triangle lies in the ball around its first corner that its longer side spans.
-                let wide = corners[0].distance_squared(corners[1]).max(corners[0].distance_squared(corners[2])).sqrt();
-                if corners[0].distance(middle) <= wide + reach {
-                    nearest = nearest.min(least(|u| point_triangle(at(u), corners)));
-                }
-            }
-            nearest
-        }
+        Shape::Round { core, radius } => within(limit + radius, &|p| point_segment(p, core.a, core.b)) - radius,
+        Shape::Cuboid { half } => within(limit, &|p| p.distance(p.clamp(-*half, *half))),
+        Shape::Mesh(mesh) => mesh.corners().iter().fold(f64::INFINITY, |nearest, triangle| {
+            let corners = triangle.map(|p| p.as_dvec3());
+            nearest.min(within(nearest.min(limit), &|p| point_triangle(p, corners)))
+        }),
     };
     core - c.radius
 }

@@ -29,6 +29,11 @@ use throng_core::patch::{NONE, PatchRecord};
 /// No exit leads farther from its tile than this (copies).
 const MAX_OFFSET: i32 = 1 << 25;
 
+/// True where an exit may lead so far. The least number has no positive counterpart.
+fn is_near(offset: [i32; 2]) -> bool {
+    offset.iter().all(|o| (-MAX_OFFSET..=MAX_OFFSET).contains(o))
+}
+
 /// An entrance of a cluster or region: where a search comes into it.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) enum Entrance {
@@ -214,9 +219,7 @@ impl PathHierarchy {
         let Some(tile) = exit.tile else { return true };
         let spots = self.costs_in(exit.cluster).spots(number - self.exits_of(exit.cluster).start);
         (tile as usize) < graph.num_instances()
-            && spots
-                .into_iter()
-                .all(|(offset, cell, _)| cell < graph.num_cells(tile) && offset.iter().all(|o| o.abs() <= MAX_OFFSET))
+            && spots.into_iter().all(|(offset, cell, _)| cell < graph.num_cells(tile) && is_near(offset))
     }
 
     /// The plane of a region's tiles.
@@ -355,4 +358,16 @@ fn each<T: Sync, R: Send>(list: &[T], find: impl Fn(&T, &mut Dial) -> R + Sync) 
 fn each<T, R>(list: &[T], find: impl Fn(&T, &mut Dial) -> R) -> Vec<R> {
     let mut search = Dial::default();
     list.iter().map(|item| find(item, &mut search)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exits_lead_no_farther_than_can_be_counted() {
+        assert!([0, MAX_OFFSET, -MAX_OFFSET].iter().all(|&o| is_near([o, 0]) && is_near([0, o])));
+        let far = [MAX_OFFSET + 1, -MAX_OFFSET - 1, i32::MAX, i32::MIN];
+        assert!(far.iter().all(|&o| !is_near([o, 0]) && !is_near([0, o])));
+    }
 }
