@@ -25,7 +25,8 @@ RUSTFLAGS="$(echo $coverage) -Cdebug-assertions --cfg fuzzing" \
     cargo build -q --release --manifest-path fuzz/Cargo.toml --target "$host" --target-dir "$target" --bins
 
 status=0
-TIMEFORMAT=%U
+# Of the program and of the system for it.
+TIMEFORMAT='%U %S'
 printf '%-18s %11s %10s %9s %9s %9s\n' reader runs "cpu s" coverage corpus findings
 for reader in "${readers[@]}"; do
     corpus=fuzz/corpus/$reader artifacts=fuzz/artifacts/$reader log=$target/$reader.log
@@ -42,7 +43,7 @@ for reader in "${readers[@]}"; do
             -max_total_time=$((end - SECONDS)) -timeout=30 -rss_limit_mb=3072 -max_len=$longest -print_final_stats=1 \
             > "$log" 2>&1; } 2>&1) || code=$?
         runs=$((runs + $(sed -n 's/^stat::number_of_executed_units: *//p' "$log" | tail -1)))
-        cpu=$((cpu + ${seconds%.*}))
+        cpu=$((cpu + $(awk '{ printf "%d", $1 + $2 }' <<< "$seconds")))
         most=$(grep -o 'cov: [0-9]*' "$log" | tail -1 | cut -d' ' -f2 || true)
         [ "${most:-0}" -le $covered ] || covered=$most
         [ $code -ne 0 ] || continue
