@@ -25,7 +25,7 @@ RUSTFLAGS="$(echo $coverage) -Cdebug-assertions --cfg fuzzing" \
     cargo build -q --release --manifest-path fuzz/Cargo.toml --target "$host" --target-dir "$target" --bins
 
 status=0
-# Of the program and of the system for it.
+# Processor time of the program, and of the system for it (s).
 TIMEFORMAT='%U %S'
 printf '%-18s %11s %10s %9s %9s %9s\n' reader runs "cpu s" coverage corpus findings
 for reader in "${readers[@]}"; do

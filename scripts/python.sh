@@ -5,8 +5,7 @@
 #                                    its own, and runs its tests; options go to `cargo build`
 #   scripts/python.sh --wheel        builds an optimised wheel into target/wheels, without tests
 #
-# The whole workspace is built, and its examples, as its libraries then are those that `cargo test --workspace` has built before,
-# with the same options. Says why, and succeeds, where Python or its packages are not to be had.
+# The whole workspace is built with its examples, so that what `cargo test --workspace` has built with the same options serves. Says why, and succeeds, where Python or its packages are not to be had.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 skip() { echo "python: skipped: $1"; exit 0; }
