@@ -2,7 +2,7 @@
 
 use crate::{Error, Result};
 use std::fs::{File, Metadata};
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 /// Most bytes of a text that people write: scenes, settings, sidecars (16 MiB).
@@ -52,7 +52,7 @@ pub fn read_file(path: &Path, what: &str, max_bytes: u64) -> Result<Vec<u8>> {
     let io = |source| Error::Io { path: path.to_path_buf(), source };
     let (file, length) = open_file(path, what, max_bytes)?;
     let mut bytes = Vec::new();
-    bytes.try_reserve_exact(length as usize).map_err(|e| io(std::io::Error::other(e)))?;
+    bytes.try_reserve_exact(length as usize).map_err(|e| io(std::io::Error::new(ErrorKind::OutOfMemory, e)))?;
     // The file may grow while it is read.
     file.take(max_bytes + 1).read_to_end(&mut bytes).map_err(io)?;
     match bytes.len() as u64 {

@@ -221,7 +221,7 @@ fn middle(bounds: &Bounds) -> Vec2 {
 
 /// The cell of a place; those of whole negative numbers are one lower than one might think, which is as good.
 fn cell(place: Vec2) -> [i32; 2] {
-    (place * (1.0 / CELL_M)).to_array().map(|v| v as i32 - i32::from(v < 0.0))
+    (place * (1.0 / CELL_M)).to_array().map(|v| (v as i32).saturating_sub(i32::from(v < 0.0)))
 }
 
 /// A body that somebody else moves.
@@ -316,6 +316,21 @@ impl Outsiders {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn boxes_beyond_all_cells_are_found() {
+        let mut grid = BoxGrid::with_capacity(2);
+        let boxes = [-1e14f32, 1e14].map(|x| Bounds::about(Vec2::splat(x), 1.0));
+        (0..2).for_each(|n| grid.set(n, boxes[n]));
+        for (n, bounds) in boxes.iter().enumerate() {
+            let mut found = Vec::new();
+            grid.near(bounds, |n| {
+                found.push(n);
+                true
+            });
+            assert_eq!(found, [n]);
+        }
+    }
 
     proptest! {
         /// Against a list of all boxes, while boxes come, change and go.

@@ -52,7 +52,7 @@ impl SnapshotKind {
             return refuse(format!("it has {} bytes, expected {HEADER} or more; it is cut short", bytes.len()));
         };
         if header[..8] != MAGIC || header[8..12] != self.tag {
-            return refuse("it is a snapshot of something else, or none".into());
+            return refuse("it is a snapshot of something else, or none; give one that was taken of this".into());
         }
         let word = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
         if word(12) != self.version {
@@ -68,10 +68,10 @@ impl SnapshotKind {
         if crc32(body) != word(40) {
             return refuse("its checksum is wrong; it is damaged".into());
         }
-        match bincode::serde::decode_from_slice(body, config().with_limit::<LARGEST>()) {
+        match bincode::serde::borrow_decode_from_slice(body, config().with_limit::<LARGEST>()) {
             Ok((state, used)) if used == body.len() => Ok((state, rest)),
-            Ok((_, used)) => refuse(format!("{} bytes follow its end", body.len() - used)),
-            Err(e) => refuse(e.to_string()),
+            Ok((_, used)) => refuse(follow(body.len() - used)),
+            Err(_) => refuse("its content is that of another state; take a new one".into()),
         }
     }
 
@@ -82,9 +82,14 @@ impl SnapshotKind {
     pub fn read_all<T: DeserializeOwned>(&self, bytes: &[u8]) -> Result<T> {
         match self.read(bytes)? {
             (state, []) => Ok(state),
-            (_, rest) => Err(Error::Snapshot { what: self.what, why: format!("{} bytes follow its end", rest.len()) }),
+            (_, rest) => Err(Error::Snapshot { what: self.what, why: follow(rest.len()) }),
         }
     }
+}
+
+/// What is said of bytes that do not belong there.
+fn follow(num_bytes: usize) -> String {
+    format!("{num_bytes} bytes follow its end, expected none; take a new one")
 }
 
 /// Bytes within a snapshot, such as a snapshot of a part: written at once, not one by one.
@@ -107,11 +112,12 @@ impl<'de> Deserialize<'de> for Bytes {
                 f.write_str("bytes")
             }
 
-            fn visit_byte_buf<E>(self, bytes: Vec<u8>) -> Result<Bytes, E> {
-                Ok(Bytes(bytes))
+            fn visit_bytes<E>(self, bytes: &[u8]) -> Result<Bytes, E> {
+                Ok(Bytes(bytes.to_vec()))
             }
         }
-        from.deserialize_byte_buf(Kept)
+        // Borrowed: a length is compared with what is left before memory is taken for it.
+        from.deserialize_bytes(Kept)
     }
 }
 
@@ -141,7 +147,17 @@ mod tests {
         KIND.write(&parts, &mut bytes);
         assert_eq!(KIND.read_all::<Vec<Bytes>>(&bytes).unwrap(), parts);
         bytes.push(0);
-        assert!(KIND.read_all::<Vec<Bytes>>(&bytes).is_err(), "a byte follows");
+        let e = KIND.read_all::<Vec<Bytes>>(&bytes).unwrap_err().to_string();
+        assert!(e.contains("1 bytes follow its end, expected none"), "{e}");
+    }
+
+    /// Memory for so many bytes is not to be had.
+    #[test]
+    fn a_length_beyond_the_end_takes_no_memory() {
+        let mut bytes = Vec::new();
+        KIND.write(&(1u64, u64::from(u32::MAX) - 99), &mut bytes);
+        let e = KIND.read_all::<Vec<Bytes>>(&bytes).unwrap_err().to_string();
+        assert!(e.ends_with("its content is that of another state; take a new one"), "{e}");
     }
 
     #[test]

@@ -120,11 +120,12 @@ impl<F: Lanes> Q<F> {
         p + t * self.w + self.v.cross(t)
     }
 
-    /// The shortest rotation that takes the direction of `a` to that of `b`; both longer than 0, not opposite.
+    /// The shortest rotation that takes the direction of `a` to that of `b`; none where one is 0 long or they are opposite.
     #[inline(always)]
     pub fn between(a: V<F>, b: V<F>) -> Self {
         let k = (a.dot(a) * b.dot(b)).sqrt();
-        Self::new(a.cross(b), k + a.dot(b)).normalize()
+        // The square of what is put in place of 0 is a normal number.
+        Self::new(a.cross(b), (k + a.dot(b)).max(F::splat(1e-18))).normalize()
     }
 
     /// Modified Rodrigues parameters: axis * tan(angle / 4), the shorter way round.
@@ -213,6 +214,13 @@ mod tests {
             prop_assume!(u.dot(v) > -0.98);
             let q = first(Q::between(V::splat(u), V::splat(v)));
             prop_assert!((q * u.normalize()).abs_diff_eq(v.normalize(), 1e-4));
+        }
+    }
+
+    #[test]
+    fn nothing_turns_between_directions_of_which_one_is_none() {
+        for (a, b) in [(Vec3::ZERO, Vec3::X), (Vec3::X, Vec3::ZERO), (Vec3::ZERO, Vec3::ZERO), (Vec3::X, Vec3::NEG_X)] {
+            assert_eq!(first(Q::between(V::splat(a), V::splat(b))), Quat::IDENTITY, "{a} {b}");
         }
     }
 }

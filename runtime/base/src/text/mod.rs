@@ -7,8 +7,12 @@ use crate::{Error, Result};
 use serde::de::DeserializeOwned;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 use value::{Fault, Value};
+
+/// Most brackets and braces of a text that stand in each other.
+const MOST_DEPTH: usize = 32;
 
 /// A TOML text, and the file that it stands in.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,9 +54,7 @@ impl Source {
     /// # Errors
     /// [`Error::Text`].
     pub fn parse<T: DeserializeOwned>(&self, help: &str) -> Result<T> {
-        let toml = |e: toml::de::Error| Fault { why: e.message().into(), span: e.span() };
-        DeTable::parse(&self.text)
-            .map_err(toml)
+        self.parsed()
             .and_then(|table| {
                 let span = table.span();
                 T::deserialize(Value { value: &DeValue::Table(table.into_inner()), span })
@@ -103,8 +105,58 @@ impl Source {
 
     /// The text as a table; `None` where it is none.
     pub fn table(&self) -> Option<DeTable<'_>> {
-        Some(DeTable::parse(&self.text).ok()?.into_inner())
+        Some(self.parsed().ok()?.into_inner())
     }
+
+    fn parsed(&self) -> Result<Spanned<DeTable<'_>>, Fault> {
+        if let Some(at) = too_deep(self.text.as_bytes()) {
+            let why = format!("brackets and braces stand {MOST_DEPTH} deep at most, here is one more");
+            return Err(Fault { why, span: Some(at..at) });
+        }
+        DeTable::parse(&self.text).map_err(|e| Fault { why: e.message().into(), span: e.span() })
+    }
+}
+
+/// The byte of the first bracket or brace that stands too deep in others: whoever reads them calls itself for each.
+fn too_deep(text: &[u8]) -> Option<usize> {
+    let (mut at, mut open) = (0, Vec::new());
+    while let Some(&byte) = text.get(at) {
+        match byte {
+            b'[' | b'{' if open.len() == MOST_DEPTH => return Some(at),
+            b'[' | b'{' => open.push(byte),
+            b']' | b'}' if open.last() == Some(&if byte == b']' { b'[' } else { b'{' }) => _ = open.pop(),
+            _ => {}
+        }
+        at += token(&text[at..]);
+    }
+    None
+}
+
+/// Bytes of the token that begins a text, as the parser takes texts apart.
+fn token(text: &[u8]) -> usize {
+    let until = |ends: &[u8]| text.iter().position(|b| ends.contains(b)).unwrap_or(text.len());
+    match text[0] {
+        b'#' => until(b"\r\n"),
+        b'"' | b'\'' => string(text),
+        _ => until(b".=,[]{} \t#\r\n").max(1),
+    }
+}
+
+/// Bytes of the string that begins a text.
+fn string(text: &[u8]) -> usize {
+    let (quote, is_long) = (text[0], text.starts_with(&[text[0]; 3]));
+    let end = &text[..if is_long { 3 } else { 1 }];
+    let mut at = end.len();
+    while at < text.len() && !text[at..].starts_with(end) {
+        if !is_long && text[at] == b'\n' {
+            return at;
+        }
+        let escapes = quote == b'"' && text[at] == b'\\' && matches!(text.get(at + 1), Some(b'"' | b'\\'));
+        at += 1 + usize::from(escapes);
+    }
+    at = (at + end.len()).min(text.len());
+    // Two quotes may stand before those that end a long one.
+    at + text[at..].iter().take(if is_long { 2 } else { 0 }).take_while(|&&b| b == quote).count()
 }
 
 /// Bytes of a key, or of the last part of it that is there.
@@ -149,7 +201,12 @@ fn nearest_key(message: &str) -> Option<&str> {
 
 /// The known name that is most like a word (Jaro and Winkler); `None` where none is like it.
 fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let likeness = known.into_iter().map(|name| (strsim::jaro_winkler(word, name), name));
+    // Comparing takes as many steps as the product of their lengths.
+    const LONGEST: usize = 200;
+    let likeness = known
+        .into_iter()
+        .filter(|name| word.len().max(name.len()) <= LONGEST)
+        .map(|name| (strsim::jaro_winkler(word, name), name));
     likeness.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|&(likeness, _)| likeness > 0.75).map(|(_, name)| name)
 }
 

@@ -127,3 +127,29 @@ fn keys_are_found_as_deep_as_they_stand() {
         assert!(source.at(key, "wrong".into()).to_string().starts_with(&format!("s.toml:{place}: ")), "{key}");
     }
 }
+
+/// Keys of many parts in many braces: as deep as the product of both.
+#[test]
+fn texts_too_deep_for_a_stack_are_refused_by_line_and_column() {
+    let key = ["a"; 79].join(".");
+    let deep = |n: usize| {
+        format!("# [[[\n{}1{}", format!("{key} = {{").repeat(n).replacen('{', "{ s = '''[\n''', ", 1), "}".repeat(n))
+    };
+    let parse = |text: String| {
+        let read = move || Source::new(&text, Path::new("s.toml")).parse::<BTreeMap<String, u8>>("See the list.");
+        let small = std::thread::Builder::new().stack_size(1 << 20);
+        small.spawn(read).unwrap().join().unwrap().unwrap_err().to_string()
+    };
+    let e = parse(deep(33).replace("{1", "{b = 1"));
+    assert!(e.starts_with("s.toml:3:") && e.contains("brackets and braces stand 32 deep at most"), "{e}");
+    let e = parse(deep(32).replace("{1", "{b = 1"));
+    assert!(e.contains("invalid type: map"), "{e}");
+    let told = |text: &str| too_deep(text.as_bytes());
+    for string in [r#""\"[[[""#, "'[[['", "\"\"\"\n\"[[[\\\"\"\"\"\"", "'''\n'[[['''", "'' # [[[\n"] {
+        assert_eq!(told(&format!("a = [{}]", [string; 20].join(", "))), None, "{string}");
+    }
+    // What is no string, or is ended by its line, hides nothing; nor does a bracket close a brace.
+    for open in ["[", "a'[", "{]", "'\n{", "\"\\\n[", "'''''''['''[", "#\r["] {
+        assert!(told(&open.repeat(33)).is_some(), "{open}");
+    }
+}

@@ -1,13 +1,14 @@
 //! The ground that walkers stand on.
 
 use glam::{Vec2, Vec3};
+use std::sync::Arc;
 use throng_base::error::{check, check_length};
 use throng_base::{Hash128, Result};
 
 /// Most knots along a side; a whole grid has at most twice as many (256 MiB).
 const MAX_KNOTS: usize = 1 << 25;
 
-/// Heights at the knots of a square grid, interpolated bilinearly; beyond its edge the ground continues level.
+/// Heights at the knots of a square grid, interpolated bilinearly; beyond its edge the ground continues level. Clones share them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HeightField {
     /// Position of the first knot: x and z (m).
@@ -17,7 +18,7 @@ pub struct HeightField {
     /// Knots along x and along z.
     size: [usize; 2],
     /// Row by row along x; empty where the ground is flat.
-    heights: Vec<f32>,
+    heights: Arc<[f32]>,
 }
 
 /// The ground at a position.
@@ -69,7 +70,7 @@ impl HeightField {
         for &h in &heights {
             check("height of the ground", None, h, h.abs() < 1e4, "finite and below 10000 m")?;
         }
-        Ok(Self { origin, spacing, size, heights })
+        Ok(Self { origin, spacing, size, heights: heights.into() })
     }
 
     /// True if it is level at height 0 everywhere.
@@ -129,6 +130,7 @@ mod tests {
         let beyond = field.at(Vec2::new(9.0, -1.5));
         assert!((beyond.height - plane(2.5, -1.5)).abs() < 1e-5 && beyond.slope[0] == 0.0, "{beyond:?}");
         assert!(field.at(Vec2::splat(f32::NAN)).height.is_finite());
+        assert!(std::ptr::eq(field.clone().heights.as_ptr(), field.heights.as_ptr()), "clones share their heights");
     }
 
     #[test]

@@ -34,7 +34,7 @@ pub struct AxisRecord {
     pub num_knots: u32,
     /// Value at the first knot.
     pub low: f32,
-    /// Value at the last knot (> low).
+    /// Value at the last knot (> low + 0.0001).
     pub high: f32,
 }
 
@@ -55,7 +55,7 @@ pub struct BlendRecord {
     /// Number of axes (1 to MAX_AXES).
     pub num_axes: u32,
     /// Rows of the posture tables over one cycle of generic time; row r lies at r / num_phases, and the last is
-    /// followed by the first (>= 2).
+    /// followed by the first (2 to 4096).
     pub num_phases: u32,
     /// First number of its weight table.
     pub first_weight: u32,

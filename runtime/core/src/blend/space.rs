@@ -11,6 +11,9 @@ use throng_base::Result;
 use throng_base::error::check_length;
 use throng_base::simd::{LANES, Lanes, Work, dispatch};
 
+/// Weights beyond the box grow more slowly along every axis.
+const STEEPEST: f32 = 1e4;
+
 /// One blend space of a bundle (Kim, Kim and Shin 2003a, section 4). Owned: it keeps the bundle's file open.
 ///
 /// A query has three steps, each a batch over slices: [`BlendSpace::weights`] maps parameters to the weights of the
@@ -64,6 +67,11 @@ impl BlendSpace {
             0 => Vec::new(),
             _ => slopes::linear_part(&examples, grid.axes(), grid.stride()),
         };
+        if !slopes.iter().all(|s| s.abs() < STEEPEST) {
+            return Err(FormatError::layout(format!(
+                "blend space {space}: its examples are so near to each other that weights beyond the box have no bounds"
+            )));
+        }
         let name = blends.names.get(space).cloned().unwrap_or_default();
         let (skeleton, fingerprint) = (blends.skeleton.clone(), blends.fingerprint);
         let activities = ActivitySet::default();

@@ -191,5 +191,38 @@ pub(super) fn graph(t: &Bundle) -> Result<(), FormatError> {
     if let Some(i) = entered.iter().position(|e| !e) {
         return Err(FormatError::value(tags::STATES, i, "no segment leads to it"));
     }
-    Ok(())
+    let state = g.states.windows(2).position(|w| w[0].frame > w[1].frame).map(|i| (tags::STATES, i));
+    let segment = g.segments.windows(2).position(|w| w[0].start > w[1].start).map(|i| (tags::SEGMENTS, i));
+    match state.or(segment) {
+        Some((tag, i)) => Err(FormatError::value(tag, i + 1, "it does not follow the one before it")),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::characters::made_up;
+    use crate::format::{AlignedBytes, Layout, RotationCode, Tag};
+    use crate::graph::MotionSegment;
+
+    /// What is said of a bundle with other rows in a section.
+    fn refusal<T: bytemuck::Pod>(tag: Tag, change: impl FnOnce(&mut [T])) -> String {
+        let mut bytes = AlignedBytes::from_slice(&made_up::bytes(&[], false));
+        let range = Layout::read(bytes.as_slice(), false).unwrap().section::<T>(tag).unwrap();
+        change(bytemuck::cast_slice_mut(&mut bytes.as_mut_slice()[range]));
+        Bundle::from_bytes_unverified(bytes).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn segments_ascend_by_their_starts() {
+        let e = refusal::<MotionSegment>(tags::SEGMENTS, |s| s.swap(1, 2));
+        assert!(e.contains("section SEGM, element 2: it does not follow the one before it"), "{e}");
+    }
+
+    #[test]
+    fn a_middle_whose_w_is_one_is_the_identity() {
+        let e = refusal::<RotationCode>(tags::ROTATION_CODE, |c| c[0].joints[3].centre = [0.04, 0.0, 0.0, 1.0]);
+        assert!(e.contains("section RCOD, element 3: its field cannot be"), "{e}");
+    }
 }

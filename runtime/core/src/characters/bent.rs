@@ -10,7 +10,7 @@ use crate::planar::Planar;
 use glam::Vec2;
 
 /// Pieces are no longer (frames).
-pub(super) const PIECE_FRAMES: u32 = 4;
+pub(crate) const PIECE_FRAMES: u32 = 4;
 
 /// Where a piece begins, and how it is turned.
 #[derive(Clone, Copy, Debug)]

@@ -97,11 +97,9 @@ impl PassedHits {
     #[inline]
     pub fn pass(&mut self, r: &MotionSet, character: u32, segment: u32, (from, to): (f32, f32), place: Planar) {
         let start = r.graph.segments[segment as usize].start;
-        for hit in r.hits_of(segment) {
-            let offset = (r.hits[hit as usize].frame - start) as f32;
-            if from < offset && offset <= to {
-                self.add(Passed { character, hit, clip_to_world: place });
-            }
+        let offset = |hit: u32| (r.hits[hit as usize].frame - start) as f32;
+        for hit in r.hits_after(segment, from).take_while(|&hit| offset(hit) <= to) {
+            self.add(Passed { character, hit, clip_to_world: place });
         }
     }
 

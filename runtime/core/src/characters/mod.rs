@@ -36,6 +36,7 @@ use crate::skeleton::{Joint, NUM_JOINTS};
 pub use anatomy::head_centre;
 pub use avoid::AvoidConfig;
 use avoid::Avoiding;
+pub(crate) use bent::PIECE_FRAMES;
 use block::{Block, Body};
 pub use blow::{Blow, MAX_BLOWS};
 use blow::{Blows, PassedHits};
@@ -99,7 +100,6 @@ pub struct Characters {
     num_characters: usize,
     /// Characters that choose for themselves; the others are laid on scheduled clips.
     num_choosers: usize,
-    num_frames: usize,
     num_segments: usize,
     /// Of the bundle's content.
     fingerprint: u64,
@@ -174,7 +174,6 @@ impl Characters {
             config,
             num_characters: n,
             num_choosers,
-            num_frames: motion_set.frames.len(),
             num_segments: motion_set.graph.segments.len(),
             fingerprint: motion_set.fingerprint,
             // Memory that nobody is posed in is never written, and takes no room.
@@ -375,7 +374,7 @@ impl Characters {
         let (segment, time) = self.segment(character);
         let start = motion_set.graph.segments.get(segment as usize)?.start;
         let frames = |hit: u32| (motion_set.hits[hit as usize].frame - start) as f32 - time;
-        let hit = motion_set.hits_of(segment).find(|&hit| frames(hit) > 0.0)?;
+        let hit = motion_set.hits_after(segment, time).next()?;
         let place = self.blocks[character / LANES].clip_to_world(character % LANES);
         Some((Blow::new(motion_set, character as u32, hit, place), frames(hit) / motion_set.rate_hz))
     }
@@ -498,16 +497,8 @@ impl Characters {
     }
 
     fn check_bundle(&self, motion_set: &MotionSet) -> Result<()> {
-        for (what, expected, got) in [
-            ("frames", self.num_frames, motion_set.frames.len()),
-            ("segments", self.num_segments, motion_set.graph.segments.len()),
-        ] {
-            if got != expected {
-                let expected = format!("{expected}, as in the bundle the characters were made with");
-                return Err(Error::Length { what, got, expected });
-            }
-        }
-        Ok(())
+        let [expected, got] = [self.fingerprint, motion_set.fingerprint].map(u128::from);
+        if got == expected { Ok(()) } else { Err(Error::OtherBundle { expected, got }) }
     }
 }
 

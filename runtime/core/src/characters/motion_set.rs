@@ -20,6 +20,7 @@ use throng_base::maths;
 /// Everything of a bundle that characters need to move. Owned: it keeps the bundle's file open; clones are cheap.
 #[derive(Clone, Debug)]
 pub struct MotionSet {
+    /// Those of the bundle, and zeros up to a window's length.
     pub(crate) frames: Table<FrameRow>,
     pub(crate) rotation_code: Arc<RotationCode>,
     pub(crate) contacts: Table<Contacts>,
@@ -61,6 +62,11 @@ impl MotionSet {
         }
     }
 
+    /// Number of frames that the bundle has: [`MotionSet::frames`] may have more rows.
+    pub(crate) fn num_frames(&self) -> usize {
+        self.contacts.len()
+    }
+
     /// Number of policies; a [`super::Goal`] names one of them.
     pub fn num_policies(&self) -> usize {
         self.policies.len()
@@ -86,6 +92,13 @@ impl MotionSet {
     pub fn hits_of(&self, segment: u32) -> std::ops::Range<u32> {
         let [first, end] = self.segment_hits[segment as usize];
         first..end
+    }
+
+    /// Those of them after a time since its start (frames).
+    pub(crate) fn hits_after(&self, segment: u32, time: f32) -> std::ops::Range<u32> {
+        let (start, all) = (self.graph.segments[segment as usize].start, self.hits_of(segment));
+        let hits = &self.hits[all.start as usize..all.end as usize];
+        all.start + hits.partition_point(|h| (h.frame - start) as f32 <= time) as u32..all.end
     }
 
     /// The skeleton of all characters.
@@ -187,4 +200,44 @@ fn at_least(frames: &Table<FrameRow>, num: usize) -> Table<FrameRow> {
 fn segment_hits(graph: &MotionGraph, hits: &[HitRecord]) -> Vec<[u32; 2]> {
     let up_to = |frame: u32| hits.partition_point(|h| h.frame <= frame) as u32;
     graph.segments.iter().map(|s| [up_to(s.start), up_to(s.start + s.num_frames)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::characters::block::{Block, Body};
+    use crate::characters::tests::tables;
+    use crate::characters::{Characters, CharactersConfig, SampleJob, ScheduledClip};
+    use crate::pose::Mat3x4;
+    use crate::skeleton::NUM_JOINTS;
+
+    #[test]
+    fn rows_that_only_fill_a_window_are_no_frames() {
+        let whole = MotionSet::new(&tables());
+        let clips = Table::from(vec![ClipRecord { num_frames: 3, ..whole.clips[0] }]);
+        let r = MotionSet {
+            frames: at_least(&whole.frames.part(0..3).unwrap(), WINDOW),
+            contacts: whole.contacts.part(0..3).unwrap(),
+            left: left(&clips, 3),
+            clips,
+            ..whole
+        };
+        let clip = |num_frames| [ScheduledClip { num_frames, ..ScheduledClip::default() }];
+        assert!(Characters::new_laid(&r, CharactersConfig::default(), &clip(3)).is_err());
+        let mut laid = Characters::new_laid(&r, CharactersConfig::default(), &clip(2)).unwrap();
+        laid.step(&r, 1.0, &[]).unwrap();
+        let kept = laid.snapshot();
+        laid.restore(&r, &kept).unwrap();
+        let bad: [fn(&mut Block, &mut Body); 2] = [|b, _| b.length[0] = 3, |b, _| b.change = [[3; 8]; 2]];
+        for spoil in bad {
+            let mut kept = kept.clone();
+            kept.spoil(spoil);
+            assert!(laid.restore(&r, &kept).is_err());
+        }
+        let sample = |frame| {
+            let matrices = &mut [Mat3x4::default(); NUM_JOINTS];
+            SampleJob { motion_set: &r, frames: &[frame], ratios: &[0.0], matrices }.run()
+        };
+        assert!(sample(2).is_ok() && sample(3).is_err());
+    }
 }

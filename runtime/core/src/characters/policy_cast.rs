@@ -1,6 +1,6 @@
 //! Characters as a cast: they come and go, each with an id and an order of its own.
 
-use super::block::{Block, Body};
+use super::block::{Block, Body, LAID};
 use super::motion_set::MotionSet;
 use super::order::Order;
 use super::snapshot::is_sound;
@@ -254,9 +254,10 @@ impl PolicyCharacters {
     /// Why a state cannot be that of these characters; nothing where it can.
     fn refuse(&self, blocks: &[Block], bodies: &[Body], roster: &Roster, orders: &[Order]) -> Option<String> {
         let n = roster.ids().len();
-        if !self.roster.clone().restore(roster)
-            || (orders.len(), blocks.len(), bodies.len()) != (n, n.div_ceil(LANES), n.div_ceil(LANES))
-        {
+        if (orders.len(), blocks.len(), bodies.len()) != (n, n.div_ceil(LANES), n.div_ceil(LANES)) {
+            return Some(format!("it is damaged: its rows are not those of {n} characters; take a new one"));
+        }
+        if !self.roster.clone().restore(roster) {
             let capacity = self.roster.capacity();
             return Some(format!(
                 "its ids are not those of {capacity} places; restore it into as many as it was taken of"
@@ -266,8 +267,12 @@ impl PolicyCharacters {
             if let Err(e) = order.check(Some(*id), &self.motion_set) {
                 return Some(e.to_string());
             }
-            if !is_sound(blocks, bodies, &self.motion_set, at, name(*id)) {
-                return Some(format!("character {id} plays what the bundle does not have"));
+            // Scheduled clips are for those whom others move.
+            let is_laid = blocks[at / LANES].segment[at % LANES] == LAID;
+            if is_laid || !is_sound(blocks, bodies, &self.motion_set, at, name(*id)) {
+                return Some(format!(
+                    "character {id} plays what the bundle does not have, or is nowhere; take a new one"
+                ));
             }
         }
         if let Some(at) = self.characters.meeting(&self.motion_set, blocks, n) {

@@ -76,6 +76,9 @@ const FORCE: f32 = 11.308_286;
 const REACH_OF_VELOCITY: f32 = 0.367_879_44;
 /// Displacement below which a spring has come to rest (m).
 const AT_REST_M: f32 = 1e-4;
+/// Displacements and their velocities stay far below these, whatever the config is (m, m/s).
+const FARTHEST_M: f32 = 1e3;
+const FASTEST_MPS: f32 = 1e4;
 /// How far the face turns away with a displacement of the head (rad/m).
 const TURN_RAD_PER_M: f32 = 4.0;
 /// Joints that a reaction turns or carries: hips, spine, neck, head and both arms.
@@ -176,6 +179,15 @@ pub(crate) struct Reaction {
 
 impl Reaction {
     pub const ZERO: Self = Self { active: [0.0; LANES], trunk: Spring::ZERO, head: Spring::ZERO };
+
+    /// True where a lane is displaced as bodies are, not as what is damaged.
+    pub(super) fn is_moderate(&self, lane: usize) -> bool {
+        let is_moderate = |s: &Spring| {
+            get(&s.place, lane).abs().max_element() < FARTHEST_M
+                && get(&s.velocity, lane).abs().max_element() < FASTEST_MPS
+        };
+        is_moderate(&self.trunk) && is_moderate(&self.head)
+    }
 }
 
 /// True where any lane reacts.

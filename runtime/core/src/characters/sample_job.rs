@@ -32,7 +32,7 @@ impl SampleJob<'_> {
         for &ratio in self.ratios {
             check("ratio", None, ratio, (0.0..=1.0).contains(&ratio), "between 0 and 1")?;
         }
-        let num_frames = self.motion_set.frames.len();
+        let num_frames = self.motion_set.num_frames();
         self.frames.iter().try_for_each(|&frame| check_index("frame", None, frame as usize, num_frames))
     }
 

@@ -45,10 +45,10 @@ impl ScheduledClip {
     }
 
     fn check(&self, motion_set: &MotionSet) -> Result<()> {
-        let last = self.frame as usize + self.num_frames as usize;
-        check_index("frame", None, last, motion_set.frames.len())?;
+        let last = self.frame.saturating_add(self.num_frames);
+        check_index("frame", None, last as usize, motion_set.num_frames())?;
         check_index("first frame of a scheduled clip", None, self.from_offset as usize, self.num_frames as usize)?;
-        let in_clip = motion_set.clip_of(self.frame) == motion_set.clip_of(last as u32);
+        let in_clip = motion_set.clip_of(self.frame) == motion_set.clip_of(last);
         let expected = "a number of frames that the clip has";
         check("length of a scheduled clip", None, self.num_frames, in_clip, expected)?;
         let (r, m) = (self.root, self.missing);

@@ -12,6 +12,13 @@ use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
 use throng_base::{Error, Result};
 
+/// What is laid begins no later than this (s).
+const LONGEST_S: f32 = 1e3;
+/// What is added to a clip comes to less than this (m, rad).
+const MOST_ADDED: f32 = 1.1e6;
+/// An action is bent by half a turn at most (rad).
+const MOST_BENT: f32 = 3.2;
+
 /// State of characters at one instant: all that their next steps depend on, without poses. It can be written and read,
 /// and be changed there: [`Characters::restore`] checks it. (about 520 bytes a character)
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -67,8 +74,11 @@ impl Characters {
         let CharactersSnapshot { blocks, bodies, num_characters: n, fingerprint } = snapshot;
         let refuse = |why: String| Err(Error::Snapshot { what: "characters", why });
         let room = self.matrices.len() / NUM_JOINTS;
-        if *n > room || [blocks.len(), bodies.len()] != [n.div_ceil(LANES); 2] {
-            return refuse(format!("it has {n} characters, the capacity is {room}"));
+        if *n > room {
+            return refuse(format!("it has {n} characters, the capacity is {room}; restore it into more room"));
+        }
+        if [blocks.len(), bodies.len()] != [n.div_ceil(LANES); 2] {
+            return refuse(format!("it is damaged: its rows are not those of {n} characters; take a new one"));
         }
         if [*fingerprint; 2] != [self.fingerprint, motion_set.fingerprint] {
             return refuse("it was taken with another bundle".into());
@@ -145,8 +155,10 @@ pub(super) fn is_sound(blocks: &[Block], bodies: &[Body], motion_set: &MotionSet
     let named = b.name[lane] == name || b.segment[lane] == LAID;
     let (exists, earliest) = match b.segment[lane] {
         LAID => {
-            let end = first as usize + length as usize;
-            (length > 0 && end < motion_set.frames.len() && b.bend[lane] == 0.0, f32::NEG_INFINITY)
+            let last = first.saturating_add(length);
+            let is_there = length > 0 && (last as usize) < motion_set.num_frames();
+            let in_clip = is_there && motion_set.clip_of(first) == motion_set.clip_of(last);
+            (in_clip && b.bend[lane] == 0.0, -LONGEST_S * motion_set.rate_hz)
         }
         segment => {
             let segment = motion_set.graph.segments.get(segment as usize);
@@ -156,11 +168,65 @@ pub(super) fn is_sound(blocks: &[Block], bodies: &[Body], motion_set: &MotionSet
     let state = b.choice_state[lane];
     let chose = state == NO_STATE || (state as usize) < motion_set.graph.states.len();
     // Endless before the first transition, and below 0 where a scheduled clip is laid but has not begun.
-    let aged = b.age_s[lane] > -1e3;
+    let aged = b.age_s[lane] > -LONGEST_S;
     b.age_s[lane] = 0.0;
     let paced = b.pace[lane] <= pace::IN_PLACE && b.wait[lane].abs() <= 1e3;
     let in_time = (earliest..=length as f32).contains(&b.time[lane]);
-    let changed = b.change.iter().all(|row| (row[lane] as usize) < motion_set.frames.len());
-    let near = b.is_near(lane) && bodies[at / LANES].is_near(lane);
+    let changed = b.change.iter().all(|row| (row[lane] as usize) < motion_set.num_frames());
+    let body = &bodies[at / LANES];
+    let near = b.is_near(lane) && adds_little(&b, lane) && body.is_near(lane) && body.reaction.is_moderate(lane);
     exists && chose && aged && paced && in_time && named && changed && near
+}
+
+/// True where what is added to the motion that a lane plays is no more than steps and scheduled clips add.
+fn adds_little(b: &Block, lane: usize) -> bool {
+    let (length, drift) = (b.length[lane] as f32, b.drift(lane).abs());
+    match b.segment[lane] {
+        LAID => {
+            let most = drift.max_element().max(b.turn[lane].abs());
+            (0.0..length).contains(&b.drift_from[lane]) && most * length < MOST_ADDED
+        }
+        _ => {
+            let on_ground = [b.lift, b.drift[1], b.turn, b.drift_from].iter().all(|v| v[lane] == 0.0);
+            on_ground && drift.max_element() * length < MOST_ADDED && b.bend[lane].abs() * length < MOST_BENT
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::characters::tests::tables;
+    use crate::characters::{CharactersConfig, ScheduledClip};
+    use crate::patch::Placement;
+
+    #[test]
+    fn who_is_laid_far_beyond_what_it_plays_is_refused() {
+        let tables = tables();
+        let r = MotionSet::new(&tables);
+        let missing = Placement::new(9e5, 0.0, 0.0, 0.0);
+        let clip = ScheduledClip { num_frames: 30, from_offset: 5, missing, ..ScheduledClip::default() };
+        let mut characters = Characters::new_laid(&r, CharactersConfig::default(), &[clip; 4]).unwrap();
+        characters.step(&r, 0.8, &[]).unwrap();
+        characters.lay(&r, 3, &clip).unwrap();
+        let kept = characters.snapshot();
+        assert!(kept.blocks[0].time[3] < 5.0);
+        characters.restore(&r, &kept).unwrap();
+        let bad: [fn(&mut Block, &mut Body); 7] = [
+            |b, _| b.time[3] = -1e7 + 1.0,
+            |b, _| b.drift_from[3] = -1e6,
+            |b, _| b.drift_from[3] = 31.0,
+            |b, _| b.drift[0][3] = 1e6,
+            |b, _| b.turn[3] = -9e6,
+            // Into the next clip, and beyond all counting.
+            |b, _| b.first[3] = 45,
+            |b, _| (b.first[3], b.length[3]) = (u32::MAX, 2),
+        ];
+        for spoil in bad {
+            let mut kept = kept.clone();
+            kept.spoil(spoil);
+            let e = characters.restore(&r, &kept).unwrap_err().to_string();
+            assert!(e.contains("character 3"), "{e}");
+        }
+    }
 }

@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 
 /// Most bytes an encoded section may ask for while it is decoded (bytes).
 const LIMIT: usize = 64 << 20;
+/// Most bytes of META: a byte of it takes up to 24 of memory (bytes).
+const MOST_META: usize = 16 << 20;
 /// Lowest and highest frame rate of a bundle: within it, a step plays a bounded number of segments (Hz).
 const RATES_HZ: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 
@@ -63,7 +65,7 @@ pub struct SourceMeta {
 /// A clip and what is known of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ClipMeta {
-    /// Unique name.
+    /// Its name.
     pub name: String,
     /// File it came from.
     pub source: String,
@@ -146,6 +148,15 @@ fn decode_first<'a, T: DeserializeOwned>(tag: &str, bytes: &'a [u8]) -> Result<(
     }
 }
 
+fn check_length(len: usize) -> Result<(), FormatError> {
+    match len {
+        0..=MOST_META => Ok(()),
+        _ => Err(FormatError::layout(format!(
+            "META has {len} bytes, expected up to {MOST_META}: take fewer clips, or fewer and shorter tags, into one bundle"
+        ))),
+    }
+}
+
 impl Meta {
     /// Names of the kinds of hits, by number: punch, kick, then those of tags.
     pub fn hit_kinds(&self) -> impl Iterator<Item = &str> {
@@ -155,12 +166,13 @@ impl Meta {
     /// The section's bytes.
     ///
     /// # Errors
-    /// [`FormatError::Layout`] where it cannot be encoded.
+    /// [`FormatError::Layout`] where it cannot be encoded, or is too long to be read again.
     pub fn encode(&self) -> Result<Vec<u8>, FormatError> {
         let mut bytes = encode("META", self)?;
         if !self.activities.is_empty() {
             bytes.extend(encode("META", &self.activities)?);
         }
+        check_length(bytes.len())?;
         Ok(bytes)
     }
 
@@ -169,6 +181,7 @@ impl Meta {
     /// # Errors
     /// [`FormatError::Layout`] where they are damaged, ask for too much memory, or are followed by others.
     pub fn decode(bytes: &[u8]) -> Result<Self, FormatError> {
+        check_length(bytes.len())?;
         let (mut meta, rest): (Self, _) = decode_first("META", bytes)?;
         if !rest.is_empty() {
             meta.activities = decode("META", rest)?;
@@ -197,6 +210,17 @@ mod tests {
         assert_eq!([&short, &long].map(|b| Meta::decode(b).unwrap()), [bare, full]);
         assert!((short.len() + 1..long.len()).all(|cut| Meta::decode(&long[..cut]).is_err()));
         assert!(Meta::decode(&[long, vec![0]].concat()).is_err());
+    }
+
+    /// An empty string is one byte that takes the memory of a string.
+    #[test]
+    fn more_names_than_a_bundle_may_have_are_neither_written_nor_read() {
+        let with = |n| Meta { rate_hz: 30.0, hit_tags: vec![String::new(); n], ..Meta::default() };
+        let e = with(MOST_META).encode().unwrap_err().to_string();
+        assert!(e.contains("expected up to 16777216") && e.contains("fewer clips"), "{e}");
+        let bytes = encode("META", &with(MOST_META)).unwrap();
+        assert!(Meta::decode(&bytes).is_err_and(|e| e.to_string().contains("expected up to")));
+        assert!(Meta::decode(&with(1000).encode().unwrap()).is_ok());
     }
 
     /// A rate that is infinite as `f32`, or so large that time no longer notices a segment's end, made steps endless.

@@ -26,6 +26,8 @@ const LEAST_W: f32 = 0.3;
 const WIDE_W: f32 = 0.5;
 /// Neighbours on opposite sides are farther apart than rounding can bring them.
 const LEAST_DOT: f32 = -0.25;
+/// Curves through rows of unit length come nearer to zero than this by cancelling each other out.
+const LEAST_SQUARE: f32 = 1e-12;
 /// How far what a hand, a toe or the head turns counts as lying from it (m): little, since no joint hangs on them.
 const TIP_M: f32 = 0.03;
 
@@ -57,7 +59,10 @@ impl JointCode {
 
     /// True where all is as the fields say, with a unit centre and values of a quaternion.
     pub(crate) fn is_sound(&self) -> bool {
-        let unit = (Quat::from_array(self.centre).length() - 1.0).abs() < 1e-3;
+        let [x, y, z, w] = self.centre;
+        // A w of 1 stands for the identity.
+        let unit = (Quat::from_array(self.centre).length() - 1.0).abs() < 1e-3
+            && (w != 1.0 || Vec3::new(x, y, z).length() < 1e-3);
         let values = self.low.iter().all(|v| v.abs() <= 1.1) && self.step.iter().all(|v| (0.0..=2.2).contains(v));
         let bits = self.bits.iter().all(|&b| u32::from(b) <= MOST_OF_ONE) && self.width() <= MOST_BITS;
         unit && values && bits && self.at <= BITS - self.width()
@@ -250,7 +255,11 @@ impl RotationCode {
             code.value(&there, z, weights, 2),
         );
         let coded = if code.stores_w() {
-            Q::new(v, code.value(&there, w, weights, 3)).normalize()
+            // Of rows that cancel each other out nothing is left: the middle. Other lanes keep their bits.
+            let (w, least) = (code.value(&there, w, weights, 3), F::splat(LEAST_SQUARE));
+            let square = v.dot(v) + w * w;
+            let w = if least.any_gt(square) { F::select_lt(square, least, F::splat(1.0), w) } else { w };
+            Q::new(v, w).normalize()
         } else {
             let (one, square) = (F::splat(1.0), v.dot(v));
             // A point between two of the unit ball lies in it; a curve may swing out of it a little. Other lanes keep their bits.

@@ -2,8 +2,8 @@
 //! hot kernels lives here.
 #![allow(unsafe_code)]
 
-use super::FormatError;
-use std::io::{ErrorKind, Read};
+use super::{FormatError, Header};
+use std::io::{ErrorKind, Read, Seek};
 use std::{fs::File, path::Path};
 use throng_base::Error;
 use throng_base::file::{MAX_BUNDLE_BYTES, open_file};
@@ -60,15 +60,27 @@ pub enum Storage {
 
 impl Storage {
     /// Reads a file into read-only pages of this process. Whatever happens to the file afterwards does not reach them.
+    /// Of a file whose header is damaged or none, which is refused for that, no more than the header is read.
     ///
     /// - `what`: what the file holds, with its article, for messages ("a bundle").
     ///
     /// # Errors
     /// [`FormatError::Io`] where it cannot be read, [`FormatError::File`] for what is no regular file,
-    /// [`FormatError::Length`] for an empty one and for one that is cut short meanwhile.
+    /// [`FormatError::Length`] for an empty one, for one whose header gives another length, and for one that is cut short
+    /// meanwhile.
     pub fn read(path: &Path, what: &str) -> Result<Self, FormatError> {
         let io = |source| FormatError::Io { path: path.to_path_buf(), source };
         let (mut file, length) = open(path, what)?;
+        let mut head = AlignedBytes::zeros(length.min(size_of::<Header>())).map_err(io)?;
+        fill(head.as_mut_slice(), path, &mut file)?;
+        let header = bytemuck::try_pod_read_unaligned(head.as_slice()).ok();
+        let Some(Header { file_len, .. }) = header.filter(|h: &Header| h.header_crc32 == h.checksum()) else {
+            return Ok(Self::Memory(head));
+        };
+        if file_len != length as u64 {
+            return Err(FormatError::Length { expected: file_len, got: length as u64 });
+        }
+        file.rewind().map_err(io)?;
         // Pages come zeroed from the system: nothing is cleared here, and giving them back is one call.
         let mut pages = match memmap2::MmapMut::map_anon(length) {
             // As in WebAssembly.
@@ -155,10 +167,26 @@ mod tests {
         let memory = read(expected.len()).unwrap();
         assert!(matches!(&memory, Storage::Memory(_)) && memory.bytes() == expected);
         assert_eq!(memory.bytes().as_ptr().addr() % 64, 0);
-        assert_eq!(Storage::read(&path, "a text").unwrap().bytes(), expected);
         let e = read(expected.len() + 1).unwrap_err();
         assert!(matches!(e, FormatError::Length { got, .. } if got == expected.len() as u64), "{e}");
         let e = read(usize::MAX / 2).unwrap_err();
         assert!(matches!(&e, FormatError::Io { source, .. } if source.kind() == ErrorKind::OutOfMemory), "{e}");
+    }
+
+    #[test]
+    #[cfg_attr(miri, ignore = "Miri maps no files")]
+    fn of_a_file_that_is_refused_for_its_header_no_more_is_read() {
+        let path = std::env::temp_dir().join(format!("throng-header-{}", std::process::id()));
+        let bytes = crate::characters::made_up::bytes(&[], false);
+        let read = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            Storage::read(&path, "a bundle")
+        };
+        assert_eq!(read(&bytes).unwrap().bytes(), bytes);
+        assert_eq!(read(&[0; 5000]).unwrap().bytes(), [0; 64]);
+        assert_eq!(read(&bytes[..9]).unwrap().bytes(), &bytes[..9]);
+        let longer = read(&[&bytes[..], &[0]].concat());
+        assert!(matches!(longer, Err(FormatError::Length { expected, .. }) if expected == bytes.len() as u64));
+        std::fs::remove_file(&path).unwrap();
     }
 }

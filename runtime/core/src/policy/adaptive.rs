@@ -86,15 +86,6 @@ impl PolicyTable {
         }
     }
 
-    /// The cell of a state's grid that is nearest to a cell of the policy's grid; the same cell if the policy is not
-    /// adaptive (state < num_states, cell < num_cells).
-    pub fn own_cell(&self, state: u32, cell: usize) -> usize {
-        match self.state_grids.get(state as usize) {
-            None => cell,
-            Some(own) => self.grid.nearest_cell_of(own.counts(), self.grid.cell_centre(cell)),
-        }
-    }
-
     /// Values at the ends of eight segments, interpolated in the grids of the states there and scaled by `spot.scale`.
     ///
     /// - `height`: height coordinate in the finest grid, the same for all.
@@ -338,7 +329,8 @@ mod tests {
                 assert_eq!(bits(&a), bits(&u), "{target}");
                 assert_eq!(a.value(3, target).to_bits(), u.value(3, target).to_bits());
                 let cell = u.nearest_cell(1, target);
-                assert_eq!((a.nearest_cell(1, target), a.own_cell(1, cell)), (cell, cell));
+                let own = a.grid.nearest_cell_of(a.state_grids[1].counts(), a.grid.cell_centre(cell));
+                assert_eq!((a.nearest_cell(1, target), own), (cell, cell));
                 assert_eq!(a.best_of(1, cell), u.best_of(1, cell));
             }
         }

@@ -227,7 +227,7 @@ impl PolicyTable {
         check_length("values", slices.values.len(), num_values)?;
         // The look-ahead counts places in the table with 32 bits.
         check_indices("number of values", [num_values], u32::MAX as usize)?;
-        check_length("best actions", slices.best.len(), num_values * num_choices)?;
+        check_length("best actions", slices.best.len(), num_values.saturating_mul(num_choices))?;
         check_numbers("discount", None, &[record.discount], |v| v > 0.0 && v < 1.0, "between 0 and 1")?;
         let figures = [record.epsilon, record.residual];
         check_numbers("epsilon and residual", None, &figures, |v| (0.0..1e6).contains(&v), "between 0 and 1e6")?;
@@ -397,7 +397,7 @@ fn check_resolution(
     check_indices("adaptive", [record.adaptive as usize], if grid.is_space_time() { 1 } else { 2 })?;
     if record.adaptive == 0 {
         check_length("state grids", state_grids.len(), 0)?;
-        return Ok(num_states * grid.num_cells());
+        return Ok(num_states.saturating_mul(grid.num_cells()));
     }
     check_length("state grids", state_grids.len(), num_states)?;
     check_state_grids(state_grids, grid)

@@ -59,7 +59,8 @@ impl Reservations {
     pub fn with_capacity(capacity: usize, room: usize) -> Self {
         Self {
             room,
-            nodes: vec![PathNode::default(); capacity * room],
+            // Most paths are far shorter than the longest: memory that none is written into takes no room.
+            nodes: bytemuck::zeroed_vec(capacity * room),
             slots: vec![Slot::FREE; capacity],
             grid: BoxGrid::with_capacity(capacity),
             walls: Vec::new(),

@@ -4,7 +4,7 @@ use glam::Vec2;
 use throng_base::ground::{Rod, nearest_squared};
 
 /// A place at a time.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Zeroable)]
 pub struct PathNode {
     /// Since the path began (s).
     pub time_s: f32,

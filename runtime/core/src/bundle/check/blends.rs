@@ -1,14 +1,23 @@
 //! Blend spaces: ranges tile their sections, numbers are moderate, references are unit, rates positive.
 
 use super::super::{Bundle, tags};
+use super::LONGEST_BONE;
 use crate::blend::{
-    BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_KNOTS, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow,
-    axis, channel,
+    BlendRecord, BlendSpace, ChannelRow, ExampleRecord, MAX_AXES, MAX_KNOTS, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS,
+    ReferenceRow, axis, channel,
 };
 use crate::format::FormatError;
 
 /// Numbers of examples and channels stay below this.
 const FAR: f32 = 1e4;
+/// Axes are wider: narrower ones are below what is measured of motion.
+const NARROWEST: f32 = 1e-4;
+/// Rows of a posture table: what is looked for in them grows with their square.
+const MOST_PHASES: u32 = 4096;
+/// Log-displacements stay below this; a whole turn is pi (rad / 2).
+const FARTHEST_TURN: f32 = 10.0;
+/// Hips are nearer to the arc, and hands and ankles to the hips (m).
+const FARTHEST_JOINT: f32 = 4.0 * LONGEST_BONE;
 /// How far the sum of a weight row may be from 1.
 const SUM_TOLERANCE: f32 = 1e-4;
 /// Frames more than a cycle ends within: it may end between two frames.
@@ -22,12 +31,17 @@ pub fn blends(t: &Bundle) -> Result<(), FormatError> {
     for (i, b) in all.spaces.iter().enumerate() {
         let wrong = |what: &str| Err(FormatError::value(tags::BLENDS, i, format!("{what}: {b:?}")));
         let Some(knots) = knots(b) else {
-            return wrong("its axes cannot be");
+            return wrong(&format!("its axes cannot be, or are narrower than {NARROWEST}"));
         };
         let n = u64::from(b.num_examples);
         let stride = n.next_multiple_of(8);
-        if n == 0 || u64::from(b.weight_stride) != stride || b.num_phases < 2 || b.extrapolate > 1 {
-            return wrong("it has no examples or phases, or its rows have another length");
+        if n == 0
+            || u64::from(b.weight_stride) != stride
+            || !(2..=MOST_PHASES).contains(&b.num_phases)
+            || b.extrapolate > 1
+        {
+            let what = format!("it has no examples, not 2 to {MOST_PHASES} phases, or its rows have another length");
+            return wrong(&what);
         }
         if !(b.max_weight_error >= 0.0 && b.max_weight_error < MAX_WEIGHT) {
             return wrong("its error cannot be");
@@ -48,18 +62,17 @@ pub fn blends(t: &Bundle) -> Result<(), FormatError> {
         channels(b, &all.channels[part(3)])?;
     }
     let tags = [tags::BLEND_EXAMPLES, tags::BLEND_WEIGHTS, tags::BLEND_REFERENCES, tags::BLEND_CHANNELS];
-    match tags.iter().zip(next).zip(lengths).find(|((_, used), len)| *used != *len as u64) {
-        Some(((tag, used), len)) => {
-            Err(FormatError::layout(format!("section {tag} has {len} elements, its blend spaces need {used}")))
-        }
-        None => names(t),
+    if let Some(((tag, used), len)) = tags.iter().zip(next).zip(lengths).find(|((_, used), len)| *used != *len as u64) {
+        return Err(FormatError::layout(format!("section {tag} has {len} elements, its blend spaces need {used}")));
     }
+    names(t)?;
+    (0..all.spaces.len()).try_for_each(|i| BlendSpace::new(all, i).map(drop))
 }
 
 /// Number of knots of a space's weight table, or nothing where an axis cannot be.
 fn knots(b: &BlendRecord) -> Option<u64> {
     let (used, rest) = b.axes.split_at_checked(b.num_axes as usize).filter(|(used, _)| !used.is_empty())?;
-    let moderate = used.iter().all(|a| a.low < a.high && a.low.abs() < FAR && a.high.abs() < FAR);
+    let moderate = used.iter().all(|a| a.high - a.low > NARROWEST && a.low.abs() < FAR && a.high.abs() < FAR);
     let kinds = used.iter().all(|a| a.kind <= axis::GYRATION && a.num_knots >= 2);
     let unused = rest.iter().all(|a| *a == Default::default());
     let knots = used.iter().fold(1u64, |n, a| n.saturating_mul(u64::from(a.num_knots)));
@@ -125,7 +138,8 @@ fn weights(b: &BlendRecord, weights: &[f32]) -> Result<(), FormatError> {
         let scale = w.iter().fold(1.0f32, |s, w| s.max(w.abs()));
         if !moderate || (w.iter().sum::<f32>() - 1.0).abs() > SUM_TOLERANCE * scale {
             let index = b.first_weight as usize + row * stride;
-            return Err(FormatError::value(tags::BLEND_WEIGHTS, index, "this row's weights do not sum to 1"));
+            let message = format!("this row's weights do not sum to 1, or one is not below {MAX_WEIGHT}");
+            return Err(FormatError::value(tags::BLEND_WEIGHTS, index, message));
         }
     }
     Ok(())
@@ -161,13 +175,81 @@ fn channels(b: &BlendRecord, rows: &[ChannelRow]) -> Result<(), FormatError> {
     for (i, row) in rows.iter().enumerate() {
         let v = &row.values;
         let moderate = v.iter().all(|v| v.abs() < FAR);
+        let turns = v[..channel::HIPS].iter().all(|v| v.abs() < FARTHEST_TURN);
+        let places = v[channel::HIPS..channel::RATE].iter().all(|v| v.abs() < FARTHEST_JOINT);
         let log = channel::LOG.iter().all(|&at| v[at + joints..at + PADDED_JOINTS].iter().all(|v| *v == 0.0));
         let end = v[channel::GYRATION + 1..NUM_CHANNELS].iter().all(|v| *v == 0.0);
         let shares = v[channel::LEFT_CONTACT..channel::VELOCITY].iter().all(|v| (0.0..=1.0).contains(v));
-        if !(moderate && log && end && shares && v[channel::RATE] > 0.0) {
+        if !(moderate && turns && places && log && end && shares && v[channel::RATE] > 0.0) {
             let index = b.first_channel_row as usize + i;
             return Err(FormatError::value(tags::BLEND_CHANNELS, index, "it holds a number that cannot be"));
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blend::{AxisRecord, Blends};
+    use crate::skeleton::Skeleton;
+    use bytemuck::Zeroable;
+
+    fn record(high: f32) -> BlendRecord {
+        let speed = AxisRecord { kind: axis::SPEED, num_knots: 2, low: 0.0, high };
+        let mut b = BlendRecord {
+            num_axes: 1,
+            num_examples: 2,
+            num_phases: 2,
+            weight_stride: 8,
+            extrapolate: 1,
+            ..Zeroable::zeroed()
+        };
+        b.axes[0] = speed;
+        b
+    }
+
+    /// Two examples, so far apart.
+    fn blends(apart: f32) -> Blends {
+        let example = |at: f32| ExampleRecord {
+            parameters: [at, 0.0, 0.0, 0.0, 0.0, 0.0],
+            duration_s: 1.0,
+            ..Zeroable::zeroed()
+        };
+        let mut row = ChannelRow::zeroed();
+        row.values[channel::RATE] = 1.0;
+        Blends {
+            spaces: vec![record(1.0)].into(),
+            examples: vec![example(0.0), example(apart)].into(),
+            weights: vec![0.0; 16].into(),
+            references: vec![ReferenceRow::zeroed(); 2].into(),
+            channels: vec![row; 4].into(),
+            names: vec!["a".into()],
+            skeleton: Skeleton::default(),
+            fingerprint: 0,
+        }
+    }
+
+    #[test]
+    fn axes_are_so_wide_and_examples_so_far_apart_that_slopes_have_bounds() {
+        assert_eq!([1e-40, 1e-6, 1e-3, 2.0].map(|high| knots(&record(high))), [None, None, Some(2), Some(2)]);
+        assert!(BlendSpace::new(&blends(1e-3), 0).is_ok());
+        let e = BlendSpace::new(&blends(5e-5), 0).unwrap_err().to_string();
+        assert!(e.contains("so near to each other"), "{e}");
+    }
+
+    #[test]
+    fn joints_lie_by_the_body_and_weights_have_bounds() {
+        let with = |at: usize, to: f32| {
+            let mut row = blends(1.0).channels[0];
+            row.values[at] = to;
+            channels(&record(1.0), &[row])
+        };
+        for at in [channel::HIPS, channel::LEFT_ANKLE + 1, channel::RIGHT_HAND + 2] {
+            assert!(with(at, 39.0).is_ok() && with(at, -90.0).is_err(), "{at}");
+        }
+        assert!(with(0, 3.0).is_ok() && with(0, 20.0).is_err() && with(channel::VELOCITY, 20.0).is_ok());
+        let of = |w: f32| weights(&record(1.0), &[w, 1.0 - w, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        assert!(of(900.0).is_ok() && of(1100.0).is_err());
+    }
 }

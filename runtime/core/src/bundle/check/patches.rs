@@ -8,6 +8,8 @@ use crate::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NO
 const FAR: f32 = 1e4;
 /// How far the steps across opposite edges may be from being opposite (m).
 const STEP_TOLERANCE: f32 = 1e-3;
+/// Most edges of a tile: sets of them, and of its inside, have a bit each.
+const MOST_EDGES: u32 = 31;
 
 /// Groups exist and are one a frame, where frames were grouped.
 pub fn pose_groups(t: &Bundle) -> Result<(), FormatError> {
@@ -48,6 +50,9 @@ pub fn patches(t: &Bundle) -> Result<(), FormatError> {
         if !(p.kind == KIND_BLOCK && p.num_edges == 0 || p.kind == KIND_TILE) || p.reserved != 0 {
             return wrong("no such kind, or a block with edges");
         }
+        if p.num_edges > MOST_EDGES {
+            return wrong(&format!("it has {} edges, expected {MOST_EDGES} at most", p.num_edges));
+        }
         if !p.min.iter().zip(&p.max).all(|(a, b)| a <= b && a.abs() < FAR && b.abs() < FAR) {
             return wrong("its bounds cannot be");
         }
@@ -82,6 +87,9 @@ fn pairs(t: &Bundle) -> Result<(), FormatError> {
         };
         if !own.is_for_two() || own.tag != other.tag || own.num_frames != other.num_frames {
             return wrong("its links are not of two who do the same together");
+        }
+        if own.num_frames < 2 {
+            return wrong("its links have one frame, expected 2 or more: one to begin, and what is done then");
         }
     }
     Ok(())

@@ -1,12 +1,15 @@
 //! Stop tables lead to a stand.
 
-use super::{LEAP, is_near, seen};
+use super::{ASTRAY, LEAP, is_near, seen};
 use crate::bundle::{Bundle, tags};
+use crate::characters::PIECE_FRAMES;
 use crate::format::FormatError;
-use crate::stops::{REST, SLOW_DOWN, WALK_ON};
+use crate::stops::{BODY_RADIUS_M, REST, SLOW_DOWN, SweepNode, WALK_ON};
+use throng_base::maths;
 
-/// Most nodes of a segment and of all segments on the way to a stand: room is taken for as many of each character.
-const MOST_NODES: u64 = 10_000;
+/// Most nodes of a segment, with those that bending adds, and of all segments on the way to a stand: characters that make way
+/// have room for as many each.
+const MOST_NODES: u64 = 2000;
 
 /// Every segment has a sweep from its first frame to its last, every state a stop that is over after a bounded time.
 pub fn stops(t: &Bundle) -> Result<(), FormatError> {
@@ -33,8 +36,14 @@ pub fn stops(t: &Bundle) -> Result<(), FormatError> {
         if nodes[0].frame != 0 || nodes[nodes.len() - 1].frame != g.segments[i].num_frames {
             return wrong("its nodes do not reach from its first frame to its last");
         }
-        if !nodes.is_sorted_by(|a, b| a.frame < b.frame) || nodes.len() as u64 > MOST_NODES {
+        if !nodes.is_sorted_by(|a, b| a.frame < b.frame) {
             return wrong("its nodes do not ascend");
+        }
+        let most = nodes.len() as u64 + u64::from(g.segments[i].num_frames / PIECE_FRAMES);
+        if most > MOST_NODES {
+            return wrong(&format!(
+                "its path may have {most} nodes, expected up to {MOST_NODES}: no action may take that long"
+            ));
         }
         if nodes.windows(2).any(|w| !((w[0].x - w[1].x).abs() <= LEAP && (w[0].z - w[1].z).abs() <= LEAP)) {
             return wrong("it leaps");
@@ -62,8 +71,9 @@ pub fn stops(t: &Bundle) -> Result<(), FormatError> {
         }
         let segment = &g.segments[stop.segment as usize];
         let after = &s.stops[segment.end as usize];
+        let reach = stop.radius.min(s.sweeps[stop.segment as usize].radius) - BODY_RADIUS_M;
         let is_good = match stop.kind {
-            REST => stop.frames == 0 && after.kind == REST,
+            REST => stop.frames == 0 && after.kind == REST && rests(s.nodes_of(stop.segment), reach),
             // The time grows with every segment, so that the way has an end.
             WALK_ON => after.frames.checked_add(segment.num_frames) == Some(stop.frames),
             SLOW_DOWN => segment.num_frames.checked_mul(2) == Some(stop.frames),
@@ -76,5 +86,29 @@ pub fn stops(t: &Bundle) -> Result<(), FormatError> {
     match s.most_nodes(&g.segments) {
         n if n <= MOST_NODES as usize => Ok(()),
         n => Err(FormatError::layout(format!("a way to a stand has {n} nodes, expected up to {MOST_NODES}"))),
+    }
+}
+
+/// True where one who rests stays in its disc: what it goes is taken back evenly.
+///
+/// - `reach`: how far the body's disc may be from the middle (m).
+fn rests(nodes: &[SweepNode], reach: f32) -> bool {
+    let end = nodes[nodes.len() - 1];
+    nodes.iter().all(|n| {
+        let share = n.frame as f32 / end.frame as f32;
+        maths::hypot(n.x - end.x * share, n.z - end.z * share) <= reach + ASTRAY
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_rests_sways_no_farther_than_its_disc_reaches() {
+        let way =
+            |x: f32| [(0, 0.0, 0.0), (5, 0.1 + x, 0.0), (10, 0.2, 0.0)].map(|(frame, x, z)| SweepNode { frame, x, z });
+        // The way to the end is taken back: what is left is how far it sways.
+        assert!(rests(&way(0.0), 0.0) && rests(&way(0.3), 0.3) && !rests(&way(0.3), 0.2));
     }
 }

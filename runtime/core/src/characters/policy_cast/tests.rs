@@ -207,6 +207,12 @@ fn damaged_and_foreign_snapshots_are_refused_and_change_nothing() {
     }
     assert!(cast.load(&[&bytes[..], &[0]].concat()).is_err());
     assert_eq!(cast.hash(), hash);
+    let (mut laid, mut kept) = (cast.clone(), Vec::new());
+    let (block, _, lane) = laid.characters.lane_mut(1);
+    block.segment[lane] = LAID;
+    laid.save(&mut kept);
+    let e = cast.load(&kept).unwrap_err().to_string();
+    assert!(e.contains("character 1 plays what the bundle does not have"), "{e}");
     assert!(cast_of(3, 5).load(&bytes).is_err(), "another capacity");
     let seed = CharactersConfig { seed: 2, ..config() };
     let mut other = PolicyCharacters::with_capacity(&tables(), 4, seed).unwrap();

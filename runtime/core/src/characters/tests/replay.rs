@@ -49,13 +49,22 @@ fn a_restored_characters_repeats_what_followed_bit_by_bit() {
     let other = MotionSet::new(&tables_with(&[hit]));
     refused(&mut Characters::new(&other, config, &starts(n)).unwrap(), &other, &kept);
     refused(&mut characters, &other, &kept);
-    let bad: [fn(&mut block::Block, &mut block::Body); 6] = [
+    let bad: [fn(&mut block::Block, &mut block::Body); 15] = [
         |b, _| b.segment[3] = 900,
         |b, _| b.first[3] += 1,
         |b, _| b.time[3] = f32::NAN,
         |b, _| b.name[3] = 9,
         |b, _| b.choice_state[3] = 77,
         |_, b| b.reaction.head.place[1][3] = f32::INFINITY,
+        |b, _| b.lift[3] = 1.0,
+        |b, _| b.turn[3] = 9e6,
+        |b, _| b.drift_from[3] = -9e6,
+        |b, _| b.drift[0][3] = -9e6,
+        |b, _| b.drift[1][3] = 1e-3,
+        |b, _| b.bend[3] = 1.0,
+        |b, _| b.change[1][3] = 2 * FRAMES,
+        |_, b| b.reaction.trunk.place[0][3] = 9e6,
+        |_, b| b.reaction.trunk.velocity[0][3] = 9e6,
     ];
     for spoil in bad {
         let mut kept = kept.clone();

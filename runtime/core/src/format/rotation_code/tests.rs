@@ -167,3 +167,20 @@ fn the_code_of_the_rest_pose_says_that_whatever_is_in_a_row() {
     let (code, row) = (RotationCode::rest(), FrameRow { rotations: [0xA5; ROTATION_BYTES], ..FrameRow::zeroed() });
     assert!((0..NUM_JOINTS).all(|j| code.rotation(&row, j) == Quat::IDENTITY));
 }
+
+#[test]
+fn rows_that_cancel_each_other_out_leave_the_middle() {
+    let w = JointCode {
+        centre: [0.0, 0.0, 0.0, 1.0],
+        low: [0.0, 0.0, 0.0, -1.0],
+        step: [2.0; 4],
+        at: 0,
+        bits: [0, 0, 0, 1],
+    };
+    let code = RotationCode { joints: [w; NUM_JOINTS] };
+    let row = |bit| FrameRow { rotations: [bit; ROTATION_BYTES], ..FrameRow::zeroed() };
+    let (opposite, same) = ([row(0), row(1)], [row(1), row(1)]);
+    let rows = std::array::from_fn(|l| if l == 2 { &opposite } else { &same });
+    let shown = dispatch(Between { code: &code, rows, ratio: 0.5, joint: 0 });
+    assert_eq!(shown, [Quat::IDENTITY.to_array(); LANES]);
+}

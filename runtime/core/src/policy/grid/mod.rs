@@ -22,6 +22,9 @@ pub const KIND_SPACE_TIME: u32 = 2;
 /// Most cells a grid may have along one axis.
 pub const MAX_AXIS: u32 = 4096;
 
+/// Most cells of a grid, which are counted with 32 bits.
+const MOST_CELLS: f64 = (1u64 << 31) as f64;
+
 /// A grid as stored. Ring k lies at `ring_start + ring_spacing k + ring_growth k^2`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -157,6 +160,8 @@ impl TargetGrid {
         for ((what, n), least) in names.into_iter().zip(counts).zip([2, 2, 1]) {
             check(what, None, n, (least..=MAX_AXIS).contains(&n), "2 (1 height) to 4096")?;
         }
+        let cells: f64 = counts.iter().map(|&n| f64::from(n)).product();
+        check("grid cells", None, cells, cells <= MOST_CELLS, "at most 2^31")?;
         check_index("grid kind", None, record.kind as usize, KIND_SPACE_TIME as usize + 1)?;
         check_lengths(&record)?;
         Ok(Self::of(record))
@@ -374,6 +379,13 @@ mod tests {
             TargetGrid::polar(5, 13, 2.0, 0.5, 2.5).expect("a valid grid"),
             TargetGrid::cylinder([10, 10, 4], sector.0, sector.1, 0.1).expect("a valid grid"),
         ]
+    }
+
+    #[test]
+    fn a_grid_of_more_cells_than_are_counted_is_refused() {
+        let grid = |heights| TargetGrid::cylinder([4096, 4096, heights], Vec3::ZERO, Vec3::new(1.0, 5000.0, 2.0), 0.5);
+        assert!(grid(128).is_ok());
+        assert!(grid(256).unwrap_err().to_string().starts_with("grid cells is 4294967296, expected at most 2^31"));
     }
 
     #[test]
