@@ -28,6 +28,8 @@ const ALL_M: f32 = 9e4;
 pub(crate) struct Scenery<V> {
     pub fields: Vec<Field>,
     pub paths: Vec<Path<V>>,
+    /// Routes of the setup, the first ones.
+    pub num_routes: usize,
     /// Finds ways round obstacles.
     pub streets: Option<Streets>,
     /// Subgoals of all routes, where there are streets.
@@ -129,6 +131,7 @@ impl<V: Space> Scenery<V> {
         let mut scenery = Self {
             fields: setup.fields.clone(),
             paths: Vec::with_capacity(setup.routes.len()),
+            num_routes: setup.routes.len(),
             of_streets: of_streets(setup),
             streets: setup.streets.clone().filter(|s| !s.is_open()),
             goals: Goals::default(),

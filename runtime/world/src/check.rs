@@ -7,6 +7,8 @@ use throng_core::patch::{KIND_BLOCK, KIND_TILE, NONE, Patches};
 
 /// Coordinates stay below this (m).
 const FAR: f32 = 1e5;
+/// Places of joints that tables are looked up by, 4 bytes each.
+const MOST_PLACES: u64 = 1 << 30;
 
 pub(super) fn world(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
     units(w)?;
@@ -50,14 +52,24 @@ impl Tiling {
 
 fn units(w: &WorldView) -> Result<(), FormatError> {
     match w.units.iter().position(|u| !u.placement.is_moderate(FAR)) {
-        Some(i) => Err(FormatError::value(tags::UNITS, i, "it stands nowhere: its placement is not finite")),
+        Some(i) => {
+            let message = format!("it stands nowhere, expected numbers below {FAR}: {:?}", w.units[i].placement);
+            Err(FormatError::value(tags::UNITS, i, message))
+        }
         None => Ok(()),
     }
 }
 
-/// Tables name patches that exist, their joints tile the section, ascend, and are listed once each by side b.
+/// Tables name patches that exist, are named by an adjacency, and have joints, which tile the section, ascend, and are
+/// listed once each by side b.
 fn joint_tables(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
-    let mut joints = Tiling::new(tags::JOINTS);
+    let (mut joints, mut num_places) = (Tiling::new(tags::JOINTS), 0);
+    let mut is_named = vec![false; w.tables.len()];
+    for a in &w.adjacencies {
+        if let Some(named) = is_named.get_mut(a.table as usize) {
+            *named = true;
+        }
+    }
     for (i, t) in w.tables.iter().enumerate() {
         let wrong = |message: String| Err(FormatError::value(tags::TABLES, i, message));
         let limit = patches.patches.len();
@@ -66,6 +78,17 @@ fn joint_tables(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
         }
         if patches.patches[t.patch_b as usize].kind != KIND_BLOCK {
             return wrong(format!("patch {} on side b is not a block", t.patch_b));
+        }
+        if t.num_joints == 0 || !is_named[i] {
+            return wrong("it has no joints, or no instances that overlap name it".to_owned());
+        }
+        let [a, b] = [t.patch_a, t.patch_b].map(|p| &patches.patches[p as usize]);
+        num_places +=
+            2 + u64::from(if a.kind == KIND_TILE { a.num_links } else { a.num_cells }) + u64::from(b.num_cells);
+        if num_places > MOST_PLACES {
+            return wrong(format!(
+                "it and those before it have {num_places} places for joints, expected {MOST_PLACES} at most"
+            ));
         }
         joints.part(tags::TABLES, i, t.first_joint, t.num_joints.into())?;
         let range = t.first_joint as usize..t.first_joint as usize + t.num_joints as usize;
@@ -177,15 +200,20 @@ fn neighbours(w: &WorldView, patches: &Patches) -> Result<(), FormatError> {
     Ok(())
 }
 
-/// Adjacencies come in pairs that share a table's bits.
+/// Adjacencies come in pairs that share a table's bits, and two instances have a table in common once.
 fn adjacencies(w: &WorldView) -> Result<(), FormatError> {
-    let of = |i: usize| {
-        let r: &InstanceRecord = &w.instances[i];
-        (r.first_adjacency as usize, &w.adjacencies[r.first_adjacency as usize..][..r.num_adjacencies as usize])
-    };
+    let of = |r: &InstanceRecord| r.first_adjacency as usize..r.first_adjacency as usize + r.num_adjacencies as usize;
+    let key = |a: &AdjacencyRecord| [a.other, a.table, a.side, a.first_word];
+    let mut sorted: Vec<[u32; 4]> = w.adjacencies.iter().map(key).collect();
+    w.instances.iter().for_each(|r| sorted[of(r)].sort_unstable());
     for (i, r) in w.instances.iter().enumerate() {
-        let (first, list) = of(i);
-        for (k, a) in list.iter().enumerate() {
+        let first = of(r).start;
+        if let Some(k) = sorted[of(r)].windows(2).position(|p| p[0][..2] == p[1][..2]) {
+            let [other, table, ..] = sorted[first + k];
+            let message = format!("instance {i} has table {table} with instance {other} twice");
+            return Err(FormatError::value(tags::ADJACENCIES, first, message));
+        }
+        for (k, a) in w.adjacencies[of(r)].iter().enumerate() {
             let wrong = |what: &str| Err(FormatError::value(tags::ADJACENCIES, first + k, format!("{what}: {a:?}")));
             let Some(other) = w.instances.get(a.other as usize) else {
                 return wrong("no such instance");
@@ -202,10 +230,73 @@ fn adjacencies(w: &WorldView) -> Result<(), FormatError> {
                 return wrong("its bits lie outside of their section");
             }
             let back = AdjacencyRecord { other: i as u32, side: 1 - a.side, ..*a };
-            if !of(a.other as usize).1.contains(&back) {
+            if sorted[of(other)].binary_search(&key(&back)).is_err() {
                 return wrong("the other instance does not have it");
             }
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::WorldData;
+    use crate::made_up_floor::{tables, world};
+
+    /// What is wrong with a made-up world that was changed.
+    fn wrong(change: impl FnOnce(&mut WorldData)) -> String {
+        let tables = tables();
+        let mut data = world(&tables, &["###", "bb#", "###"]);
+        change(&mut data);
+        data.check(tables.patches()).map_or_else(|e| e.to_string(), |()| String::new())
+    }
+
+    /// A table at the end, with so many joints.
+    fn add_table(w: &mut WorldData, num_joints: u32) {
+        w.tables.push(JointTableRecord { first_joint: w.joints.len() as u32, num_joints, ..w.tables[0] });
+        w.joints.extend_from_within(..num_joints as usize);
+        w.joints_by_b.extend(0..num_joints);
+    }
+
+    #[test]
+    fn tables_without_joints_or_that_nobody_names_are_refused() {
+        assert_eq!(wrong(|_| ()), "");
+        for num_joints in 0..3 {
+            let why = wrong(|w| add_table(w, num_joints));
+            assert!(why.contains("no joints, or no instances that overlap name it"), "{why}");
+        }
+        let why = wrong(|w| {
+            add_table(w, 0);
+            w.adjacencies.iter_mut().for_each(|a| a.table = 1);
+        });
+        assert!(why.contains("no joints, or no instances that overlap name it"), "{why}");
+    }
+
+    #[test]
+    fn instances_with_a_table_twice_are_refused_soon() {
+        // As many as comparing all with all of would take minutes.
+        let why = wrong(|w| {
+            let n = 100_000;
+            let ends: Vec<usize> = (0..w.instances.len()).filter(|&i| w.instances[i].num_adjacencies > 0).collect();
+            let adjacencies = std::mem::take(&mut w.adjacencies);
+            for (&i, a) in ends.iter().zip(adjacencies) {
+                w.instances[i].num_adjacencies = n;
+                w.adjacencies.extend((0..n).map(|k| AdjacencyRecord { first_word: a.first_word + k, ..a }));
+            }
+            w.joint_words.resize(n as usize + 2, 0);
+            let mut first = 0;
+            for r in &mut w.instances {
+                r.first_adjacency = first;
+                first += r.num_adjacencies;
+            }
+        });
+        assert!(why.contains("has table 0 with instance") && why.ends_with("(a world)."), "{why}");
+    }
+
+    #[test]
+    fn units_far_away_are_refused_by_how_far() {
+        let why = wrong(|w| w.units[1].placement.x = 2e5);
+        assert!(why.contains("expected numbers below 100000"), "{why}");
+    }
 }

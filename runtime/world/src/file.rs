@@ -39,6 +39,8 @@ pub struct World(Arc<Opened>);
 struct Opened {
     meta: WorldMeta,
     graph: WorldGraph,
+    /// Path costs as its file keeps them; none for a world in memory.
+    paths: Option<Table<u8>>,
     motion_set: MotionSet,
     bundle_hash: u128,
     num_bytes: usize,
@@ -118,14 +120,14 @@ impl World {
             return Err(WorldError::OtherBundle { world: meta.name, bundle: meta.bundle, given, expected, got });
         }
         check::world(&view, bundle.patches())?;
-        let baked = Baked::decode(&storage.bytes()[layout.section::<u8>(tags::PATHS)?])?;
-        let graph = WorldGraph::from_baked(bundle.patches(), &view, baked)?;
-        Ok(Self::opened(meta, graph, bundle, storage.bytes().len()))
+        let paths: Table<u8> = Table::of_file(&storage, &layout.section::<u8>(tags::PATHS)?);
+        let graph = WorldGraph::from_baked(bundle.patches(), &view, Baked::decode(&paths)?)?;
+        Ok(Self::opened(meta, graph, Some(paths), bundle, storage.bytes().len()))
     }
 
-    fn opened(meta: WorldMeta, graph: WorldGraph, bundle: &Bundle, num_bytes: usize) -> Self {
+    fn opened(meta: WorldMeta, graph: WorldGraph, paths: Option<Table<u8>>, bundle: &Bundle, num_bytes: usize) -> Self {
         let (motion_set, bundle_hash) = (MotionSet::new(bundle), bundle.hash());
-        Self(Arc::new(Opened { meta, graph, motion_set, bundle_hash, num_bytes, hash: OnceLock::new() }))
+        Self(Arc::new(Opened { meta, graph, paths, motion_set, bundle_hash, num_bytes, hash: OnceLock::new() }))
     }
 
     /// A world in memory, as it was stitched. Its path costs are worked out when the first path is planned.
@@ -133,7 +135,7 @@ impl World {
     /// # Errors
     /// As [`WorldGraph::new`].
     pub fn from_data(data: &WorldData, bundle: &Bundle) -> Result<Self, FormatError> {
-        Ok(Self::opened(data.meta.clone(), WorldGraph::new(bundle.patches(), &data.view())?, bundle, 0))
+        Ok(Self::opened(data.meta.clone(), WorldGraph::new(bundle.patches(), &data.view())?, None, bundle, 0))
     }
 
     /// What the world says of itself.
@@ -166,7 +168,7 @@ impl World {
         self.0.bundle_hash
     }
 
-    /// Content hash of the rows and of the bundle; found when it is first asked for.
+    /// Content hash of the rows, of the path costs and of the bundle; found when it is first asked for.
     pub fn hash(&self) -> u128 {
         *self.0.hash.get_or_init(|| {
             let (mut hash, view) = (Hash128::default(), self.view());
@@ -179,8 +181,14 @@ impl World {
             hash.bytes(bytemuck::cast_slice(&view.adjacencies));
             hash.bytes(bytemuck::cast_slice(&view.tables));
             hash.bytes(bytemuck::cast_slice(&view.joints));
+            hash.bytes(bytemuck::cast_slice(&view.joints_by_b));
             hash.bytes(bytemuck::cast_slice(&view.joint_words));
             hash.bytes(bytemuck::cast_slice(&view.resources));
+            match &self.0.paths {
+                Some(paths) => hash.bytes(paths),
+                // Writing to memory what can be written cannot fail.
+                None => hash.bytes(&PathCosts::bake(self.graph()).unwrap_or_default().0),
+            }
             hash.finish()
         })
     }
@@ -245,5 +253,28 @@ impl WorldData {
     /// [`FormatError::Value`] or [`FormatError::Layout`].
     pub fn check(&self, patches: &throng_core::patch::Patches) -> Result<(), FormatError> {
         check::world(&self.view(), patches)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made_up_floor::{tables, world};
+
+    #[test]
+    fn worlds_whose_path_costs_differ_are_told_apart() {
+        let tables = tables();
+        let data = world(&tables, &["######", "#b####", "######", "###...", "#b#...", "###..."]);
+        let memory = World::from_data(&data, &tables).unwrap();
+        let mut costs = PathCosts::bake(memory.graph()).unwrap();
+        let hash = |costs: &PathCosts| {
+            let mut bytes = Vec::new();
+            data.write(costs, &mut bytes).unwrap();
+            World::from_bytes(AlignedBytes::from_slice(&bytes), &tables).unwrap().hash()
+        };
+        assert_eq!(hash(&costs), memory.hash(), "of a file and in memory");
+        // What it costs to come to the last landmark from the last state.
+        *costs.0.last_mut().unwrap() ^= 1;
+        assert_ne!(hash(&costs), memory.hash());
     }
 }

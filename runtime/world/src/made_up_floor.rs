@@ -131,7 +131,11 @@ pub fn named(name: &str) -> Bundle {
 
 /// The bytes of the bundle.
 pub fn bundle(name: &str) -> Vec<u8> {
-    let (kinds, patches) = (kinds(), [floor(), bench()]);
+    of_patches(name, &[floor(), bench()])
+}
+
+fn of_patches(name: &str, patches: &[Patch; 2]) -> Vec<u8> {
+    let kinds = kinds();
     let unit = |name: &str| vec![(name.to_owned(), Placement::IDENTITY)];
     let clip = |k: &Kind| ClipMeta { name: k.name.into(), ..ClipMeta::default() };
     let meta = Meta {
@@ -178,7 +182,7 @@ pub fn bundle(name: &str) -> Vec<u8> {
     out.section::<u8>(tags::POLICY_BEST, &[]);
     let (mut records, mut edges) = (Vec::new(), Vec::<EdgeRecord>::new());
     let (mut cells, mut links) = (Vec::<CellRecord>::new(), Vec::<LinkRecord>::new());
-    for p in &patches {
+    for p in patches {
         records.push(PatchRecord {
             kind: p.kind,
             first_cell: cells.len() as u32,
@@ -367,6 +371,9 @@ pub fn world(tables: &Bundle, rows: &[&str]) -> WorldData {
 }
 
 fn benches(w: &mut WorldData, tables: &Bundle, tiles: &[(i32, i32, bool)]) {
+    if !tiles.iter().any(|t| t.2) {
+        return;
+    }
     let links = tables.patches().links_of(FLOOR as usize);
     // The straight crossing from the edge behind (-z) to the one ahead (+z).
     let straight = links.iter().position(|l| (l.from, l.to) == (3, 4 + 2)).expect("a straight link") as u32;
@@ -438,3 +445,37 @@ fn clear(words: &mut [u64], first: u32, index: u32) {
 
 /// Number of joints of a pose.
 pub const JOINTS: usize = NUM_JOINTS;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Why a bundle is refused whose floor was changed.
+    fn refused(change: impl FnOnce(&mut Patch)) -> String {
+        let mut patches = [floor(), bench()];
+        change(&mut patches[0]);
+        let bytes = AlignedBytes::from_slice(&of_patches("changed", &patches));
+        Bundle::from_bytes(bytes).map_or_else(|e| e.to_string(), |_| String::new())
+    }
+
+    #[test]
+    fn tiles_with_more_edges_than_a_set_has_bits_are_refused() {
+        let with = |num: u32| {
+            refused(|p| {
+                let step = |e: u32| [4.0 + (e / 2) as f32, 0.0, 1.0].map(|v| if e % 2 == 0 { v } else { -v });
+                p.edges.extend((4..num).map(|e| EdgeRecord { step: step(e), opposite: e ^ 1 }));
+            })
+        };
+        assert_eq!(with(30), "");
+        assert!(with(32).contains("it has 32 edges, expected 31 at most"), "{}", with(32));
+    }
+
+    #[test]
+    fn what_two_do_has_frames_to_begin_and_to_do_it() {
+        let with = |num_frames: u16| {
+            refused(|p| p.links.iter_mut().filter(|l| l.is_for_two()).for_each(|l| l.num_frames = num_frames))
+        };
+        assert_eq!(with(2), "");
+        assert!(with(1).contains("expected 2 or more"), "{}", with(1));
+    }
+}

@@ -84,7 +84,7 @@ impl Calendar {
         self.len = 0;
     }
 
-    /// Sets the event of an agent, in place of the one it had (0 <= time < 1e9).
+    /// Sets the event of an agent, in place of the one it had (0 <= time < 2e9).
     pub fn set(&mut self, agent: u32, time: f64) {
         self.remove(agent);
         let m = agent as usize;

@@ -7,6 +7,7 @@ use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
 use crate::routes::goals::Goals;
 use crate::routes::path::Path;
+use crate::routes::streets::Streets;
 use crate::safety::kept;
 use crate::scenery::{Door, Scenery};
 use crate::senses::Sensing;
@@ -61,6 +62,10 @@ const FARTHEST_M: f32 = 1e6;
 /// By how much rounding may bring a speed or an acceleration beyond its limit, as a factor. More would not do: no agent
 /// is looked for as far away as a faster one could come from, see [`crate::safety::reach`].
 const ROUNDING: f32 = 1.0 + 1e-5;
+/// With streets, each subgoal takes a search over all corners: there are so many for each agent and for each of some routes
+/// that were added, beside those of the setup.
+const SUBGOALS_EACH: usize = 64;
+const MORE_ROUTES: usize = 64;
 /// Longest that a unit vector may be.
 const UNIT: f32 = 1.001;
 
@@ -70,13 +75,13 @@ impl<V: Space> Engine<V> {
         SnapshotKind { what: "crowd", tag: *b"CRWD", version: VERSION, setup: self.setup_hash }
     }
 
-    /// Hash of all that a state is meaningless without: the space, fields, obstacles, config and sizes. The same with and
-    /// without the feature `baselines`.
+    /// Hash of all that a state is meaningless without: the space, fields, obstacles, streets, config and sizes. The same
+    /// with and without the feature `baselines`.
     pub(crate) fn hash_setup(setup: &Setup<V>, scenery: &Scenery<V>, cells: &Cells<V>) -> u128 {
         let Scenery { fields, obstacles, interests, radius, speed, stopping, .. } = scenery;
         let sizes = [*radius, *speed, *stopping, cells.side(), V::DIMENSIONS as f32];
         let capacity = setup.config.capacity.max(setup.agents.len());
-        let clearance = setup.streets.as_ref().map(|s| s.clearance());
+        let streets = setup.streets.as_ref().map(Streets::hashed);
         let all = (
             fields,
             obstacles,
@@ -85,7 +90,7 @@ impl<V: Space> Engine<V> {
             sizes,
             cells.num_cells(),
             capacity,
-            clearance,
+            streets,
         );
         let config = bincode::config::standard().with_fixed_int_encoding();
         // Writing to memory what can be written cannot fail.
@@ -174,6 +179,9 @@ impl<V: Space> Engine<V> {
     fn take_over(&mut self, saved: Saved<V>) {
         (self.now, self.counts, self.states) = (saved.now, saved.counts, saved.states);
         (self.grid, self.refreshes, self.own_routes) = (saved.grid, saved.refreshes, saved.own_routes);
+        for (agent, &own) in (0u32..).zip(&self.own_routes).filter(|(_, own)| **own != NONE) {
+            self.scenery.paths[own as usize].owner = agent;
+        }
         self.fill_spare();
         self.grid.mark();
         self.free.clear();
@@ -217,13 +225,7 @@ impl<V: Space> Engine<V> {
                 return Err(format!("agent {number} has a plan, route, field or cell that cannot be"));
             }
         }
-        let mut is_own = vec![false; saved.routes.len()];
-        for &route in saved.own_routes.iter().filter(|&&r| r != NONE) {
-            // Two that shared one would send each other elsewhere.
-            if is_own.get_mut(route as usize).is_none_or(|own| std::mem::replace(own, true)) {
-                return Err(format!("route {route} is of two agents, or of none"));
-            }
-        }
+        self.check_routes(saved)?;
         if !self.sensors.may_be(&saved.sensing, saved.now, |m| saved.states[m as usize].cell != NONE) {
             return Err("somebody senses what cannot be".to_owned());
         }
@@ -243,6 +245,30 @@ impl<V: Space> Engine<V> {
         #[cfg(feature = "baselines")]
         self.check_saved_baseline(saved)?;
         self.check_safety(saved)
+    }
+
+    /// Routes of their own are those of one agent each, whom alone they lead; and all subgoals can be looked for.
+    fn check_routes(&self, saved: &Saved<V>) -> Result<(), String> {
+        let mut owners = vec![NONE; saved.routes.len()];
+        for (agent, &route) in (0u32..).zip(&saved.own_routes).filter(|(_, r)| **r != NONE) {
+            // Two that shared one would send each other elsewhere.
+            let is_taken = owners.get_mut(route as usize).is_none_or(|own| std::mem::replace(own, agent) != NONE);
+            if is_taken || (route as usize) < self.scenery.num_routes {
+                return Err(format!("route {route} is of two agents, or of none, or of the setup"));
+            }
+        }
+        let route_of = |p: &Plan<V>| saved.states[p.index as usize].route;
+        let is_astray = |p: &&Plan<V>| ![NONE, p.index].contains(&owners[route_of(p) as usize]);
+        if let Some(plan) = saved.plans.iter().find(is_astray) {
+            return Err(format!("agent {} is on route {}, which is another one's own", plan.index, route_of(plan)));
+        }
+        let (num, known) = (saved.routes.iter().map(|r| r.subgoals.len()), self.scenery.paths.iter());
+        let (num, known): (usize, usize) = (num.sum(), known.map(|p| p.route.subgoals.len()).sum());
+        let most = known + SUBGOALS_EACH * (saved.states.len() + MORE_ROUTES);
+        if self.scenery.streets.is_some() && num > most {
+            return Err(format!("its routes have {num} subgoals, expected {most} at most where agents look for ways"));
+        }
+        Ok(())
     }
 
     /// The safety rule, which a newcomer is checked for too, of all that are kept: who would overlap somebody or an
@@ -300,6 +326,13 @@ impl<V: Space> Engine<V> {
         saved.refreshes as f64 <= saved.now / self.scenery.steering.refresh_s + 1.0 && saved.counts.is_below(1 << 62)
     }
 
+    /// Longest plan of an agent that brakes with so much: by then its bound has left the region around its cell, twice as
+    /// wide as that, or it was blocked, or a fixed step is over; and some more (s).
+    fn longest_plan(&self, limit: f32) -> f64 {
+        let leaves = (2.0 * self.cells.side() / limit).sqrt();
+        f64::from(2.0 * (leaves + 10.0 * self.scenery.interval) + 1.0)
+    }
+
     /// A plan that an agent of this crowd may follow now.
     fn may_follow(&self, plan: &Plan<V>, now: f64) -> bool {
         let within = |v: V, most: f32| v.is_finite() && v.length() <= most;
@@ -314,7 +347,7 @@ impl<V: Space> Engine<V> {
             && plan.moving >= 0.0
             && fastest * fastest <= 2.0 * plan.limit * self.scenery.stopping * 1.001
             && (0.0..=now).contains(&plan.start)
-            && (now..=1e10).contains(&plan.end)
+            && (now..=plan.start + self.longest_plan(plan.limit)).contains(&plan.end)
     }
 
     /// What an agent remembers fits this crowd.
@@ -364,6 +397,7 @@ impl<V: Space> Engine<V> {
 mod tests {
     use super::*;
     use crate::tests::drive::{Drive, crossing};
+    use crate::{AtEnd, Go, Obstacle};
     use glam::{Vec2, Vec3};
 
     /// What becomes of a snapshot of a crowd that was changed by hand.
@@ -407,6 +441,73 @@ mod tests {
         assert!(is_good(Vec2::X, Vec2::X) && is_good(Vec2::ZERO, Vec2::ZERO));
         assert!(!is_good(Vec2::X * 90.0, Vec2::X) && !is_good(Vec2::X, Vec2::X * 20.0));
         assert!(!is_good(Vec2::NAN, Vec2::X) && !is_good(Vec2::X, Vec2::NEG_Y * f32::INFINITY));
+    }
+
+    #[test]
+    fn routes_of_others_are_refused() {
+        let order = |crowd: &mut Engine<Vec2>, agent: usize, goal: Vec2| {
+            let id = crowd.id(agent as u32);
+            crowd.order(id, &Go::along(vec![goal, goal + Vec2::X])).unwrap();
+        };
+        assert!(restored(|crowd| order(crowd, 3, Vec2::Y)).is_ok());
+        let why = |change: &dyn Fn(&mut Engine<Vec2>)| restored(change).unwrap_err().to_string();
+        let on_it = why(&|crowd| {
+            order(crowd, 3, Vec2::Y);
+            crowd.states[4].route = crowd.own_routes[3];
+        });
+        assert!(on_it.contains("agent 4 is on route"), "{on_it}");
+        let of_setup = why(&|crowd| crowd.own_routes[3] = 0);
+        assert!(of_setup.contains("route 0 is of two agents"), "{of_setup}");
+        let mut crowd = Engine::new(crossing::<Vec2>(20, 8.0)).unwrap();
+        order(&mut crowd, 3, Vec2::Y);
+        let (id, own) = (crowd.id(4), crowd.own_routes[3] as usize);
+        for _ in 0..2 {
+            let e = crowd.order(id, &Go::on_route(own)).unwrap_err().to_string();
+            assert!(e.contains("another agent's own"), "{e}");
+            crowd.load(&crowd.bytes()).unwrap();
+        }
+    }
+
+    #[test]
+    fn more_subgoals_than_can_be_looked_for_are_refused() {
+        let mut setup = crossing::<Vec2>(4, 8.0);
+        let ball = Obstacle::Ball { centre: Vec3::X * 90.0, radius: 1.0 };
+        setup.streets = Some(Streets::new(&[ball], 0.4).unwrap());
+        let with = |num: usize| {
+            let mut crowd = Engine::new(setup.clone()).unwrap();
+            let subgoals = (0..num).map(|k| Vec2::new((k % 2) as f32, 3.0)).collect();
+            crowd.add_route(Route { subgoals, arrival_radius: 0.5, at_end: AtEnd::Stay }).unwrap();
+            Engine::new(setup.clone()).unwrap().load(&crowd.bytes())
+        };
+        with(2000).unwrap();
+        let e = with(5000).unwrap_err().to_string();
+        assert!(e.contains("subgoals, expected"), "{e}");
+    }
+
+    #[test]
+    fn plans_longer_than_any_are_refused() {
+        let until = |more: f64| {
+            with_plan(|p| {
+                (p.velocity, p.acceleration) = (Vec2::ZERO, Vec2::ZERO);
+                p.end = p.start + more;
+            })
+        };
+        assert!(until(2.0).is_ok() && until(60.0).is_err() && until(1e9).is_err());
+    }
+
+    #[test]
+    fn snapshots_of_other_streets_are_refused() {
+        let around = |centre: Vec3, nearest: f32, heights| {
+            let mut setup = crossing::<Vec2>(4, 8.0);
+            let ball = Obstacle::Ball { centre, radius: 1.0 };
+            setup.streets = Some(Streets::with(&[ball], heights, 0.4, nearest).unwrap());
+            Engine::new(setup).unwrap()
+        };
+        let kept = around(Vec3::X * 90.0, 0.2, None).bytes();
+        let taken = |centre, nearest, heights| around(centre, nearest, heights).load(&kept).is_ok();
+        assert!(taken(Vec3::X * 90.0, 0.2, None));
+        assert!(!taken(Vec3::X * 91.0, 0.2, None) && !taken(Vec3::X * 90.0, 0.1, None));
+        assert!(!taken(Vec3::X * 90.0, 0.2, Some([0.0, 3.0])));
     }
 
     /// Bytes of each agent, and of each square of the grid.

@@ -25,6 +25,7 @@ impl<V: Space> Engine<V> {
         };
         let id = self.id(index);
         check_agent(id.index(), &agent, self.scenery.paths.len(), self.scenery.fields.len())?;
+        agent.route.map_or(Ok(()), |route| self.check_shared(id, route))?;
         self.check_limits(id, &agent)?;
         let plan = self.standing(index, agent.position, agent.velocity, (agent.radius, agent.acceleration));
         self.scenery.check_place(id, agent.position)?;
@@ -82,6 +83,13 @@ impl<V: Space> Engine<V> {
         #[cfg(feature = "baselines")]
         self.check_baseline(n, agent)?;
         Ok(())
+    }
+
+    /// A route is not another agent's own, which leads elsewhere with its next order (the route exists).
+    fn check_shared(&self, id: Id, route: usize) -> Result<(), CrowdError> {
+        let good = [NONE, id.index].contains(&self.scenery.paths[route].owner);
+        let expected = "one of the setup or of `add_route`; this one is another agent's own";
+        Ok(throng_base::error::check("route", Some(id), route as f64, good, expected)?)
     }
 
     /// Checks that an agent that brakes at once overlaps nothing.
@@ -200,6 +208,7 @@ impl<V: Space> Engine<V> {
         let number = match &order.way {
             Way::Route(number) => {
                 check_index("route", Some(id), *number, self.scenery.paths.len())?;
+                self.check_shared(id, *number)?;
                 *number
             }
             Way::To(goal) => self.lead_to(id, position, (*goal, order.arrival_m, order.at_end))?,
@@ -373,7 +382,9 @@ impl<V: Space> Engine<V> {
         let own = &mut self.own_routes[index as usize];
         if *own == NONE {
             *own = self.scenery.paths.len() as u32;
-            self.scenery.paths.push(self.spare.pop().unwrap_or_else(|| Path::staying(at)));
+            let mut path = self.spare.pop().unwrap_or_else(|| Path::staying(at));
+            path.owner = index;
+            self.scenery.paths.push(path);
         }
         *own as usize
     }
@@ -390,7 +401,8 @@ impl<V: Space> Engine<V> {
     fn set_own_route(&mut self, index: u32, route: &Route<V>) -> Result<usize, CrowdError> {
         let own = self.own_routes[index as usize];
         let number = if own == NONE { self.scenery.paths.len() } else { own as usize };
-        let path = self.scenery.path(number, route)?;
+        let mut path = self.scenery.path(number, route)?;
+        path.owner = index;
         let number = self.own_route(index, V::default());
         self.reserve_goal(number);
         self.release_goals(number);

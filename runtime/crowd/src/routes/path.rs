@@ -2,7 +2,7 @@
 
 use crate::error::check;
 use crate::space::solid::{Solid, is_inside};
-use crate::{AtEnd, Obstacle, Route, Space};
+use crate::{AtEnd, NONE, Obstacle, Route, Space};
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, prefetch};
 
@@ -36,6 +36,8 @@ pub(crate) struct Path<V> {
     pub goals: Vec<u32>,
     /// It is that of an agent that stays where it is, which does not look for ways.
     pub stays: bool,
+    /// Number of the only agent that may be on it; [`NONE`] where all may be.
+    pub owner: u32,
 }
 
 /// A subgoal and what leads to it.
@@ -79,7 +81,7 @@ impl<V: Space> Path<V> {
     /// The route of an agent that stays at a place.
     pub fn staying(at: V) -> Self {
         let route = Route { subgoals: vec![at], arrival_radius: STAY_M, at_end: AtEnd::Stay };
-        Self { route, legs: vec![Leg::to(at)], goals: Vec::new(), stays: true }
+        Self { route, legs: vec![Leg::to(at)], goals: Vec::new(), stays: true, owner: NONE }
     }
 
     /// Makes it the route of an agent that stays at a place. Allocates nothing.
@@ -141,7 +143,7 @@ impl<V: Space> Path<V> {
         for i in (0..num - 1).rev() {
             legs[i].rest = legs[i + 1].rest + (points[i + 1] - points[i]).length();
         }
-        Ok(Self { route: route.clone(), legs, goals: Vec::new(), stays: false })
+        Ok(Self { route: route.clone(), legs, goals: Vec::new(), stays: false, owner: NONE })
     }
 
     /// Subgoals that agents go to.

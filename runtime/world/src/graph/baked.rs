@@ -71,8 +71,10 @@ impl Baked {
 mod tests {
     use super::*;
     use crate::made_up::{Tile, nodes, places};
+    use crate::made_up_floor;
     use crate::plan::{Planner, Target};
     use crate::{Step, WorldData};
+    use throng_core::patch::NONE;
 
     fn floor(tile: &Tile) -> (WorldData, PathCosts) {
         let world = tile.floor(&places([3, 4, 2]));
@@ -95,6 +97,22 @@ mod tests {
             assert_eq!(plan, b.plan(&read, from, Target::Node(to), &mut steps_b));
             assert_eq!(steps_a, steps_b);
         }
+    }
+
+    #[test]
+    fn ways_to_rest_along_links_that_are_not_there_are_refused() {
+        let tables = made_up_floor::tables();
+        let mut world = made_up_floor::world(&tables, &["##", "##"]);
+        let graph = WorldGraph::new(tables.patches(), &world.view()).unwrap();
+        let costs = PathCosts::bake(&graph).unwrap();
+        let open = |world: &WorldData| {
+            WorldGraph::from_baked(tables.patches(), &world.view(), Baked::decode(&costs.0).unwrap()).map(|_| ())
+        };
+        open(&world).unwrap();
+        let link = *graph.to_rest.iter().find(|l| **l != NONE).unwrap();
+        world.link_words[link as usize / 64] &= !(1 << (link % 64));
+        let e = open(&world).unwrap_err().to_string();
+        assert!(e.contains("WPTH") && e.contains("throng stitch"), "{e}");
     }
 
     #[test]

@@ -63,7 +63,8 @@ impl WorldGraph {
         let mut graph = Self::bare(patches, world)?;
         (graph.to_rest, graph.narrow, graph.bounds) = (baked.to_rest, baked.narrow, baked.bounds);
         if !graph.is_sound() || !baked.hierarchy.is_sound(&graph) {
-            return Err(FormatError::layout("its path costs (section WPTH) are not those of its instances"));
+            let message = "its path costs (section WPTH) are not those of its instances, or cannot be";
+            return Err(FormatError::layout(message));
         }
         let _ = graph.hierarchy.set(baked.hierarchy);
         Ok(graph)
@@ -101,13 +102,17 @@ impl WorldGraph {
         (&self.to_rest, &self.narrow, &self.bounds)
     }
 
-    /// True where what was read from a file goes with the world: links to rest begin at their cells.
+    /// True where what was read from a file goes with the world: links to rest begin at their cells, and can be taken.
     fn is_sound(&self) -> bool {
         let to_rest = |instance: u32| {
             let first = self.first_node[instance as usize] as usize;
             let (links, here) = (self.links(instance), &self.to_rest[first..][..self.cells(instance).len()]);
             let begins = |(cell, &link): (u32, &u32)| {
-                link == NONE || links.get(link as usize).is_some_and(|l| l.from == cell && !l.is_for_two())
+                let can_be_taken = |l: &LinkRecord| {
+                    let inside = self.is_node(Node { instance, cell: l.to });
+                    l.from == cell && !l.is_for_two() && inside && self.is_link_enabled(instance, link)
+                };
+                link == NONE || links.get(link as usize).is_some_and(can_be_taken)
             };
             (0u32..).zip(here).all(begins)
         };

@@ -5,6 +5,7 @@
 //! [`ENTRY`] frames what each is away from its place goes over; from then on the two are to each other as they were
 //! captured. Who is told something else leaves as soon as both its feet stand near to where it may rest.
 
+use super::snapshot::is_time;
 use super::{Doing, InhabitantEvent, Inhabitants, Wish};
 use crate::plan::{Planner, Target};
 use crate::{Node, Step, WorldGraph};
@@ -479,9 +480,60 @@ fn is_near(graph: &WorldGraph, at: Node, start: Node) -> bool {
 }
 
 impl Meeting {
-    /// True where there is such an offer.
-    pub fn is_sound(&self, offers: &[PairOffer]) -> bool {
-        let is_offered = (self.offer as usize) < offers.len() && self.side < 2;
-        is_offered && self.until_s.is_finite() && self.ready_s.is_finite()
+    /// True where there is such an offer, and one who has come so far stands where it has one by then.
+    ///
+    /// - `at`: where the motion of the character leads to (the node exists).
+    pub fn is_sound(&self, graph: &WorldGraph, at: Node, offers: &[PairOffer]) -> bool {
+        let Some(offer) = offers.get(self.offer as usize).filter(|_| self.side < 2) else { return false };
+        let [start, end] = [offer.starts, offer.ends].map(|of| of[usize::from(self.side)]);
+        let stands = match self.stage {
+            Stage::Coming => true,
+            Stage::Ready | Stage::Beginning => is_near(graph, at, start),
+            Stage::Entering => at == start,
+            Stage::Together => at == end,
+        };
+        stands && is_time(self.until_s) && is_time(self.ready_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::World;
+    use crate::inhabitants::InhabitantsConfig;
+    use crate::made_up_floor::{GIVE, tables, world};
+    use glam::Vec3;
+    use throng_base::Inline;
+    use throng_core::Cast;
+
+    #[test]
+    fn two_are_restored_only_where_they_have_come_to() {
+        let tables = tables();
+        let world = World::from_data(&world(&tables, &["########"; 3]), &tables).unwrap();
+        let mut people = Inhabitants::new(&world, 2, InhabitantsConfig::default()).unwrap();
+        let two = [0.0, 14.0].map(|x| people.spawn(world.near(Vec3::new(x, 0.9, 2.0), 1.0).unwrap().node).unwrap());
+        people.meet(two, GIVE, 1.0).unwrap();
+        let save = |people: &Inhabitants| {
+            let mut out = Vec::new();
+            people.save(&mut out);
+            out
+        };
+        let mut other = people.clone();
+        for stage in [Stage::Ready, Stage::Beginning, Stage::Entering, Stage::Together] {
+            people.set_stage(0, stage);
+            let e = other.load(&save(&people)).unwrap_err().to_string();
+            assert!(e.contains("where the world has no place for two"), "{stage:?}: {e}");
+        }
+        people.set_stage(0, Stage::Coming);
+        let mut seen = Vec::new();
+        for _ in 0..300 {
+            other.load(&save(&people)).unwrap();
+            seen.extend(people.states[0].meeting.map(|m| m.stage));
+            people.step(0.1, &Inline).unwrap();
+        }
+        seen.dedup();
+        // It begins and enters within one step of time.
+        assert_eq!((seen.first(), seen.last()), (Some(&Stage::Coming), Some(&Stage::Together)), "{seen:?}");
+        assert!(two.iter().all(|&id| people.state(id).unwrap().num_fulfilled == 1), "{seen:?}");
     }
 }

@@ -16,6 +16,8 @@ type Saved = ((f64, u32), Roster, CharactersSnapshot, Vec<State>, Vec<Vec<Step>>
 
 /// A character's motion ends this far from its node at most: more is a sign of damage (m).
 const ASTRAY_M: f32 = 1.0;
+/// Times are below this (s).
+const LATEST_S: f64 = 1e12;
 
 impl Inhabitants {
     /// Appends all that the next steps depend on.
@@ -57,14 +59,15 @@ impl Inhabitants {
         let mut new_roster = self.roster.clone();
         let (mut new_chains, mut new_paths) = (self.chains.clone(), self.paths.clone());
         let check = |good: bool, what| if good { Ok(()) } else { Err(what) };
-        check((0.0..1e12).contains(time_s), "its time is out of range")?;
+        check((0.0..LATEST_S).contains(time_s), "its time is out of range")?;
         check(new_roster.restore(roster), "its ids do not fit together")?;
         check([states.len(), chains.len()] == [n; 2], "its rows do not fit together")?;
         bodies.restore_any(world.motion_set(), characters).map_err(|_| "its motion is not of the bundle")?;
         let is_laid = |c| bodies.segment(c).0 == u32::MAX;
         check(bodies.num_characters() == n && (0..n).all(is_laid), "its rows do not fit together")?;
         check(states.iter().all(|s| is_sound(graph, s)), "a character is where the world has no place")?;
-        let are_offered = states.iter().filter_map(|s| s.meeting).all(|m| m.is_sound(&self.pair_offers));
+        let meets = |s: &State| s.meeting.is_none_or(|m| m.is_sound(graph, s.at, &self.pair_offers));
+        let are_offered = states.iter().all(meets);
         check(are_offered, "two meet where the world has no place for two")?;
         for (c, (state, chain)) in states.iter().zip(chains).enumerate() {
             let (end, place) = (bodies.scheduled_end(world.motion_set(), c), graph.place(state.at));
@@ -101,10 +104,15 @@ fn is_sound(graph: &WorldGraph, state: &State) -> bool {
         && state.impatience <= MAX_IMPATIENCE
         && state.progress <= CALM_AFTER
         && state.tries.iter().all(|t| *t <= 2 * MAX_TRIES)
-        && state.until_s.is_finite()
-        && state.leaves_s.is_none_or(f64::is_finite)
+        && is_time(state.until_s)
+        && state.leaves_s.is_none_or(is_time)
         && state.purpose.is_sound()
-        && state.refused_s.is_none_or(f64::is_finite)
+        && state.refused_s.is_none_or(is_time)
+}
+
+/// True for a time that may be noted: soon after the latest one at most.
+pub(super) fn is_time(time_s: f64) -> bool {
+    time_s.abs() < 2.0 * LATEST_S
 }
 
 /// True for a node that the world has.
@@ -126,4 +134,29 @@ pub(super) fn are_steps(graph: &WorldGraph, from: Node, steps: &[Step]) -> bool 
         at = step.to;
         can_be_taken && is_node(graph, at)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::World;
+    use crate::inhabitants::InhabitantsConfig;
+    use crate::made_up_floor::{tables, world};
+    use glam::Vec3;
+    use throng_core::Cast;
+
+    #[test]
+    fn times_beyond_all_are_refused() {
+        let tables = tables();
+        let world = World::from_data(&world(&tables, &["##"]), &tables).unwrap();
+        let mut people = Inhabitants::new(&world, 1, InhabitantsConfig::default()).unwrap();
+        people.spawn(world.near(Vec3::Y, 1.0).unwrap().node).unwrap();
+        let mut refused = |since: f64| {
+            people.states[0].refused_s = Some(since);
+            let mut kept = Vec::new();
+            people.save(&mut kept);
+            people.load(&kept).is_err()
+        };
+        assert!(!refused(0.0) && refused(-1e300) && refused(1e13) && refused(f64::NAN));
+    }
 }

@@ -168,29 +168,40 @@ impl PathHierarchy {
             && self.numbers_are_sound()
             && self.entrances.iter().all(|e| self.is_entrance(graph, e))
             && (0..self.exits.len() as u32).all(|e| self.is_exit(graph, e))
+            && self.regions_are_sound()
             && self.region_costs.is_sound(self)
             && self.landmarks.num_states() == self.entrances.len() + self.exits.len()
     }
 
-    /// True where clusters have the entrances and exits of their costs, and those of regions exist.
+    /// True where clusters have the entrances and exits of their costs.
     fn numbers_are_sound(&self) -> bool {
-        let regions = self.floors.num_regions();
         let counts = |(pair, &costs): (&[[u32; 2]], &u32)| {
             let c = &self.cluster_costs[costs as usize];
             let [[a, x], [b, y]] = [pair[0], pair[1]].map(|p| p.map(|n| n as usize));
             a.checked_add(c.entrances.len()) == Some(b) && x.checked_add(c.exits.len()) == Some(y)
         };
-        let is_portal = |&e: &u32| matches!(self.entrances.get(e as usize), Some(Entrance::Portal { .. }));
-        let is_tile_exit = |&e: &u32| self.exits.get(e as usize).is_some_and(|e| e.tile.is_some());
         let ends = |[entrances, exits]: [u32; 2]| {
             entrances as usize <= self.entrances.len() && exits as usize == self.exits.len()
         };
         self.first.len() == self.costs_of.len() + 1
             && self.first.windows(2).zip(&self.costs_of).all(counts)
             && self.first.last().is_some_and(|last| ends(*last))
-            && [self.region_exits.len(), self.region_portals.len()] == [regions; 2]
-            && self.region_exits.iter().flatten().all(is_tile_exit)
-            && self.region_portals.iter().flatten().all(is_portal)
+    }
+
+    /// True where the exits and portals of each region lead to tiles of it (entrances and exits are sound).
+    fn regions_are_sound(&self) -> bool {
+        let exit_to = |e: u32| self.exits.get(e as usize)?.tile;
+        let portal_to = |e: u32| match self.entrances.get(e as usize)? {
+            Entrance::Portal { tile, .. } => Some(*tile),
+            _ => None,
+        };
+        let lead_there = |lists: &[Vec<u32>], to: &dyn Fn(u32) -> Option<u32>| {
+            let is_there = |(region, list): (u32, &Vec<u32>)| {
+                list.iter().all(|&e| to(e).is_some_and(|tile| self.floors.region(tile) == Some(region)))
+            };
+            lists.len() == self.floors.num_regions() && (0..).zip(lists).all(is_there)
+        };
+        lead_there(&self.region_exits, &exit_to) && lead_there(&self.region_portals, &portal_to)
     }
 
     fn is_entrance(&self, graph: &WorldGraph, entrance: &Entrance) -> bool {
@@ -204,8 +215,12 @@ impl PathHierarchy {
                 is_tile(tile) && self.floors.region(tile).is_none_or(|region| is_goal(region, goal))
             }
             Entrance::Portal { from, tile, goal } => {
-                let to = || self.floors.region(tile);
-                is_tile(tile) && to().is_some_and(|to| is_goal(from, goal) && is_goal(to, goal))
+                // Its goal is the class of cells that are entered across an edge.
+                let is_edge = |to: u32| {
+                    let patch = self.floors.patch(to);
+                    patch == self.floors.patch(from) && goal < graph.patches().patches[patch as usize].num_edges
+                };
+                is_tile(tile) && is_goal(from, goal) && self.floors.region(tile).is_some_and(is_edge)
             }
             Entrance::Cluster { from, to } => from.max(to) < self.num_clusters() as u32,
         }

@@ -50,6 +50,14 @@ pub(crate) struct RegionCosts {
 impl RegionCosts {
     /// Works out what leads through regions, when a hierarchy has all its ways.
     pub fn new(hierarchy: &PathHierarchy) -> Self {
+        let mut out = Self::ways(hierarchy);
+        out.add_rows(hierarchy);
+        out.add_others(hierarchy);
+        out
+    }
+
+    /// What leads into each region and out of it, without costs.
+    fn ways(hierarchy: &PathHierarchy) -> Self {
         let num_entrances = hierarchy.entrances.len() as u32;
         let mut out = Self { place: vec![NONE; hierarchy.entrances.len() + hierarchy.exits.len()], ..Self::default() };
         for (exits, portals) in hierarchy.region_exits.iter().zip(&hierarchy.region_portals) {
@@ -65,31 +73,27 @@ impl RegionCosts {
                 out.leaving[region as usize].push(entrance);
             }
         }
-        out.add_rows(hierarchy);
-        out.add_others(hierarchy);
         out
     }
 
-    /// True where all that is looked up in costs read from a file is there.
+    /// True where costs read from a file are of the ways of a hierarchy whose ways are sound, and all that is looked up is
+    /// there.
     pub fn is_sound(&self, hierarchy: &PathHierarchy) -> bool {
-        let (entrances, regions) = (hierarchy.entrances.len(), hierarchy.region_exits.len());
-        let states = entrances + hierarchy.exits.len();
-        let tiles = |first: &[u32], num: usize, end: usize| {
-            first.len() == num + 1 && first.windows(2).all(|w| w[0] <= w[1]) && first[num] as usize == end
-        };
-        if !tiles(&self.first, regions, self.states.len()) || !tiles(&self.first_other, entrances, self.others.len()) {
+        let (ways, entrances) = (Self::ways(hierarchy), hierarchy.entrances.len());
+        let are_ways = (&self.first, &self.states, &self.place, &self.leaving)
+            == (&ways.first, &ways.states, &ways.place, &ways.leaving);
+        let first = &self.first_other;
+        let tiles = first.len() == entrances + 1
+            && first.windows(2).all(|w| w[0] <= w[1])
+            && first[entrances] as usize == self.others.len();
+        if !are_ways || !tiles {
             return false;
         }
         let row = |e: usize| {
             let len = hierarchy.leads_from(e as u32).map_or(0, |(region, ..)| self.list(region).len());
             self.rows[e].checked_add(len).is_some_and(|end| end <= self.costs.len())
         };
-        self.states.iter().all(|&s| (s as usize) < states)
-            && self.place.len() == states
-            && self.place.iter().all(|&p| p == NONE || (p as usize) < self.states.len())
-            && self.leaving.len() == regions
-            && self.leaving.iter().flatten().all(|&e| (e as usize) < entrances)
-            && (self.rows.is_empty() || self.rows.len() == entrances && (0..entrances).all(row))
+        (self.rows.is_empty() || self.rows.len() == entrances && (0..entrances).all(row))
             && self.others.iter().all(|o| (o.0 as usize) < entrances)
     }
 
@@ -200,6 +204,7 @@ mod tests {
     use super::*;
     use crate::WorldGraph;
     use crate::made_up::{Tile, places, tiles};
+    use crate::made_up_floor;
     use crate::path_hierarchy::Landmarks;
     use proptest::prelude::*;
 
@@ -241,6 +246,36 @@ mod tests {
     #[test]
     fn portals_beside_each_other_are_others() {
         assert!(check_others(&Tile::crossed_in(20, 16), [3, 4, 2]) > 0);
+    }
+
+    #[test]
+    fn ways_of_other_regions_are_refused() {
+        let tables = made_up_floor::tables();
+        let data = made_up_floor::world(&tables, &["######", "####b#", "######", "###...", "#b#...", "###..."]);
+        let graph = WorldGraph::new(tables.patches(), &data.view()).unwrap();
+        let is_sound = |forge: &dyn Fn(&mut PathHierarchy)| {
+            let mut hierarchy = graph.hierarchy().clone();
+            assert_eq!([hierarchy.region_exits.len(), hierarchy.region_portals.len()], [2; 2]);
+            assert!(hierarchy.region_exits.iter().chain(&hierarchy.region_portals).all(|list| !list.is_empty()));
+            forge(&mut hierarchy);
+            hierarchy.is_sound(&graph)
+        };
+        assert!(is_sound(&|_| ()));
+        assert!(!is_sound(&|h| h.region_exits.swap(0, 1)));
+        assert!(!is_sound(&|h| h.region_portals.swap(0, 1)));
+        assert!(!is_sound(&|h| h.region_costs.leaving.swap(0, 1)));
+        assert!(!is_sound(&|h| h.region_costs.states.reverse()));
+        assert!(!is_sound(&|h| h.region_costs.place.fill(0)));
+        // The class of cells inside is entered across no edge; what is beyond is no class.
+        for wrong in [4, 5] {
+            assert!(!is_sound(&|h| {
+                let portal = h.entrances.iter_mut().find_map(|e| match e {
+                    Entrance::Portal { goal, .. } => Some(goal),
+                    _ => None,
+                });
+                *portal.unwrap() = wrong;
+            }));
+        }
     }
 
     #[test]

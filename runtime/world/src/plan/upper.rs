@@ -194,7 +194,9 @@ impl Upper {
 
     /// All that leads to a region, from which one goes on by an entrance.
     fn reach_region(&mut self, hierarchy: &PathHierarchy, region: u32, entrance: u32, cost: f32) {
-        let (region_costs, whole) = (&hierarchy.region_costs, cost as i32);
+        // So that no cost of a row brings it beyond what can be counted.
+        let whole = (cost as i32).min(i32::MAX - i32::from(u16::MAX));
+        let region_costs = &hierarchy.region_costs;
         let list = region_costs.list(region);
         let Some(row) = region_costs.row(entrance, region) else {
             for place in list {

@@ -17,6 +17,7 @@ use crate::{AtEnd, NONE, Obstacle, Route};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 pub(crate) use search::Open;
 use search::length;
+use serde::Serialize;
 use throng_base::error::check;
 use throng_base::{Error, Result};
 
@@ -28,6 +29,8 @@ pub struct Streets {
     /// Obstacle that each outline is of.
     owners: Vec<usize>,
     bounds: Vec<(Vec2, Vec2)>,
+    /// Lowest and highest that agents are (m).
+    heights: Option<[f32; 2]>,
     clearance: f32,
     /// How near to an obstacle a goal may be (m).
     nearest: f32,
@@ -163,6 +166,7 @@ impl Streets {
             outlines,
             owners,
             bounds,
+            heights,
             clearance: clearance_m,
             nearest: nearest_m,
             closed: 0,
@@ -235,6 +239,11 @@ impl Streets {
             }
         }
         Ok(is_new)
+    }
+
+    /// All that tells them from others but what is open.
+    pub(crate) fn hashed(&self) -> impl Serialize + use<'_> {
+        (&self.obstacles, self.heights, self.clearance, self.nearest)
     }
 
     /// Clearance that ways keep (m).

@@ -96,7 +96,8 @@ impl ClusterCosts {
         out
     }
 
-    /// True where all that is looked up in a table read from a file is there.
+    /// True where all that is looked up in a table read from a file is there, and ways from state to state can be counted
+    /// in frames.
     ///
     /// - `longest`: no link takes more (frames).
     pub fn is_sound(&self, longest: u32) -> bool {
@@ -105,9 +106,10 @@ impl ClusterCosts {
         self.starts.len() == self.entrances.len()
             && self.spots.len() == exits
             && self.more.len() == exits
-            && self.to_exit.len() == exits * self.num_cells as usize
-            && self.across.len() == exits * self.entrances.len()
+            && exits.checked_mul(self.num_cells as usize) == Some(self.to_exit.len())
+            && exits.checked_mul(self.entrances.len()) == Some(self.across.len())
             && self.num_cells as usize <= states
+            && (states as u64).saturating_mul(longest.into()) <= u32::MAX.into()
             && starts.all(|&(state, _)| (state as usize) < states)
             && self.back.is_sound(|&to| to, longest)
     }

@@ -20,6 +20,9 @@ const RADIUS: i32 = 6;
 const GOAL_RADIUS: i32 = 3;
 /// Up to here the price to go by is in a table (copies).
 const FAR: i32 = 48;
+/// Prices and least costs of a file are within this of 0: it is more than any way costs, and sums of it are finite
+/// (frames).
+const CREDIBLE: f32 = 1e9;
 /// Ways may lead this far around them.
 const MARGIN: i32 = 2;
 
@@ -154,7 +157,7 @@ impl Plane {
         Some(out)
     }
 
-    /// True where all that is looked up in a table read from a file is there.
+    /// True where all that is looked up in a table read from a file is there, and costs are numbers.
     ///
     /// - `num_cells`, `num_edges`: of its patch.
     pub fn is_sound(&self, num_cells: u32, num_edges: u32) -> bool {
@@ -163,18 +166,20 @@ impl Plane {
         let num_rows = |g: &Goal| self.prices.len() + (2 * g.radius as usize + 1).pow(2);
         let goal = |g: &Goal| {
             (0..=RADIUS).contains(&g.radius)
-                && g.first_row as usize + num_rows(g) <= rows
+                && (g.first_row as usize).checked_add(num_rows(g)).is_some_and(|end| end <= rows)
                 && g.cells.iter().all(|c| c.0 < num_cells)
         };
-        self.num_cells == num_cells
+        let mut costs = self.prices.iter().flatten().chain(&self.leasts).chain(&self.least);
+        costs.all(|c| c.abs() <= CREDIBLE)
+            && self.num_cells == num_cells
             && self.classes.len() == classes
             && !self.prices.is_empty()
             && self.leasts.len() == self.prices.len()
             && self.best_prices.len() == (2 * FAR as usize + 1).pow(2)
             && self.best_prices.iter().all(|&p| usize::from(p) < self.prices.len())
             && (self.goals.len() >= classes && self.goals.iter().all(goal))
-            && self.costs.len() == rows * n
-            && self.least_of.len() == rows * classes
+            && rows.checked_mul(n) == Some(self.costs.len())
+            && rows.checked_mul(classes) == Some(self.least_of.len())
             && self.slack.len() == rows
             && (self.goal_of.len() == n && self.goal_of.iter().all(|&g| g == NONE || is_goal(g)))
             && self.rest.is_none_or(is_goal)

@@ -155,3 +155,19 @@ fn tiles_in_a_line_fill_no_plane() {
     assert_eq!(lattice(&[Vec3::X, Vec3::new(-1.0, 0.0, 0.5)]), Some(vec![[1, 0], [0, 1]]));
     assert!(lattice(&[Vec3::X, Vec3::Z, Vec3::new(0.5, 0.0, 0.0)]).is_none());
 }
+
+#[test]
+fn costs_that_are_no_numbers_are_refused() {
+    let good = plane(&Tile::crossed_in(20, 16)).unwrap();
+    let is_sound = |forge: &dyn Fn(&mut Plane)| {
+        let mut plane = good.clone();
+        forge(&mut plane);
+        plane.is_sound(good.num_cells, 4)
+    };
+    assert!(is_sound(&|_| ()));
+    for wrong in [f32::NAN, f32::INFINITY, -f32::INFINITY, 3e9, -3e9] {
+        assert!(!is_sound(&|p| p.prices[0][1] = wrong));
+        assert!(!is_sound(&|p| p.leasts[0] = wrong));
+        assert!(!is_sound(&|p| *p.least.last_mut().unwrap() = wrong));
+    }
+}

@@ -45,3 +45,20 @@ fn ways_into_dead_ends_are_needless_and_nothing_is_lost_with_them() {
     let dominated: usize = (0..160).step_by(7).map(|t| check_estimates(&Tile::crossed_in(20, 16), [4, 3, 4], t)).sum();
     assert!(dominated > 0);
 }
+
+#[test]
+fn ways_longer_than_can_be_counted_are_ways_still() {
+    let tile = Tile::crossed_in(20, 16);
+    let world = tile.floor(&places([3, 4, 2]));
+    let graph = WorldGraph::new(&tile.patches(), &world.view()).unwrap();
+    let hierarchy = graph.hierarchy();
+    let mut upper = Upper::new(&graph, hierarchy);
+    upper.begin();
+    let (region, entrance) = (0..hierarchy.entrances.len() as u32)
+        .filter_map(|e| Some((hierarchy.leads_from(e)?.0, e)))
+        .find(|&(region, _)| !hierarchy.region_costs.list(region).is_empty())
+        .unwrap();
+    upper.reach_region(hierarchy, region, entrance, 3e9);
+    let reached = (0..upper.costs.len()).filter(|&s| upper.stamps[s] == upper.stamp);
+    assert!(reached.clone().count() > 0 && reached.clone().all(|s| upper.costs[s] >= 3e9));
+}
