@@ -25,6 +25,8 @@ pub struct Layout<V> {
     pub(super) obstacle_keys: Vec<String>,
     /// Of each group of the scene: lowest and highest coordinates of its agents' starts (m).
     boxes: Vec<(V, V)>,
+    /// Numbers of those who are the first of their small groups, and at the end the number of agents.
+    parties: Vec<usize>,
     /// Number of the first door among the obstacles.
     pub(super) first_door: usize,
     /// What agents sense.
@@ -60,6 +62,7 @@ impl<V: Space> Layout<V> {
             arrivals: Vec::new(),
             obstacle_keys,
             boxes: Vec::new(),
+            parties: Vec::new(),
             first_door,
             senses_zones: false,
             senses_cells: false,
@@ -80,9 +83,18 @@ impl<V: Space> Layout<V> {
                 let later = from.map_or(Vec::new(), |from| places(from, 1, group.radius_m[1], &mut rng));
                 starts.resize(group.count, later.first().copied().unwrap_or(first));
             }
+            let (mut at, end) = (layout.groups.len(), layout.groups.len() + starts.len());
+            let [least, most] = group.companions;
+            // Sizes are drawn by the number of the first, one after the other.
+            while at < end {
+                layout.parties.push(at);
+                let chance = hashed(scene.seed ^ 0xC04A, g as u32, at as u32);
+                at += (least + (chance * (most - least + 1) as f64) as usize).max(1);
+            }
             layout.groups.extend(std::iter::repeat_n(g, starts.len()));
             layout.setup.agents.extend(starts.iter().map(|&s| agent(group, s, &mut rng)));
         }
+        layout.parties.push(layout.groups.len());
         layout.setup.doors = (first_door..layout.setup.obstacles.len()).collect();
         layout.setup.config.largest_speed_mps = layout.largest_speed();
         if scene.agents.routes {
@@ -127,24 +139,8 @@ impl<V: Space> Layout<V> {
 
     /// Those who walk together with an agent, itself among them: numbers that follow each other.
     pub(super) fn companions_of(&self, m: usize) -> std::ops::Range<usize> {
-        let g = self.groups[m];
-        let [least, most] = self.scene.groups[g].companions;
-        let first = self.groups.partition_point(|&other| other < g);
-        let end = self.groups.partition_point(|&other| other <= g);
-        if most == 1 {
-            return m..m + 1;
-        }
-        // Sizes are drawn by the number of the first, one after the other.
-        let mut at = first;
-        loop {
-            let chance = hashed(self.scene.seed ^ 0xC04A, g as u32, at as u32);
-            let size = least + (chance * (most - least + 1) as f64) as usize;
-            let next = (at + size.max(1)).min(end);
-            if m < next {
-                return at..next;
-            }
-            at = next;
-        }
+        let next = self.parties.partition_point(|&first| first <= m);
+        self.parties[next - 1]..self.parties[next]
     }
 
     /// Where an agent may enter: another place for each try.
@@ -286,10 +282,55 @@ fn goal_of<V: Space>(goal: &GoalConfig, around: (V, V), start: V) -> V {
         GoalConfig::Opposite { centre } => point::<V>(centre) * 2.0 - start,
         GoalConfig::Area { from, to } => {
             let (low, high, at) = (around.0.coordinates(), around.1.coordinates(), start.coordinates());
-            let share = |i: usize| (at[i] - low[i]) / (high[i] - low[i]).max(1e-6);
+            // Who enters later may start elsewhere.
+            let share = |i: usize| ((at[i] - low[i]) / (high[i] - low[i]).max(1e-6)).clamp(0.0, 1.0);
             let along = |i: usize| from.get(i).map_or(0.0, |f| f + (to[i] - f) * share(i));
             V::from_coordinates(std::array::from_fn(along))
         }
         GoalConfig::Wander { .. } | GoalConfig::Stay {} => start,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+    use std::path::Path;
+
+    #[test]
+    fn who_enters_later_goes_to_a_place_in_the_area() {
+        let text = "[[groups]]\nmotion = \"none\"\ncount = 3\ngoal = { area = { from = [20.0, 0.0], to = [30.0, 9.0] } }\n\
+                    place = { block = { from = [0.0, 0.0], to = [9.0, 9.0] } }\n\
+                    source = { start = 0, rates = [[0.0, 1.0]] }\n";
+        for text in [text.into(), text.replace("start = 0", "start = 1")] {
+            let layout = Layout::<Vec2>::new(&Arc::new(Scene::parse(&text, Path::new("a.toml")).unwrap())).unwrap();
+            let ends = layout.ways.iter().map(|way| way[way.len() - 1]);
+            assert!(
+                ends.into_iter().all(|at| at.clamp(Vec2::new(20.0, 0.0), Vec2::new(30.0, 9.0)) == at),
+                "{:?}",
+                layout.ways
+            );
+        }
+    }
+
+    #[test]
+    fn small_groups_have_their_sizes_and_hold_everybody_once() {
+        let group = |companions: &str| {
+            format!(
+                "[[groups]]\nmotion = \"none\"\ncount = 101\ncompanions = {companions}\ngoal = {{ stay = {{}} }}\n\
+                 place = {{ block = {{ from = [0.0, 0.0], to = [99.0, 99.0] }} }}\n"
+            )
+        };
+        let text = [group("[2, 4]"), group("[1, 1]"), group("[3, 3]")].concat();
+        let layout = Layout::<Vec2>::new(&Arc::new(Scene::parse(&text, Path::new("a.toml")).unwrap())).unwrap();
+        let mut sizes = Vec::new();
+        while let Some(all) = Some(sizes.iter().sum()).filter(|m| *m < 303) {
+            let party = layout.companions_of(all);
+            assert!(party.start == all && party.clone().all(|m| layout.companions_of(m) == party));
+            sizes.push(party.len());
+        }
+        let first = sizes.iter().position(|size| *size == 1).unwrap();
+        assert_eq!(sizes[..first - 1].iter().filter(|size| (2..=4).contains(*size)).count(), first - 1, "{sizes:?}");
+        assert_eq!(sizes[sizes.len() - 34..], [&[3; 33][..], &[2]].concat());
     }
 }

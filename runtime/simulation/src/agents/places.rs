@@ -44,7 +44,7 @@ fn block<V: Space>(from: V, to: V, jitter: f32, count: usize, radius: f32, rng: 
     }
     // Rounding may leave too few: the longest side gets more.
     let longest = (0..d).max_by(|&a, &b| size[a].total_cmp(&size[b])).unwrap_or(0);
-    let across: usize = (0..3).filter(|&i| i != longest).map(|i| cells[i]).product();
+    let across = (0..3).filter(|&i| i != longest).fold(1, |all: usize, i| all.saturating_mul(cells[i]));
     cells[longest] = count.div_ceil(across);
     let cell: [f32; 3] = std::array::from_fn(|i| size[i] / cells[i] as f32);
     let free = cell.map(|c| jitter * (0.5 * c - radius - 1e-3).max(0.0));
@@ -149,6 +149,13 @@ mod tests {
         assert!(places.len() == 500 && nearest(&places) > 1.0);
         let far = places.iter().fold(Vec3::ZERO, |a, p| a.max(*p));
         assert!(far.x > 18.0 && far.y > 9.0 && far.z > 9.0, "all of the box is used: {far}");
+    }
+
+    #[test]
+    fn a_block_as_small_as_nothing_holds_all() {
+        let place = PlaceConfig::Block { from: vec![0.0; 3], to: vec![1e-16; 3], jitter: 1.0 };
+        let places: Vec<Vec3> = places(&place, 3, 0.3, &mut rng());
+        assert!(places.len() == 3 && places.iter().all(|p| p.length() < 1e-15), "{places:?}");
     }
 
     #[test]

@@ -2,9 +2,10 @@
 
 use super::Agents;
 use super::stage::Shown;
-use super::things::{Handled, Thing};
+use super::things::{Handled, Thing, is_near};
 use super::troop::SavedTroop;
 use crate::kind::refused;
+use crate::scenario::Minds;
 use serde::{Deserialize, Serialize};
 use throng_base::{Bytes, Id, Result, SnapshotKind};
 use throng_crowd::Space;
@@ -77,6 +78,10 @@ impl<V: Space> Agents<V> {
         if let (Some(minds), Some(bytes)) = (&mut self.minds, &saved.minds) {
             minds.load(&bytes.0, time_s)?;
         }
+        let has_entered = |m: usize| self.minds.as_ref().is_none_or(|minds| minds.has_entered(m));
+        if saved.ids.iter().enumerate().any(|(m, id)| id.is_some() != has_entered(m)) {
+            return Err(refused(KIND.what, "somebody is there who has not entered"));
+        }
         for (own, troops) in self.followers.iter_mut().zip(&saved.followers) {
             own.load(troops, &saved.ids, &saved.shown)?;
         }
@@ -103,10 +108,14 @@ impl<V: Space> Agents<V> {
         if saved.told.iter().flatten().any(|&h| usize::from(h) >= happenings) {
             return Err("somebody knows of what has not happened");
         }
-        self.outside.things.check(&saved.things, n)?;
+        self.outside.things.check(&saved.things, &saved.handled, n)?;
         let is_way = |way: &Vec<V>| !way.is_empty() && way.iter().all(|at| at.is_finite());
-        let has_room = saved.sent.iter().all(|&sent| sent < u32::MAX / 64);
-        let is_seen = saved.shown.iter().all(|s| [s.faces, s.stands].iter().flatten().all(|f| f.is_finite()));
+        let has_room = saved.sent.iter().all(|&sent| sent < u32::MAX / 128);
+        let num_motions = self.minds.as_ref().map_or(0, Minds::num_motions);
+        let is_seen = saved.shown.iter().all(|s| {
+            s.motion.is_none_or(|motion| usize::from(motion) < num_motions)
+                && [s.faces, s.stands].iter().flatten().all(is_near)
+        });
         let are_agents = saved.agent_of.iter().all(|&a| (a as usize) < n);
         match saved.ways.iter().all(is_way)
             && saved.arrivals.iter().all(|a| a.is_finite())
@@ -116,6 +125,42 @@ impl<V: Space> Agents<V> {
         {
             true => Ok(()),
             false => Err("somebody is on no way"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Vec2, Vec3};
+    use std::path::Path;
+
+    #[test]
+    fn agents_that_cannot_be_are_refused() {
+        let text = "[[things]]\nname = \"cup\"\nat = [0.0, 1.0, 0.0]\n[[rules]]\non = \"starts\"\ndo = [{ stay = 9, motion = \"wave\" }]\n\
+                    [[groups]]\nmotion = \"none\"\ncount = 3\nplace = { block = { from = [0.0, 0.0], to = [9.0, 9.0] } }\n\
+                    goal = { stay = {} }\nsource = { start = 2, rates = [[0.0, 0.001]] }\n";
+        let scene = crate::scene::Scene::parse(text, Path::new("a.toml")).unwrap().open().unwrap();
+        let agents = Agents::<Vec2>::new(&scene).unwrap();
+        let is_refused = |change: fn(&mut Agents<Vec2>)| {
+            let (mut forged, mut bytes) = (agents.clone(), Vec::new());
+            change(&mut forged);
+            forged.write(&mut bytes);
+            agents.clone().read(&bytes, 0.0).is_err()
+        };
+        assert!(!is_refused(|_| ()));
+        for (n, change) in [
+            |a: &mut Agents<Vec2>| a.outside.shown[0].motion = Some(1),
+            |a: &mut Agents<Vec2>| a.outside.shown[0].faces = Some(Vec3::MAX),
+            |a: &mut Agents<Vec2>| a.outside.ids[2] = a.outside.ids[1],
+            |a: &mut Agents<Vec2>| a.outside.sent[0] = u32::MAX / 64 - 1,
+            |a: &mut Agents<Vec2>| a.outside.things.handled.missed = u32::MAX,
+            |a: &mut Agents<Vec2>| a.outside.things.all[0].at.x = f32::MAX,
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            assert!(is_refused(change), "{n}");
         }
     }
 }

@@ -43,6 +43,9 @@ const MEETS_M: f32 = 0.03;
 /// Share of an arm's length within which a palm comes to a thing above the shoulder, and how near to it one stands at most (m).
 const STRETCHED: f32 = 0.96;
 const CLOSEST_M: f32 = 0.2;
+/// Nothing in a snapshot is farther off, and no time of its motion longer (m, s).
+const MOST_M: f32 = 1e6;
+const MOST_S: f32 = 1e6;
 /// Width of a bin of [`Handled::off`], and number of bins (m).
 const BIN_M: f32 = 0.01;
 const BINS: usize = 32;
@@ -77,6 +80,11 @@ pub(crate) struct Thing {
     is_over: bool,
     /// How far the forearm is raised for it (0 to 1).
     raised: f32,
+}
+
+/// True for a place where things of a snapshot, and what bodies look at, may be (m).
+pub(super) fn is_near(at: &Vec3) -> bool {
+    at.abs().cmple(Vec3::splat(MOST_M)).all()
 }
 
 /// An agent, and its number in the crowd.
@@ -460,20 +468,22 @@ impl Things {
     }
 
     /// Why things cannot be those of a scene with so many agents.
-    pub fn check(&self, all: &[Thing], num_agents: usize) -> Result<(), &'static str> {
+    pub fn check(&self, all: &[Thing], handled: &Handled, num_agents: usize) -> Result<(), &'static str> {
+        let is_short = |value: &f32| value.abs() <= MOST_S;
+        let counts = [handled.taken, handled.put, handled.missed];
+        if !counts.iter().chain(&handled.off).all(|n| *n < u32::MAX / 128) {
+            return Err("hands have done more than can be");
+        }
         let is_unit = |q: &[f32; 4]| (Quat::from_array(*q).length() - 1.0).abs() < 1e-3;
         let is_good = |(n, t): (usize, &Thing)| {
             let agents = [t.keeper, t.handling.map(|h| h.0)];
             let of_it = |h: &(u32, Handling, Grasp)| {
                 usize::from(h.1.thing) == n
-                    && h.1.at.is_finite()
                     && h.2.side < 2
-                    && [h.2.palm, h.2.around].iter().all(|v| v.is_finite())
-                    && [h.2.moment_s, h.2.after_s, h.2.reach_m].iter().all(|v| v.is_finite())
+                    && [h.1.at, h.2.palm, h.2.around].iter().all(is_near)
+                    && [h.2.moment_s, h.2.after_s, h.2.reach_m].iter().all(is_short)
             };
-            t.at.is_finite()
-                && t.rest.is_finite()
-                && t.off.is_finite()
+            [t.at, t.rest, t.off].iter().all(is_near)
                 && is_unit(&t.turn)
                 && is_unit(&t.grip)
                 && t.side < 2

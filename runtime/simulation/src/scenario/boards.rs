@@ -196,19 +196,21 @@ impl Boards {
     /// - `num_agents`: those who may have written.
     pub fn is_like(&self, own: &Self, num_agents: u32) -> bool {
         let is_written = |p: &Note| (p.by == NONE || p.by < num_agents) && p.since.is_finite() && !p.until.is_nan();
-        let is_in = |number: u32| number == NONE || (number as usize) < self.posts.len();
-        let links = self.first.iter().copied().chain(self.posts.iter().map(|p| p.next));
-        // Lists end: every post is in one list, once.
-        let mut links = links.filter(|n| *n != NONE).collect::<Vec<_>>();
-        links.sort_unstable();
+        // Every post is in the list of its bucket, once: lists end.
+        let mut listed = 0;
+        for (list, &first) in self.first.iter().enumerate() {
+            let mut number = first;
+            while number != NONE {
+                let post = self.posts.get(number as usize).filter(|p| bucket(p.level, p.cell) == list);
+                let Some(post) = post.filter(|_| listed < self.posts.len()) else { return false };
+                (number, listed) = (post.next, listed + 1);
+            }
+        }
         (self.cell_m, self.levels, self.global.len(), self.first.len())
             == (own.cell_m, own.levels, own.global.len(), own.first.len())
-            && self.posts.len() <= POSTS
-            && self.posts.len()
-                == (self.count.min(POSTS as u64) as usize).min(self.posts.len().max(self.count as usize))
-            && links.iter().all(|n| is_in(*n))
-            && links.windows(2).all(|w| w[0] != w[1])
-            && links.len() == self.posts.len()
+            && self.count < 1 << 62
+            && self.posts.len() as u64 == self.count.min(POSTS as u64)
+            && listed == self.posts.len()
             && self.posts.iter().all(|p| usize::from(p.event) < self.global.len() && p.level < self.levels)
             && self.global.iter().chain(self.posts.iter().map(|p| &p.note)).all(is_written)
     }
@@ -218,4 +220,31 @@ fn bucket(level: u32, [x, z]: [i32; 2]) -> usize {
     let mixed =
         (x as u32).wrapping_mul(0x9E37_79B1) ^ (z as u32).wrapping_mul(0x85EB_CA77) ^ level.wrapping_mul(0xC2B2_AE3D);
     (mixed ^ mixed >> 15) as usize % BUCKETS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn posts_in_the_list_of_another_cell_are_refused() {
+        let own = Boards::new(BoardTable { cell_m: 1.0, levels: 4 }, 1);
+        let mut boards = own.clone();
+        for x in [0.5, 7.5] {
+            let note = Note { by: NONE, since: 0.0, until: 9.0 };
+            boards.post(0, Some((Vec3::new(x, 0.0, 0.0), 0)), note);
+        }
+        assert!(boards.is_like(&own, 1));
+        let lists: Vec<usize> = (0..BUCKETS).filter(|list| boards.first[*list] != NONE).collect();
+        for change in [
+            |b: &mut Boards, lists: &[usize]| b.first.swap(lists[0], lists[1]),
+            |b: &mut Boards, lists: &[usize]| b.posts[b.first[lists[0]] as usize].next = b.first[lists[0]],
+            |b: &mut Boards, lists: &[usize]| b.first[lists[0]] = NONE,
+            |b: &mut Boards, _: &[usize]| b.count = u64::MAX,
+        ] {
+            let mut forged = boards.clone();
+            change(&mut forged, &lists);
+            assert!(!forged.is_like(&own, 1));
+        }
+    }
 }

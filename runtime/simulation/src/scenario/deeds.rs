@@ -13,6 +13,8 @@ use throng_base::Result;
 
 /// How near to a slot is there (m).
 const SLOT_M: f32 = 0.15;
+/// The largest amount that a word of an action says: larger ones are taken as this one.
+pub(super) const MOST: f64 = 1e9;
 
 impl Minds {
     /// Begins a behaviour that is about an event.
@@ -25,6 +27,11 @@ impl Minds {
 
     /// The action of an agent is over.
     pub(super) fn next_action(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
+        self.end_action(stage, agent)?;
+        self.enter_action(stage, agent, self.minds[agent as usize].action + 1)
+    }
+
+    fn end_action(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
         self.settle(stage, agent, true);
         let mind = self.minds[agent as usize];
         if let Action::Primitive { .. } = self.action(mind.action) {
@@ -32,7 +39,7 @@ impl Minds {
             stage.set_speed(agent, mind.speed)?;
             stage.show(agent, None, None);
         }
-        self.enter_action(stage, agent, mind.action + 1)
+        Ok(())
     }
 
     /// Does what takes no time, up to the first action that does.
@@ -45,7 +52,12 @@ impl Minds {
             (mind.until, mind.again, mind.most) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
             match self.action(at) {
                 Action::End => return self.end_behaviour(stage, agent),
-                Action::Primitive { .. } => return self.perform(stage, agent, false),
+                Action::Primitive { .. } => {
+                    if !self.perform(stage, agent, false)? {
+                        return Ok(());
+                    }
+                    self.end_action(stage, agent)?;
+                }
                 action => {
                     let context = self.minds[m].context;
                     self.affect(stage, agent, action, context)?;
@@ -94,12 +106,12 @@ impl Minds {
         }
     }
 
-    /// Begins a primitive behaviour, or asks its function anew.
-    pub(super) fn perform(&mut self, stage: &mut impl Stage, agent: u32, is_again: bool) -> Result<()> {
+    /// Begins a primitive behaviour, or asks its function anew; true where it is over at once.
+    pub(super) fn perform(&mut self, stage: &mut impl Stage, agent: u32, is_again: bool) -> Result<bool> {
         let m = agent as usize;
         let mind = self.minds[m];
         let Action::Primitive { number, words, motion, way, claims } = self.action(mind.action) else {
-            return Ok(());
+            return Ok(false);
         };
         let context = mind.context;
         let mut said = self.said(stage, agent, context, &words);
@@ -121,7 +133,7 @@ impl Minds {
                 (said.targets[0], said.facing, said.arrival_m) = (Some(slot.at), Some(slot.facing), SLOT_M);
             } else {
                 self.push(agent, trigger::FULL, at_place(place));
-                return self.next_action(stage, agent);
+                return Ok(true);
             }
         }
         let position = stage.position(agent).unwrap_or_default();
@@ -147,11 +159,7 @@ impl Minds {
             Walk::Halt => {
                 stage.halt(agent)?;
                 stage.show(agent, motion, deed.faces);
-                return if deed.stay_s > 0.0 {
-                    self.stand_until(agent, deed.stay_s)
-                } else {
-                    self.next_action(stage, agent)
-                };
+                return if deed.stay_s > 0.0 { self.stand_until(agent, deed.stay_s) } else { Ok(true) };
             }
             Walk::To { at, arrival_m } if position.distance(at) <= arrival_m => {
                 self.minds[m].phase = Phase::Walking;
@@ -168,23 +176,23 @@ impl Minds {
         self.minds[m].phase = Phase::Walking;
         if !goes {
             self.push(agent, trigger::STUCK, Context::default());
-            return self.next_action(stage, agent);
+            return Ok(true);
         }
-        Ok(())
+        Ok(false)
     }
 
-    pub(super) fn stand_until(&mut self, agent: u32, stay_s: f64) -> Result<()> {
+    pub(super) fn stand_until(&mut self, agent: u32, stay_s: f64) -> Result<bool> {
         let mind = &mut self.minds[agent as usize];
         (mind.phase, mind.until) = (Phase::Standing, self.now + stay_s);
-        Ok(())
+        Ok(false)
     }
 
-    /// An agent is where its action led it.
-    pub(super) fn arrived(&mut self, stage: &mut impl Stage, agent: u32) -> Result<()> {
+    /// An agent is where its action led it; true where the action is over.
+    pub(super) fn arrived(&mut self, stage: &mut impl Stage, agent: u32) -> Result<bool> {
         let m = agent as usize;
         let mind = self.minds[m];
         let Action::Primitive { number, words, motion, claims, .. } = self.action(mind.action) else {
-            return Ok(());
+            return Ok(false);
         };
         let mut said = self.said(stage, agent, mind.context, &words);
         if let Some(slot) = self.scenario.slots.get(mind.slot as usize) {
@@ -194,18 +202,25 @@ impl Minds {
             return self.use_hands(stage, agent, (claims, motion), &said);
         }
         if let Claims::Queue(into) = claims {
+            let held = self.scenario.slots.get(mind.slot as usize).map(|slot| slot.place);
+            let Some(place) = self.place_of(&words[0], mind.context).filter(|place| held == Some(*place)) else {
+                // A place without slots lets nobody wait.
+                return Ok(true);
+            };
             stage.show(agent, motion, said.facing);
-            let place = self.scenario.slots[mind.slot as usize].place;
-            let is_first = mind.slot == self.scenario.places[usize::from(place)].slots[0];
+            let table = &self.scenario.places[usize::from(place)];
+            let (is_queue, is_first) = (table.is_queue, mind.slot == table.slots[0]);
             self.minds[m].phase = Phase::Waiting;
-            let goes_on = is_first && into.is_none_or(|into| self.free_slot(into, stage.position(agent)).is_some());
+            // Nobody moves up where the slots are no queue.
+            let goes_on =
+                !is_queue || is_first && into.is_none_or(|into| self.free_slot(into, stage.position(agent)).is_some());
             if !goes_on {
-                return Ok(());
+                return Ok(false);
             }
             if let Some(into) = into {
                 self.claim(stage, agent, into, Claims::Slot)?;
             }
-            return self.next_action(stage, agent);
+            return Ok(true);
         }
         let sight = Sight {
             time_s: self.now,
@@ -218,10 +233,10 @@ impl Minds {
         let deed: Deed = (self.scenario.primitives.get(number).act)(&sight, &said);
         if deed.walk == Walk::Along && words[2] == Operand::Flag(true) {
             // Round again.
-            return Ok(());
+            return Ok(false);
         }
         if deed.stay_s <= 0.0 {
-            return self.next_action(stage, agent);
+            return Ok(true);
         }
         stage.show(agent, motion, deed.faces);
         self.stand_until(agent, deed.stay_s)
@@ -254,7 +269,8 @@ impl Minds {
         self.evaluations += u64::from(matches!(amount, Amount::Program(_)));
         let value = self.scenario.amount(amount, &mut View { minds: self, stage, agent, context, draws: &mut draws });
         self.minds[agent as usize].draws = draws;
-        value
+        // Infinite distances and what is no number would spread to all that is worked out with them.
+        if value.is_nan() { 0.0 } else { value.clamp(-MOST, MOST) }
     }
 
     /// How near to the middle of a place is there (m).
@@ -398,7 +414,10 @@ impl Minds {
                 && into == place
             {
                 self.touch(head);
-                return self.arrived(stage, head);
+                if self.arrived(stage, head)? {
+                    return self.next_action(stage, head);
+                }
+                return Ok(());
             }
         }
         Ok(())

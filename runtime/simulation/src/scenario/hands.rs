@@ -20,15 +20,16 @@ impl Minds {
         self.keepers[thing] == agent as u32
     }
 
-    /// Goes to where a thing is in reach, or to where it is put down. Nobody else takes it meanwhile.
-    pub(super) fn fetch(&mut self, stage: &mut impl Stage, agent: u32, claims: Claims, said: &Said) -> Result<()> {
-        let (Claims::Take(thing) | Claims::Put(thing)) = claims else { return Ok(()) };
+    /// Goes to where a thing is in reach, or to where it is put down. Nobody else takes it meanwhile. True
+    /// where it is over at once.
+    pub(super) fn fetch(&mut self, stage: &mut impl Stage, agent: u32, claims: Claims, said: &Said) -> Result<bool> {
+        let (Claims::Take(thing) | Claims::Put(thing)) = claims else { return Ok(false) };
         if self.minds[agent as usize].phase == Phase::Standing {
             return match stage.is_over(agent, thing) {
-                true => self.next_action(stage, agent),
+                true => Ok(true),
                 false => {
                     self.minds[agent as usize].again = self.now + LOOK_S;
-                    Ok(())
+                    Ok(false)
                 }
             };
         }
@@ -36,17 +37,17 @@ impl Minds {
         let full = self.keepers.iter().filter(|k| **k == agent).count() == HANDS;
         if puts && keeper != agent || !puts && (keeper != NONE && keeper != agent || keeper == NONE && full) {
             self.push(agent, trigger::FULL, Context::default());
-            return self.next_action(stage, agent);
+            return Ok(true);
         }
         if !puts && keeper == agent && stage.has_in_hand(agent, thing) {
-            return self.next_action(stage, agent);
+            return Ok(true);
         }
         self.keepers[usize::from(thing)] = agent;
         if let Some(speed) = said.amounts[1] {
             stage.set_speed(agent, speed.clamp(0.0, 100.0) as f32)?;
         }
         let at = self.where_to(stage, thing, puts, said);
-        let Action::Primitive { motion, .. } = self.action(self.minds[agent as usize].action) else { return Ok(()) };
+        let Action::Primitive { motion, .. } = self.action(self.minds[agent as usize].action) else { return Ok(false) };
         for side in 0..2 * SIDES {
             let handling = Handling { thing, puts, at };
             let (stand, within_m) = match stage.stance(agent, motion, handling, side) {
@@ -57,7 +58,7 @@ impl Minds {
                         NoStance::NoHand => self.push(agent, trigger::FULL, Context::default()),
                         NoStance::OutOfReach => self.miss(stage, agent),
                     }
-                    return self.next_action(stage, agent);
+                    return Ok(true);
                 }
             };
             self.minds[agent as usize].phase = Phase::Walking;
@@ -65,12 +66,12 @@ impl Minds {
                 return self.arrived(stage, agent);
             }
             if stage.go(agent, stand, within_m, false)? {
-                return Ok(());
+                return Ok(false);
             }
         }
         self.settle(stage, agent, false);
         self.miss(stage, agent);
-        self.next_action(stage, agent)
+        Ok(true)
     }
 
     /// One does not reach a thing, or where it is to be put.
@@ -86,8 +87,8 @@ impl Minds {
         agent: u32,
         (claims, motion): (Claims, Option<u16>),
         said: &Said,
-    ) -> Result<()> {
-        let (Claims::Take(thing) | Claims::Put(thing)) = claims else { return Ok(()) };
+    ) -> Result<bool> {
+        let (Claims::Take(thing) | Claims::Put(thing)) = claims else { return Ok(false) };
         let puts = matches!(claims, Claims::Put(_));
         let at = self.where_to(stage, thing, puts, said);
         stage.show(agent, motion, None);

@@ -84,7 +84,11 @@ impl Minds {
                 self.push(agent, trigger::CROSSES, Context::default());
             }
             Signal::Arrived(agent) => match self.minds[agent as usize].phase {
-                Phase::Walking | Phase::Waiting => self.arrived(stage, agent)?,
+                Phase::Walking | Phase::Waiting => {
+                    if self.arrived(stage, agent)? {
+                        self.next_action(stage, agent)?;
+                    }
+                }
                 _ => self.push(agent, trigger::ARRIVES, Context::default()),
             },
             Signal::Left(agent) => self.leave(stage, agent)?,

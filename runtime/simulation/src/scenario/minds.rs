@@ -4,6 +4,7 @@ use super::boards::Boards;
 use super::language::{Program, run};
 use super::mind::{Context, Feeling, Learnt, Mind};
 use super::perceive::{View, hashed};
+use super::reactions::MOST_ROUNDS;
 use super::stage::Stage;
 use super::tables::{Action, NONE, Scenario};
 use super::turns::Turn;
@@ -185,6 +186,7 @@ impl Minds {
 
     /// Handles all that follows at this time, and tells the stage what those who were touched sense.
     pub(super) fn finish(&mut self, stage: &mut impl Stage) -> Result<()> {
+        let mut rounds = 0;
         loop {
             while let Some((agent, stimulus)) = self.queue.pop_front() {
                 if self.minds[agent as usize].is_there {
@@ -194,6 +196,10 @@ impl Minds {
             }
             if !self.check_conditions(stage)? {
                 break;
+            }
+            rounds += 1;
+            if rounds > MOST_ROUNDS {
+                return Err(self.circle_of_events());
             }
         }
         for i in 0..self.touched.len() {
@@ -257,6 +263,17 @@ impl Minds {
     /// Agents that know of any event.
     pub fn num_informed(&self) -> usize {
         self.minds.iter().filter(|m| m.news != 0).count()
+    }
+
+    /// Number of the tags of motion that actions ask for.
+    pub(crate) fn num_motions(&self) -> usize {
+        self.scenario.motions.len()
+    }
+
+    /// True for an agent that has entered, whether it has left or not (agent < number of agents).
+    pub(crate) fn has_entered(&self, agent: usize) -> bool {
+        let group = usize::from(self.minds[agent].group);
+        (agent as u32) < self.scenario.groups[group].agents[0] + self.entered[group]
     }
 
     /// True once the end of the scene has come.

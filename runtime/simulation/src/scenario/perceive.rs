@@ -53,6 +53,7 @@ impl<S: Stage> View<'_, S> {
                 f64::from(minds.feelings[m * tables.len() + usize::from(v)].at(&tables[usize::from(v)], minds.now))
             }
             Attribute::X => f64::from(position().x),
+            Attribute::Y => f64::from(position().y),
             Attribute::Z => f64::from(position().z),
             Attribute::Speed => f64::from(self.stage.velocity(agent).length()),
             Attribute::DesiredSpeed => f64::from(mind.speed),

@@ -10,6 +10,8 @@ use throng_base::{Error, Result};
 
 /// Stimuli of one agent at one time, from which on it is taken to run in a circle.
 const MOST_AT_ONCE: u32 = 100;
+/// How often conditions of events become true at one time, from which on they are taken to run in a circle.
+pub(super) const MOST_ROUNDS: u32 = 1000;
 
 impl Minds {
     /// Raises the events whose conditions have become true; true where one has.
@@ -126,7 +128,7 @@ impl Minds {
         let scenario = self.scenario.clone();
         let (mut open, mut shared, mut sum) = (0u64, 0, 0.0_f32);
         let edges: &[Edge] = &scenario.edges[all.start as usize..all.end as usize];
-        for (i, edge) in edges.iter().enumerate().take(64) {
+        for (i, edge) in edges.iter().enumerate() {
             if edge.trigger == stimulus.trigger
                 && edge.when.is_none_or(|when| self.is_true(stage, agent, stimulus.context, when))
             {
@@ -141,7 +143,7 @@ impl Minds {
         let scale = sum.max(1.0).recip();
         let is_single = open.count_ones() == 1 && (shared == 1 || sum >= 1.0);
         let mut left = if is_single { 0.0 } else { self.chance(agent) as f32 };
-        for (i, edge) in edges.iter().enumerate().take(64).filter(|(i, _)| open >> i & 1 == 1) {
+        for (i, edge) in edges.iter().enumerate().filter(|(i, _)| open >> i & 1 == 1) {
             left -= if edge.probability < 0.0 { share } else { edge.probability * scale };
             if left < 0.0 || is_single {
                 return Some(all.start + i as u32);
@@ -199,13 +201,12 @@ impl Minds {
             self.minds[m].timer = f64::INFINITY;
             self.push(agent, trigger::TIMER, Context::default());
         }
-        if self.minds[m].until <= self.now || self.minds[m].most <= self.now {
-            self.next_action(stage, agent)
-        } else if self.minds[m].again <= self.now {
-            self.perform(stage, agent, true)
-        } else {
-            Ok(())
+        let mind = &self.minds[m];
+        let is_over = mind.until <= self.now || mind.most <= self.now;
+        if is_over || mind.again <= self.now && self.perform(stage, agent, true)? {
+            return self.next_action(stage, agent);
         }
+        Ok(())
     }
 
     /// A value becomes another one now, or changes at another rate.
@@ -265,6 +266,19 @@ impl Minds {
     pub(super) fn reason(&self, Stimulus { trigger, context, .. }: Stimulus) -> Reason {
         let Context { other, place, .. } = context;
         Reason { time_s: self.now, trigger, rule: NONE, edge: NONE, other, place }
+    }
+
+    pub(super) fn circle_of_events(&self) -> Error {
+        let names = self.scenario.names.events.0.iter().enumerate();
+        let is_of_it = |e: usize| self.scenario.events[e].condition.is_some() && self.happened[e] == self.now;
+        let names: Vec<_> = names.filter(|(e, _)| is_of_it(*e)).map(|(_, name)| format!("`{name}`")).collect();
+        let why = format!(
+            "conditions of events become true more than {MOST_ROUNDS} times at {:.3} s, those of {}: they follow each other in a \
+             circle; let `when` of one of them stay true, or wait for a later `time`",
+            self.now,
+            names.join(", ")
+        );
+        self.scenario.source.at("events", why)
     }
 
     pub(super) fn circle(&self, agent: u32, trigger: u16) -> Error {

@@ -1,9 +1,10 @@
 //! Keeping minds.
 
 use super::boards::Boards;
-use super::mind::{Context, Feeling, Learnt, Mind, NO, Reason};
+use super::deeds::MOST;
+use super::mind::{Context, Feeling, Learnt, Mind, NO, Phase, Reason};
 use super::minds::Minds;
-use super::tables::NONE;
+use super::tables::{Action, NONE};
 use crate::kind::refused;
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, SnapshotKind};
@@ -103,7 +104,8 @@ impl Minds {
         let is_agent = |agent: u32| agent == NONE || agent < num;
         let is_time = |t: f64| !t.is_nan() && t <= time_s;
         let is_later = |t: f64| !t.is_nan();
-        let times = [&saved.closing, &saved.due, &saved.enters].into_iter().flatten().all(|t| is_later(*t));
+        // What was due is done.
+        let times = [&saved.closing, &saved.due, &saved.enters].into_iter().flatten().all(|t| *t >= time_s);
         let past = saved.followed.iter().chain(&saved.happened).all(|t| is_time(*t));
         if !is_time(saved.now) || !times || !past {
             return Err("its times cannot be");
@@ -113,6 +115,11 @@ impl Minds {
                 && (c.place == NO || usize::from(c.place) < scenario.places.len())
                 && (c.event == NO || usize::from(c.event) < scenario.events.len())
                 && c.strength.is_finite()
+        };
+        // Between two calls, only primitive behaviours go on.
+        let is_doing = |mind: &Mind| match scenario.actions.get(mind.action as usize) {
+            Some(Action::Primitive { .. }) => true,
+            _ => mind.phase == Phase::Idle && [mind.until, mind.again, mind.most] == [f64::INFINITY; 3],
         };
         let is_action = |a: u32| a == NONE || (a as usize) < scenario.actions.len();
         let is_reason = |r: &Reason| {
@@ -129,6 +136,7 @@ impl Minds {
             mind.group == own.group
                 && mind.states.iter().enumerate().all(is_state)
                 && is_action(mind.action)
+                && is_doing(mind)
                 && is_action(mind.resumed)
                 && [mind.context, mind.resumed_context].iter().all(is_context)
                 && [mind.until, mind.again, mind.most, mind.timer, mind.crossing_at].iter().all(|t| is_later(*t))
@@ -154,11 +162,15 @@ impl Minds {
             .flatten()
             .all(|l| is_agent(l.from) && is_time(l.time_s) && l.at.iter().all(|x| x.is_finite()));
         let bonds = saved.bonds.iter().flatten().all(|b| is_agent(b.0) && b.1.is_finite());
-        let feelings = saved.feelings.iter().all(|f| f.value.is_finite() && f.rate.is_finite() && is_time(f.since));
-        let entered =
-            saved.entered.iter().zip(&scenario.groups).all(|(e, g)| g.there <= *e && *e <= g.agents[1] - g.agents[0]);
+        let is_felt = |f: &Feeling| f.value.is_finite() && f64::from(f.rate.abs()) <= MOST && is_time(f.since);
+        let feelings = saved.feelings.iter().all(is_felt);
+        let has_room = saved.times.iter().all(|n| *n < u32::MAX / 128);
+        let entered = scenario.groups.iter().zip(saved.entered.iter().zip(&saved.enters)).all(|(g, (e, next))| {
+            let all = g.agents[1] - g.agents[0];
+            g.there <= *e && (*e < all || *e == all && *next == f64::INFINITY)
+        });
         let kept = saved.keepers.iter().all(|k| is_agent(*k));
-        match (0u32..).zip(&saved.holders).all(is_held) && kept && learnt && bonds && feelings && entered {
+        match (0u32..).zip(&saved.holders).all(is_held) && kept && learnt && bonds && feelings && has_room && entered {
             true => Ok(()),
             false => Err("somebody holds, feels or has learnt what cannot be"),
         }

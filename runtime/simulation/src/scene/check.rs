@@ -1,5 +1,6 @@
 //! Checks of what a scene file says.
 
+use super::goal::GoalConfig;
 use super::group::{GroupConfig, Motion, WishConfig};
 use super::place::PlaceConfig;
 use super::{Scene, SpaceConfig};
@@ -13,6 +14,15 @@ pub(super) type Fault = (String, String);
 
 /// Most behaviours that are weighed against each other.
 const MAX_BEHAVIOURS: usize = throng_core::characters::MAX_GOALS;
+
+/// Most blend spaces of a group: each has walkers of its own.
+const MAX_SPACES: usize = 64;
+
+/// Most points on the first routes of all agents (2 GB).
+const MAX_POINTS: usize = 30_000_000;
+
+/// Most knots of the ground of all groups with paths (2 GB).
+const MAX_KNOTS: usize = 1 << 29;
 
 /// Keys of a group that some kinds of motion have, and which.
 const KEYS: [(&str, &[Motion]); 22] = {
@@ -76,6 +86,7 @@ pub(super) fn scene(scene: &Scene) -> Result<(), Fault> {
         group_of(scene, g, group)?;
     }
     check_count("groups", scene.num_characters())?;
+    check_totals(scene)?;
     for (i, obstacle) in scene.environment.obstacles.iter().enumerate() {
         obstacle.find_fault(&format!("environment.obstacles[{i}]"), dimensions)?;
     }
@@ -93,6 +104,9 @@ pub(super) fn scene(scene: &Scene) -> Result<(), Fault> {
     }
     for (i, relation) in scene.relations.iter().enumerate() {
         relation.find_fault(&format!("relations[{i}]"))?;
+    }
+    for (i, rule) in scene.rules.iter().enumerate() {
+        check_numbers(&[(&format!("rules[{i}].pause_s"), rule.pause_s, 0.0, 1e6)])?;
     }
     for (i, event) in scene.events.iter().enumerate() {
         event.find_fault(&format!("events[{i}]"))?;
@@ -115,6 +129,35 @@ pub(super) fn scene(scene: &Scene) -> Result<(), Fault> {
     }
     scene.measure.find_fault()?;
     scene.picture.find_fault()
+}
+
+/// Refuses numbers within their ranges whose product takes more memory than there is.
+fn check_totals(scene: &Scene) -> Result<(), Fault> {
+    let (mut points, mut knots) = (0, 0);
+    for (g, group) in scene.groups.iter().enumerate() {
+        if group.is_of_agents() {
+            let (key, own) = match &group.goal {
+                Some(GoalConfig::Wander { points, .. }) => ("goal.wander.points", *points),
+                _ => ("via", group.via.len()),
+            };
+            points = group.count.saturating_mul(own + 2).saturating_add(points);
+            if points > MAX_POINTS {
+                let why = format!(
+                    "expected routes of at most {MAX_POINTS} points for all agents, found {points}: take fewer points or agents"
+                );
+                return fault(&format!("groups[{g}].{key}"), why);
+            }
+        }
+        let has_hills = group.motion == Motion::Blend && scene.environment.hills_m > 0.0;
+        if let Some(paths) = group.paths.as_ref().filter(|_| has_hills) {
+            knots += crate::wander::side_knots(paths).pow(2);
+            if knots > MAX_KNOTS {
+                let why = "expected less ground for all groups: take smaller areas, fewer groups, or `environment.hills_m = 0.0`";
+                return fault(&format!("groups[{g}].paths.area_m"), why);
+            }
+        }
+    }
+    Ok(())
 }
 
 fn group_of(scene: &Scene, g: usize, group: &GroupConfig) -> Result<(), Fault> {
@@ -183,8 +226,9 @@ fn agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: usize) 
 
 /// What blended bodies are like, and their paths.
 fn blended(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault> {
-    if group.spaces.is_empty() {
-        return fault(&at("spaces"), "expected at least one blend space, found none");
+    let num = group.spaces.len();
+    if !(1..=MAX_SPACES).contains(&num) {
+        return fault(&at("spaces"), format!("expected 1 to {MAX_SPACES} blend spaces, found {num}"));
     }
     let b = group.bodies();
     check_ranges(&[(&at("bodies.sizes"), b.sizes, 0.3, 3.0), (&at("bodies.legs"), b.legs, 0.5, 2.0)])?;
@@ -306,7 +350,7 @@ pub(super) fn check_ranges(ranges: &[(&str, [f32; 2], f32, f32)]) -> Result<(), 
 }
 
 /// A point with as many numbers as the scene's space has.
-pub(super) fn check_point(key: &str, point: &[f32], dimensions: usize) -> Result<(), Fault> {
+pub(crate) fn check_point(key: &str, point: &[f32], dimensions: usize) -> Result<(), Fault> {
     if point.len() != dimensions {
         let what = if dimensions == 2 { "2 numbers (x, z) on the ground" } else { "3 numbers (x, y, z) in the air" };
         return fault(key, format!("expected {what}, found {}", point.len()));

@@ -60,7 +60,7 @@ pub struct GroupConfig {
     #[serde(default)]
     pub source: Option<SourceConfig>,
 
-    /// Of `blend`: blend spaces of the bundle; characters take them in turn (>= 1).
+    /// Of `blend`: blend spaces of the bundle; characters take them in turn (1 to 64).
     #[serde(default)]
     pub spaces: Vec<String>,
     /// Of `blend`: random curved paths in place of a goal; who is on one minds nobody.

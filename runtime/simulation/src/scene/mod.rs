@@ -11,6 +11,7 @@ mod old;
 mod place;
 mod story;
 
+pub(crate) use check::check_point;
 pub use environment::{AgentsConfig, EnvironmentConfig, SpaceConfig, engine};
 pub use goal::{AtEndConfig, GoalConfig};
 pub use group::{

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 use throng_base::ground::Outsider;
 use throng_crowd::{Obstacle, Space};
 
+/// Least time between two points of a mover's way (s).
+const LEAST_S: f64 = 1e-4;
+
 /// An obstacle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -70,7 +73,7 @@ pub struct MoverConfig {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct WayPoint {
-    /// When (s, >= 0, ascending).
+    /// When (s, >= 0, ascending by 0.0001 or more).
     pub time_s: f64,
     /// Where (m).
     pub at: Vec<f32>,
@@ -219,8 +222,8 @@ impl MoverConfig {
         }
         for (i, w) in self.way.iter().enumerate() {
             check_point(&format!("{key}.way[{i}].at"), &w.at, dimensions)?;
-            if !(0.0..1e6).contains(&w.time_s) || i > 0 && w.time_s <= self.way[i - 1].time_s {
-                let why = format!("expected times that ascend from 0, found {}", w.time_s);
+            if !(0.0..1e6).contains(&w.time_s) || i > 0 && w.time_s - self.way[i - 1].time_s < LEAST_S {
+                let why = format!("expected times that ascend from 0 by {LEAST_S} s or more, found {}", w.time_s);
                 return fault(&format!("{key}.way[{i}].time_s"), why);
             }
         }

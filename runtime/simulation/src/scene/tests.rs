@@ -99,7 +99,37 @@ fn faults_name_line_key_and_what_was_expected() {
         (boxers("policy", 2, "").replace("[{ name = \"approach\" }]", "[]"), ["`groups[0].behaviours`", "1 to 4"]),
         (boxers("policy", 2, "").replace("bundle", "#"), ["`groups[0]`", "needs a `bundle`"]),
         (walkers(""), ["`groups[0].place`", "block"]),
-        (walkers("paths = {}\n").replace("[\"a\"]", "[]"), ["`groups[0].spaces`", "at least one"]),
+        (walkers("paths = {}\n").replace("[\"a\"]", "[]"), ["`groups[0].spaces`", "1 to 64 blend spaces, found 0"]),
+        (
+            walkers("paths = {}\n").replace("\"a\"", &"\"a\",".repeat(65)),
+            ["`groups[0].spaces`", "1 to 64 blend spaces, found 65"],
+        ),
+        (
+            agents("[[rules]]\non = \"starts\"\npause_s = -1.0\ndo = [{ stay = 1 }]\n"),
+            ["square.toml:8:1: key `rules[0].pause_s`", "expected 0 to 1000000, found -1"],
+        ),
+        (
+            agents("")
+                .replace("count = 10", "count = 100_000")
+                .replace(GOAL, "goal = { wander = { from = [0.0, 0.0], to = [5.0, 5.0], points = 999 } }\n"),
+            ["`groups[0].goal.wander.points`", "at most 30000000 points for all agents, found 100100000"],
+        ),
+        (
+            agents("").replace("count = 10", "count = 1_000_000") + &format!("via = [{}]\n", "[1.0, 1.0], ".repeat(29)),
+            ["`groups[0].via`", "found 31000000"],
+        ),
+        (
+            agents(
+                "[[environment.obstacles]]\nmover = { radius_m = 1.0, way = [{ time_s = 0.0, at = [0.0, 0.0] }, \
+                 { time_s = 1e-40, at = [9.0, 0.0] }] }\n",
+            ),
+            ["mover.way[1].time_s`", "ascend from 0 by 0.0001 s or more"],
+        ),
+        (
+            format!("environment.hills_m = 1.0\n{}", walkers("paths = { area_m = 10000.0 }\n"))
+                + &walkers("paths = { area_m = 10000.0 }\n").replace("bundle = \"b.throng\"\n", "").repeat(33),
+            ["`groups[33].paths.area_m`", "less ground for all groups"],
+        ),
         (walkers("paths = { speeds = [3.0, 1.0] }\n"), ["`groups[0].paths.speeds`", "3, 1"]),
         (walkers("paths = {}\nbodies = { kinds = 0 }\n"), ["`groups[0].bodies.kinds`", "found 0"]),
         (walkers("paths = {}\n[environment]\nhills_m = -1.0\n"), ["`environment.hills_m`", "found -1"]),

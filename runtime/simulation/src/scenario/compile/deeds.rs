@@ -1,6 +1,6 @@
 //! What is done and on what condition: predicates, amounts, behaviours and their actions.
 
-use super::{Compiled, Compiler, Wrong, point, wrong};
+use super::{Compiled, Compiler, Wrong, checked_point, wrong};
 use crate::scenario::language::{self, Amount, Program, Sort, Spot, Type};
 use crate::scenario::tables::{Action, Claims, Scenario};
 use crate::scenario::verbs::{Operand, Verb, WORDS, Word};
@@ -78,6 +78,7 @@ impl Compiler<'_> {
         let Some((verb, words)) = self.out.primitives.verb(name) else { return wrong(key, "expected an action") };
         let mut said = [Operand::Nothing; WORDS];
         let (mut motion, mut way, mut claims) = (None, None, Claims::Nothing);
+        let dimensions = self.scene.environment.space.dimensions();
         if let Verb::Primitive(number) = verb {
             motion = self.out.primitives.get(number).motion.map(|tag| self.motion(tag));
         }
@@ -95,7 +96,8 @@ impl Compiler<'_> {
                 }
                 (Word::Points, WordConfig::Points(points)) if points.len() > 1 => {
                     way = Some(self.out.ways.len() as u16);
-                    self.out.ways.push(points.iter().map(|p| point(p)).collect());
+                    let at = |(i, p): (usize, &Vec<f32>)| checked_point(p, &format!("{word_key}[{i}]"), dimensions);
+                    self.out.ways.push(points.iter().enumerate().map(at).collect::<Compiled<_>>()?);
                     Operand::Nothing
                 }
                 (kind, value) => self.word(kind, value, &word_key, trigger)?,
@@ -139,20 +141,17 @@ impl Compiler<'_> {
 
     pub(super) fn word(&mut self, kind: Word, value: &WordConfig, key: &str, trigger: u16) -> Compiled<Operand> {
         let expected = |what: &str| wrong(key, format!("expected {what}"));
+        let dimensions = self.scene.environment.space.dimensions();
         Ok(match (kind, value) {
             (Word::Flag, WordConfig::Flag(flag)) => Operand::Flag(*flag),
             (Word::Flag, _) => return expected("true or false"),
-            (Word::Amount, WordConfig::Number(number)) => Operand::Amount(Amount::Number(*number)),
+            (Word::Amount, WordConfig::Number(number)) if !number.is_nan() => Operand::Amount(Amount::Number(*number)),
             (Word::Amount, WordConfig::Text(text)) => {
                 Operand::Amount(Amount::Program(self.expression(text, Type::Number, key, trigger)?))
             }
             (Word::Amount, _) => return expected("a number, or an expression in quotes"),
             (Word::Target | Word::Slot | Word::Queue, WordConfig::Point(at)) => {
-                let dimensions = self.scene.environment.space.dimensions();
-                if at.len() != dimensions {
-                    return expected(&format!("a point of {dimensions} numbers"));
-                }
-                Operand::Point(point(at).to_array())
+                Operand::Point(checked_point(at, key, dimensions)?.to_array())
             }
             (Word::Target | Word::Slot | Word::Queue, WordConfig::Text(text)) => {
                 self.scope(trigger);
@@ -168,7 +167,9 @@ impl Compiler<'_> {
                 }
             }
             (Word::Target | Word::Slot | Word::Queue, _) => return expected("a point, or the name of a place"),
-            (Word::Rest, WordConfig::Point(at)) if at.len() == 3 => Operand::Point(point(at).to_array()),
+            (Word::Rest, WordConfig::Point(at)) if at.len() == 3 => {
+                Operand::Point(checked_point(at, key, 3)?.to_array())
+            }
             (Word::Rest, _) => return expected("a point of three numbers: x, y up, z"),
             (Word::Take | Word::Put, WordConfig::Text(name)) => Operand::Number(self.name(Sort::Thing, name, key)?),
             (Word::Place, WordConfig::Text(name)) => Operand::Number(self.name(Sort::Place, name, key)?),

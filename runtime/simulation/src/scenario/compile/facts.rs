@@ -1,6 +1,6 @@
 //! What there is: values, places, thresholds, events, relations.
 
-use super::{Compiled, Compiler, MOST_THRESHOLDS, MOST_TOLD, point, wrong};
+use super::{Compiled, Compiler, MOST_SLOTS, MOST_THRESHOLDS, MOST_TOLD, point, wrong};
 use crate::scenario::language::Sort;
 use crate::scenario::tables::{
     EventTable, Party, PlaceTable, Relation, Schedule, Slot, Threshold, ValueTable, trigger,
@@ -49,7 +49,7 @@ impl Compiler<'_> {
         let (middle, number) = (point(&site.at), place as u16);
         for slot in &site.slots {
             let facing = slot.facing.as_ref().map_or(middle, |f| point(f));
-            self.out.slots.push(Slot { at: point(&slot.at), facing, place: number });
+            self.slot(Slot { at: point(&slot.at), facing, place: number }, "slots")?;
         }
         let Some(queue) = &site.queue else { return Ok(()) };
         if !site.slots.is_empty() {
@@ -62,11 +62,22 @@ impl Compiler<'_> {
             let length = leg[0].distance(leg[1]);
             while left <= length {
                 let at = leg[0] + (leg[1] - leg[0]) * (left / length.max(1e-6));
-                self.out.slots.push(Slot { at, facing, place: number });
+                self.slot(Slot { at, facing, place: number }, "queue")?;
                 facing = at;
                 left += queue.spacing_m;
             }
             left -= length;
+        }
+        Ok(())
+    }
+
+    fn slot(&mut self, slot: Slot, key: &str) -> Compiled<()> {
+        self.out.slots.push(slot);
+        if self.out.slots.len() > MOST_SLOTS {
+            let why = format!(
+                "expected at most {MOST_SLOTS} slots of all places, found more: take fewer, or set a larger `spacing_m` of a `queue`"
+            );
+            return wrong(format!("places[{}].{key}", slot.place), why);
         }
         Ok(())
     }
@@ -155,9 +166,14 @@ impl Compiler<'_> {
                     let at = &near.at;
                     let by = |name: &str, v: f32| format!("({name} - {v}) * ({name} - {v})");
                     let far = near.radius_m * near.radius_m;
-                    let z = at.get(if at.len() == 3 { 2 } else { 1 }).copied().unwrap_or(0.0);
-                    let text = format!("{} + {} <= {far}", by("x", at[0]), by("z", z)).replace("- -", "+ ");
-                    Some(self.predicate(&text, &format!("happenings[{i}].near"), trigger::EVENTS)?)
+                    let axes: &[&str] = if at.len() == 3 { &["x", "y", "z"] } else { &["x", "z"] };
+                    let sum: Vec<String> = axes.iter().zip(at).map(|(name, v)| by(name, *v)).collect();
+                    let text = format!("{} <= {far}", sum.join(" + ")).replace("- -", "+ ");
+                    // The scene's values may have the names of axes.
+                    let values = std::mem::take(&mut self.out.names.values);
+                    let who = self.predicate(&text, &format!("happenings[{i}].near"), trigger::EVENTS);
+                    self.out.names.values = values;
+                    Some(who?)
                 }
             };
             self.out.events.push(EventTable {
@@ -255,7 +271,7 @@ impl Compiler<'_> {
         let [first, last] = self.out.groups[usize::from(group)].agents;
         match number {
             None => Ok(Party::Group(group)),
-            Some(Ok(n)) if first + n < last => Ok(Party::Agent(first + n)),
+            Some(Ok(n)) if n < last - first => Ok(Party::Agent(first + n)),
             Some(_) => wrong(key, format!("expected an agent from 0 to {}, found \"{text}\"", last - first - 1)),
         }
     }

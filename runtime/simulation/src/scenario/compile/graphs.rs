@@ -1,9 +1,10 @@
 //! What agents go through: states, what leads from one to another, and rules.
 
-use super::{Compiled, Compiler, wrong};
+use super::{Compiled, Compiler, MOST_EDGES, MOST_PAUSES, wrong};
 use crate::scenario::language::Sort;
 use crate::scenario::tables::{Action, Edge, NONE, Rule, State, trigger};
 use crate::scene::{GraphConfig, LevelConfig};
+use std::collections::{BTreeMap, BTreeSet};
 use throng_base::text::did_you_mean;
 
 impl Compiler<'_> {
@@ -40,7 +41,8 @@ impl Compiler<'_> {
                         first
                     }
                 };
-                let (name, word) = (state.clone(), self.out.names.states.find(state).unwrap_or(0) as u16);
+                let word = self.out.names.states.0.binary_search(state).unwrap_or(0) as u16;
+                let name = state.clone();
                 let level = graph.level as u8;
                 self.out.states.push(State { name, word, level, of, actions, graph: below, edges: [0; 2] });
             }
@@ -48,26 +50,34 @@ impl Compiler<'_> {
         let mut at = 0;
         for (name, graph) in &scene.graphs {
             self.check_reached(name, graph)?;
+            // Each with the state that it leads from; any where absent.
+            let mut all = Vec::with_capacity(graph.edges.len());
+            for (i, edge) in graph.edges.iter().enumerate() {
+                let key = format!("graphs.{name}.edges[{i}]");
+                let number = |state: &String, of: &str| self.state_number(name, graph, state, &format!("{key}.{of}"));
+                let from = edge.from.as_ref().map(|from| number(from, "from")).transpose()?;
+                let to = number(&edge.to, "to")? as u16;
+                let trigger = self.trigger(&edge.on, &format!("{key}.on"))?;
+                let when = self.when(edge.when.as_deref(), &format!("{key}.when"), trigger)?;
+                let probability = edge.probability.unwrap_or(-1.0);
+                if edge.probability.is_some() && !(0.0..=1.0).contains(&probability) {
+                    return wrong(format!("{key}.probability"), format!("expected 0 to 1, found {probability}"));
+                }
+                all.push((from, Edge { trigger, to, when, probability, number: i as u16 }));
+            }
             for state in graph.states.keys() {
                 let first = self.out.edges.len() as u32;
-                for (i, edge) in graph.edges.iter().enumerate() {
-                    let key = format!("graphs.{name}.edges[{i}]");
-                    if let Some(from) = &edge.from {
-                        self.state_number(name, graph, from, &format!("{key}.from"))?;
-                        if from != state {
-                            continue;
-                        }
-                    }
-                    let to = self.state_number(name, graph, &edge.to, &format!("{key}.to"))? as u16;
-                    let trigger = self.trigger(&edge.on, &format!("{key}.on"))?;
-                    let when = self.when(edge.when.as_deref(), &format!("{key}.when"), trigger)?;
-                    let probability = edge.probability.unwrap_or(-1.0);
-                    if edge.probability.is_some() && !(0.0..=1.0).contains(&probability) {
-                        return wrong(format!("{key}.probability"), format!("expected 0 to 1, found {probability}"));
-                    }
-                    self.out.edges.push(Edge { trigger, to, when, probability, number: i as u16 });
-                }
+                let own = all.iter().filter(|(from, _)| from.is_none_or(|from| from as usize == at));
+                self.out.edges.extend(own.map(|(_, edge)| *edge));
                 let edges = &self.out.edges[first as usize..];
+                if edges.len() > MOST_EDGES {
+                    let why = format!(
+                        "expected at most {MOST_EDGES} edges that lead from one state, found {} from `{state}` (those \
+                         without `from` count): let its `graph` of a lower level choose among them",
+                        edges.len()
+                    );
+                    return wrong(format!("graphs.{name}.edges"), why);
+                }
                 for e in edges {
                     let same = edges.iter().filter(|o| o.trigger == e.trigger && o.when.is_none());
                     let sum: f32 = same.map(|o| o.probability.max(0.0)).sum();
@@ -87,18 +97,16 @@ impl Compiler<'_> {
 
     /// Every state of a graph can be reached from its start.
     pub(super) fn check_reached(&self, name: &str, graph: &GraphConfig) -> Compiled<()> {
-        let mut reached = vec![graph.start.as_str()];
-        let mut at = 0;
-        while at < reached.len() {
-            let from = reached[at];
-            for edge in &graph.edges {
-                if edge.from.as_deref().is_none_or(|f| f == from) && !reached.contains(&edge.to.as_str()) {
-                    reached.push(&edge.to);
-                }
-            }
-            at += 1;
+        let mut led: BTreeMap<Option<&str>, Vec<&str>> = BTreeMap::new();
+        for edge in &graph.edges {
+            led.entry(edge.from.as_deref()).or_default().push(&edge.to);
         }
-        match graph.states.keys().find(|s| !reached.contains(&s.as_str())) {
+        let (mut reached, mut left) = (BTreeSet::from([graph.start.as_str()]), vec![graph.start.as_str()]);
+        left.extend(led.remove(&None).into_iter().flatten().filter(|to| reached.insert(to)));
+        while let Some(from) = left.pop() {
+            left.extend(led.remove(&Some(from)).into_iter().flatten().filter(|to| reached.insert(to)));
+        }
+        match graph.states.keys().find(|s| !reached.contains(s.as_str())) {
             None => Ok(()),
             Some(state) => {
                 let key = format!("graphs.{name}.states.{state}");
@@ -136,6 +144,7 @@ impl Compiler<'_> {
 
     pub(super) fn rules(&mut self) -> Compiled<()> {
         let mut triggers = Vec::new();
+        let num = self.out.groups.last().map_or(0, |g| g.agents[1] as usize);
         for (i, rule) in self.scene.rules.iter().enumerate() {
             let key = format!("rules[{i}]");
             let trigger = self.trigger(&rule.on, &format!("{key}.on"))?;
@@ -151,6 +160,13 @@ impl Compiler<'_> {
             let (actions, is_instant) = self.behaviour(&rule.does, &format!("{key}.do"), trigger)?;
             let pause = self.out.num_pauses as u32;
             self.out.num_pauses += usize::from(rule.pause_s > 0.0);
+            if self.out.num_pauses * num > MOST_PAUSES {
+                let (rules, most) = (self.out.num_pauses, MOST_PAUSES / num);
+                let why = format!(
+                    "expected at most {most} rules with a pause for {num} agents, found {rules}: each agent remembers when it followed them"
+                );
+                return wrong(format!("{key}.pause_s"), why);
+            }
             let name = if rule.name.is_empty() { format!("rule {i}") } else { rule.name.clone() };
             let (probability, priority, pause_s) = (rule.probability, rule.priority, rule.pause_s);
             self.out.rules.push(Rule { name, who, when, probability, actions, is_instant, priority, pause_s, pause });

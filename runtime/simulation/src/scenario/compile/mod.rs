@@ -5,11 +5,12 @@ mod facts;
 mod graphs;
 
 use crate::scenario::language::{Names, Sort, Vocabulary};
+use crate::scenario::mind::NO;
 use crate::scenario::tables::{Action, BoardTable, EndTable, GroupTable, How, NONE, Scenario, trigger};
 use crate::scenario::verbs::{Effect, Operand, Primitives};
-use crate::scene::Scene;
+use crate::scene::{Scene, check_point};
 use glam::Vec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use throng_base::Result;
 use throng_base::text::did_you_mean;
 
@@ -19,6 +20,15 @@ const MOST_BITS: usize = 64;
 const MOST_TOLD: usize = 31;
 /// Most thresholds: bits of 32.
 const MOST_THRESHOLDS: usize = 32;
+/// Most edges that lead from one state: those that are open at a time are bits.
+const MOST_EDGES: usize = 64;
+/// Most of all that has numbers of 16 bits, of which the last means none.
+const MOST_NUMBERS: usize = NO as usize;
+
+/// Most slots of all places: as many as agents.
+const MOST_SLOTS: usize = 1_000_000;
+/// Most times that agents followed rules with a pause (2 GB).
+const MOST_PAUSES: usize = 1 << 28;
 
 /// What is wrong with a key, and at which byte of its text.
 struct Wrong {
@@ -31,6 +41,22 @@ type Compiled<T> = std::result::Result<T, Wrong>;
 
 fn wrong<T>(key: impl Into<String>, why: impl Into<String>) -> Compiled<T> {
     Err(Wrong { key: key.into(), at: None, why: why.into() })
+}
+
+/// A point with as many numbers as a space has dimensions.
+fn checked_point(at: &[f32], key: &str, dimensions: usize) -> Compiled<Vec3> {
+    match check_point(key, at, dimensions) {
+        Ok(()) => Ok(point(at)),
+        Err((key, why)) => wrong(key, why),
+    }
+}
+
+/// Refuses what is too many, as (count, most, what, key).
+fn check_counts(counts: &[(usize, usize, &str, &str)]) -> Compiled<()> {
+    match counts.iter().find(|(count, most, ..)| count > most) {
+        Some((count, most, what, key)) => wrong(*key, format!("expected at most {most} {what}, found {count}")),
+        None => Ok(()),
+    }
 }
 
 impl Scenario {
@@ -63,8 +89,9 @@ struct Compiler<'a> {
 impl<'a> Compiler<'a> {
     fn new(scene: &'a Scene, primitives: Primitives) -> Compiled<Self> {
         let names = |key: &str, all: Vec<&String>| -> Compiled<Names> {
+            let mut known = BTreeSet::new();
             for (i, name) in all.iter().enumerate() {
-                if name.is_empty() || all[..i].contains(name) {
+                if name.is_empty() || !known.insert(name) {
                     return wrong(format!("{key}[{i}]"), format!("expected a `name` of its own, found \"{name}\""));
                 }
             }
@@ -93,16 +120,19 @@ impl<'a> Compiler<'a> {
             has_other: false,
             has_place: false,
         };
-        for (count, what, key) in [
-            (words.events.0.len(), "events", "events"),
-            (words.groups.0.len(), "groups of agents", "groups"),
-            (scene.places.iter().filter(|p| p.once).count(), "places with `once`", "places"),
-            (words.values.0.len(), "values", "values"),
-        ] {
-            if count > MOST_BITS {
-                return wrong(key, format!("expected at most {MOST_BITS} {what}, found {count}"));
-            }
-        }
+        let num_states = scene.graphs.values().map(|g| g.states.len()).sum();
+        let num_edges = scene.graphs.values().map(|g| g.edges.len()).max().unwrap_or(0);
+        check_counts(&[
+            (words.events.0.len(), MOST_BITS, "events", "events"),
+            (words.groups.0.len(), MOST_BITS, "groups of agents", "groups"),
+            (scene.places.iter().filter(|p| p.once).count(), MOST_BITS, "places with `once`", "places"),
+            (words.values.0.len(), MOST_BITS, "values", "values"),
+            (scene.places.len(), MOST_NUMBERS, "places", "places"),
+            (scene.things.len(), MOST_NUMBERS, "things", "things"),
+            (scene.environment.doors.len(), MOST_NUMBERS, "doors", "environment.doors"),
+            (num_states, MOST_NUMBERS, "states of all graphs", "graphs"),
+            (num_edges, MOST_NUMBERS, "edges of a graph", "graphs"),
+        ])?;
         let mut first = 0;
         let groups = of_agents.iter().map(|(g, group)| {
             let agents = [first, first + group.count as u32];
@@ -153,6 +183,10 @@ impl<'a> Compiler<'a> {
         self.rules()?;
         self.group_starts()?;
         self.end()?;
+        check_counts(&[
+            (self.out.ways.len(), MOST_NUMBERS, "ways that actions follow", "rules"),
+            (self.out.motions.len(), MOST_NUMBERS, "tags of motion", "rules"),
+        ])?;
         self.out.boards = BoardTable { cell_m: self.scene.agents.cell_m, levels: 4 };
         let needs_cells = self
             .out

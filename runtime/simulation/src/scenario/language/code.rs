@@ -102,6 +102,7 @@ pub enum Attribute {
     Busy,
     /// Number of the agent.
     Number,
+    Y,
 }
 
 /// What an event has.
@@ -205,7 +206,7 @@ pub fn run(code: &[Op], program: Program, perception: &mut impl Perception) -> f
             Op::Unequal => two!(|a, b| truth(a != b)),
             Op::Less => two!(|a, b| truth(a < b)),
             Op::LessOrEqual => two!(|a, b| truth(a <= b)),
-            Op::In => two!(|a, b| truth(b.to_bits() >> (a as u32 & 63) & 1 == 1)),
+            Op::In => two!(|a, b| truth(a >= 0.0 && b.to_bits() >> (a as u32 & 63) & 1 == 1)),
             Op::OneOf(count) => {
                 let names = &code[at..at + count as usize];
                 one!(|a| truth(names.contains(&Op::Number(a))));

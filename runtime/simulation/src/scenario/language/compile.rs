@@ -82,6 +82,7 @@ const WORDS: &[(&str, Load, Type)] = &[
 /// What `me` and `other` have, beside the values of the scene.
 const ATTRIBUTES: &[(&str, Attribute, Type)] = &[
     ("x", Attribute::X, Type::Number),
+    ("y", Attribute::Y, Type::Number),
     ("z", Attribute::Z, Type::Number),
     ("speed", Attribute::Speed, Type::Number),
     ("desired_speed", Attribute::DesiredSpeed, Type::Number),
@@ -429,6 +430,12 @@ impl Compiler<'_> {
         self.code.push(Op::Not);
         self.depth -= 1;
         let of = self.any(&operands[1])?;
+        if let Type::Spot(_) = of {
+            return Fault::new(
+                operands[1].at,
+                "expected a value, found somebody or somewhere: ask for something of it, such as `me.x`",
+            );
+        }
         let skip = self.code.len();
         self.code.push(Op::Not);
         self.code[unless] = Op::Unless((skip - unless) as u32);

@@ -47,6 +47,8 @@ pub enum Tree {
 
 /// Deepest nesting of an expression.
 const DEPTH: usize = 40;
+/// Most operators of an expression: each may be a level of the tree, which is walked by recursion.
+const OPERATORS: usize = 500;
 
 /// Operators of two sides by how tightly they hold, loosest first.
 const LEVELS: [&[&str]; 5] = [&["or"], &["and"], &["==", "!=", "<=", ">=", "<", ">", "in"], &["+", "-"], &["*", "/"]];
@@ -56,7 +58,7 @@ const LEVELS: [&[&str]; 5] = [&["or"], &["and"], &["==", "!=", "<=", ">=", "<", 
 /// # Errors
 /// [`Fault`] at the first byte that does not fit.
 pub fn parse(text: &str) -> Result<Node, Fault> {
-    let mut parser = Parser { text, at: 0, depth: 0 };
+    let mut parser = Parser { text, at: 0, depth: 0, operators: 0 };
     let node = parser.level(0)?;
     parser.skip();
     match parser.rest() {
@@ -69,6 +71,8 @@ struct Parser<'a> {
     text: &'a str,
     at: usize,
     depth: usize,
+    /// Operators of two sides so far.
+    operators: usize,
 }
 
 impl<'a> Parser<'a> {
@@ -108,6 +112,13 @@ impl<'a> Parser<'a> {
             if level == 2 && std::mem::replace(&mut compared, true) {
                 let why = format!("comparisons do not follow each other: write `a {operator} b and b {operator} c`");
                 return Fault::new(self.at, why);
+            }
+            self.operators += 1;
+            if self.operators > OPERATORS {
+                return Fault::new(
+                    self.at,
+                    format!("expected at most {OPERATORS} operators: split it among several rules"),
+                );
             }
             let right = self.level(level + 1)?;
             left = Node { at: left.at, tree: Tree::Binary(operator, Box::new(left), Box::new(right)) };

@@ -1,7 +1,11 @@
 //! Scenes that are solved by hand, and scenes that are refused.
 
 use super::super::TurnKind;
-use super::{Signal, explained, played, refused};
+use super::super::tables::NONE;
+use super::{Minds, Primitives, Scenario, Signal, explained, played, refused};
+use crate::scene::{Carried, Scene, ThingConfig};
+use glam::Vec3;
+use std::path::Path;
 
 const WAIT: &str =
     "[graphs.life]\nlevel = \"social\"\nstart = \"a\"\n[graphs.life.states]\na = { do = [{ stay = 1000 }] }\n";
@@ -213,6 +217,56 @@ fn a_circle_within_one_instant_is_told_with_its_rule() {
 }
 
 #[test]
+fn conditions_that_follow_each_other_in_a_circle_are_told() {
+    let door =
+        |name: &str, z: u8| format!("[[environment.doors]]\nname = \"{name}\"\nfrom = [20, {z}]\nto = [21, {z}]\n");
+    let event = |name: &str, when: &str, does: &str| {
+        format!("[[events]]\nname = \"{name}\"\nnobody = true\nwhen = \"{when}\"\n{does}\n")
+    };
+    let story = [
+        door("d1", 1),
+        door("d2", 2),
+        event("a", "open('d1') and not open('d2')", "closes = [\"d1\"]"),
+        event("b", "open('d1') and open('d2')", "closes = [\"d2\"]"),
+        event("c", "not open('d1') and open('d2')", "opens = [\"d1\"]"),
+        event("d", "not open('d1') and not open('d2')", "opens = [\"d2\"]"),
+        event("e", "time > 9", ""),
+    ];
+    let mut minds = super::minds(&super::scene(1, &story.concat()));
+    let e = minds.begin(&mut super::Paper::new(1), &[1.3]).unwrap_err().to_string();
+    assert!(e.contains("circle") && e.contains("`a`, `b`, `c`, `d`:"), "{e}");
+}
+
+#[test]
+fn who_queues_at_slots_that_are_no_queue_goes_on() {
+    let story = "[[places]]\nname = \"stalls\"\nat = [50.0, 0.0]\nslots = [{ at = [50.0, 1.0] }, { at = [50.0, 2.0] }]\n\
+                 [[rules]]\non = \"enters\"\ndo = [{ queue = \"place\" }, { speed = 0.5 }]\n";
+    let (minds, stage) = played(2, story, &[(1.0, Signal::CameTo(0, 0)), (1.0, Signal::CameTo(1, 0))], 4.0);
+    assert_eq!([0, 1].map(|m| minds.minds[m].speed), [0.5, 0.5], "{:?}", stage.log);
+}
+
+#[test]
+fn what_has_no_event_is_in_no_set() {
+    let story = "[[events]]\nname = \"bell\"\nat_s = 1.0\n[[rules]]\non = \"starts\"\ndo = [{ timer = 2 }]\n\
+                 [[rules]]\non = \"timer\"\nwhen = \"event in me.news\"\ndo = [{ speed = 0.5 }]\n\
+                 [[rules]]\non = \"bell\"\nwhen = \"event in me.news\"\ndo = [{ speed = 0.9 }]\n";
+    assert_eq!(played(1, story, &[], 4.0).0.minds[0].speed, 0.9);
+}
+
+#[test]
+fn who_is_near_a_happening_in_the_air_is_near_in_height_too() {
+    let text = "environment.space = \"air\"\n[values.x]\n[[happenings]]\ntime_s = 1.0\ngoal = { stay = {} }\n\
+                near = { at = [0.0, -4.0, 0.5], radius_m = 5.0 }\n[[groups]]\nmotion = \"none\"\ncount = 2\ngoal = { stay = {} }\n\
+                place = { block = { from = [0.0, 0.0, 0.0], to = [9.0, 9.0, 9.0] } }\n";
+    let mut minds = super::minds(&Scene::parse(text, Path::new("scene.toml")).unwrap());
+    let mut stage = super::Paper::new(2);
+    stage.at[1] = Some((Vec3::Y, Vec3::ZERO));
+    super::Lives::begin(&mut minds, &mut stage);
+    super::play(&mut minds, &mut stage, &[], 2.0);
+    assert_eq!([0, 1].map(|m| minds.num_known(m)), [1, 0], "the other is 5.02 m off");
+}
+
+#[test]
 fn what_is_wrong_is_told_with_its_place_and_the_way_out() {
     let graph = |edges: &str| {
         format!(
@@ -271,6 +325,44 @@ fn what_is_wrong_is_told_with_its_place_and_the_way_out() {
         ),
         ("[[events]]\nname = \"a\"\nat_s = 1.0\nperiod_s = 2.0".into(), vec!["expected one of `at_s`"]),
         (
+            rule("on = \"bell\"\ndo = [{ go = [1.0] }]"),
+            vec!["rules[0].do[0].go", "expected 2 numbers (x, z)", "found 1"],
+        ),
+        (
+            rule("on = \"bell\"\ndo = [{ go = [nan, 1.0] }]"),
+            vec!["rules[0].do[0].go", "-100000 to 100000 m, found NaN"],
+        ),
+        (
+            rule("on = \"bell\"\ndo = [{ follow_route = [[1.0, 2.0], [1.0, 2.0, 3.0]] }]"),
+            vec!["rules[0].do[0].follow_route[1]", "expected 2 numbers (x, z)", "found 3"],
+        ),
+        (
+            "[[places]]\nname = \"line\"\nat = [0.0, 0.0]\n[places.queue]\nspacing_m = 0.3\n\
+             points = [[-1e5, -1e5], [1e5, 1e5], [-1e5, -1e5]]\n[[events]]\nname = \"a\""
+                .into(),
+            vec!["places[0].queue", "at most 1000000 slots", "a larger `spacing_m`"],
+        ),
+        (
+            format!(
+                "[[groups]]\nmotion = \"none\"\ncount = 999_998\ngoal = {{ stay = {{}} }}\n\
+                 place = {{ block = {{ from = [0.0, 20.0], to = [9e4, 9e4] }} }}\n{}",
+                "[[rules]]\non = \"starts\"\npause_s = 1.0\ndo = [{ speed = 1.0 }]\n".repeat(269)
+            ),
+            vec!["rules[268].pause_s", "at most 268 rules with a pause for 1000000 agents"],
+        ),
+        (rule("on = \"bell\"\ndo = [{ stay = nan }]"), vec!["rules[0].do[0].stay", "expected a number"]),
+        (
+            graph(&"{ to = \"b\", on = \"bell\" }, ".repeat(65)),
+            vec!["graphs.life.edges", "at most 64 edges", "found 65 from `a`"],
+        ),
+        (
+            "[[groups]]\nmotion = \"none\"\ncount = 2\ngoal = { stay = {} }\n\
+             place = { block = { from = [0.0, 20.0], to = [9.0, 29.0] } }\n\
+             [[relations]]\nof = \"people:4294967295\"\nto = \"people\"\nfriendship = 1.0\n[[events]]\nname = \"a\""
+                .into(),
+            vec!["expected an agent from 0 to 1"],
+        ),
+        (
             "[[relations]]\nof = \"people:9\"\nto = \"people\"\nfriendship = 1.0\n[[events]]\nname = \"a\"".into(),
             vec!["expected an agent from 0 to 1"],
         ),
@@ -279,6 +371,77 @@ fn what_is_wrong_is_told_with_its_place_and_the_way_out() {
         for part in expected {
             assert!(e.contains(part), "expected `{part}` in: {e}\n{story}");
         }
+    }
+}
+
+#[test]
+fn as_much_as_has_a_number_is_taken_and_no_more() {
+    let mut graph = "[graphs.life]\nlevel = \"social\"\nstart = \"s0\"\n".to_string();
+    let num = 3000;
+    let edge = |k: usize| format!("{{ from = \"s{k}\", to = \"s{}\" }}", (k + 1) % num);
+    graph += &format!("edges = [{}]\n[graphs.life.states]\n", (0..num).map(edge).collect::<Vec<_>>().join(", "));
+    (0..num).for_each(|k| graph += &format!("s{k} = {{ do = [{{ stay = 1 }}] }}\n"));
+    let mut scene = super::scene(1, &format!("{graph}[[events]]\nname = \"bell\"\n"));
+    assert_eq!(super::minds(&scene).scenario.edges.len(), num);
+    let thing =
+        |k: usize| ThingConfig { name: format!("t{k}"), at: [0.0; 3], size_m: [0.1; 3], carried: Carried::Level };
+    scene.things = (0..65_536).map(thing).collect();
+    let e = Scenario::new(&scene, &Primitives::default()).unwrap_err().to_string();
+    assert!(e.contains("expected at most 65535 things, found 65536"), "{e}");
+}
+
+#[test]
+fn actions_that_take_no_time_follow_each_other_however_many() {
+    let story = format!("[[rules]]\non = \"starts\"\ndo = [{}]", "{ stay = 0 }, ".repeat(20_000));
+    let (_, stage) = played(1, &story, &[], 1.0);
+    assert_eq!(stage.log.iter().filter(|line| line.ends_with("halt")).count(), 20_000);
+}
+
+#[test]
+fn who_queues_where_there_are_no_slots_goes_on() {
+    let story = "[[places]]\nname = \"door\"\nat = [50.0, 0.0]\n[[rules]]\non = \"enters\"\n\
+                 do = [{ queue = \"place\" }, { speed = 0.5 }]\n";
+    let (minds, stage) = played(1, story, &[(1.0, Signal::CameTo(0, 0))], 4.0);
+    assert_eq!(minds.minds[0].speed, 0.5, "{:?}", stage.log);
+}
+
+#[test]
+fn amounts_are_numbers_and_not_too_large() {
+    let story = "[values.mood]\n[values.haste]\n[[events]]\nname = \"bell\"\nat_s = 1.0\n[[rules]]\non = \"bell\"\ndo = [\
+                 { set = \"mood\", to = \"0 * distance(me, other)\" }, { rate = \"haste\", to = 1e39 },\
+                 { stay = \"event.age - event.age * 1\" }]\n";
+    let (minds, _) = played(1, story, &[], 2.0);
+    assert_eq!(minds.feelings.iter().map(|f| (f.value, f.rate)).collect::<Vec<_>>(), [(0.0, 1e9), (0.0, 0.0)]);
+    let mut bytes = Vec::new();
+    minds.save(&mut bytes);
+    minds.clone().load(&bytes, 2.0).unwrap();
+}
+
+#[test]
+fn minds_that_cannot_be_are_refused() {
+    let story =
+        "[[events]]\nname = \"bell\"\nperiod_s = 4.0\n[[rules]]\non = \"starts\"\ndo = [{ timer = 9 }, { stay = 9 }]\n";
+    let (minds, _) = played(2, story, &[], 2.0);
+    let is_refused = |change: fn(&mut Minds)| {
+        let (mut forged, mut bytes) = (minds.clone(), Vec::new());
+        change(&mut forged);
+        forged.save(&mut bytes);
+        minds.clone().load(&bytes, 2.0).is_err()
+    };
+    assert!(!is_refused(|_| ()));
+    for (n, change) in [
+        // Whoever does nothing, or is at an effect, has no time at which it is over.
+        |m: &mut Minds| m.minds[0].action = NONE,
+        |m: &mut Minds| m.minds[0].action -= 1,
+        |m: &mut Minds| (m.minds[0].action, m.minds[0].until) = (NONE, f64::INFINITY),
+        |m: &mut Minds| m.enters[0] = 3.0,
+        |m: &mut Minds| m.times[0] = u32::MAX,
+        |m: &mut Minds| m.due[0] = 1.9,
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert!(is_refused(change), "{n}");
     }
 }
 

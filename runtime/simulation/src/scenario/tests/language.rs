@@ -211,3 +211,16 @@ fn deep_brackets_are_refused_and_do_not_overflow() {
     let text = format!("{}true", "not ".repeat(100_000));
     assert!(parse(&text).is_err());
 }
+
+#[test]
+fn places_are_no_values_to_choose_among() {
+    let fault = compile(&parse("if(true, me, me)").unwrap(), Type::Truth, &names(), &mut Vec::new()).unwrap_err();
+    assert!(fault.why.contains("expected a value, found somebody or somewhere"), "{}", fault.why);
+}
+
+#[test]
+fn long_expressions_are_refused_and_do_not_overflow() {
+    let text = |operators: usize| format!("1{} > 0", "+1".repeat(operators - 1));
+    assert!(compile(&parse(&text(500)).unwrap(), Type::Truth, &names(), &mut Vec::new()).is_ok());
+    assert!(parse(&text(200_000)).unwrap_err().why.contains("at most 500 operators"));
+}

@@ -283,7 +283,7 @@ pub struct GraphConfig {
     pub start: String,
     /// Its states by name.
     pub states: BTreeMap<String, StateConfig>,
-    /// Ways from state to state.
+    /// Ways from state to state (at most 64 from one state).
     #[serde(default)]
     pub edges: Vec<EdgeConfig>,
 }
