@@ -113,7 +113,7 @@ pub struct Clip {
     pub rotations: Vec<Quat>,
     /// Foot contacts; empty before the annotate stage (num_frames).
     pub contacts: Vec<Contacts>,
-    /// Frames left out, sorted, not overlapping.
+    /// Frames left out; from the annotate stage on sorted, not overlapping.
     pub excluded: Vec<Exclusion>,
     /// Named runs of frames.
     pub tags: Vec<Tag>,

@@ -45,16 +45,39 @@ pub enum ImportError {
         /// The way out.
         help: String,
     },
+    /// The file was written while it was read.
+    #[error("{}: it has changed while it was read. Try again when nobody writes to it", path.display())]
+    Changed {
+        /// The file.
+        path: PathBuf,
+    },
     /// Reading was told to stop.
     #[error(transparent)]
     Stopped(#[from] Stopped),
 }
 
 impl ImportError {
+    /// True where the same file may be read at another time: what it holds is not at fault.
+    pub fn is_passing(&self) -> bool {
+        // As POSIX numbers them: a fault of the disk, and too many open files.
+        const NUMBERS: [i32; 3] = [5, 23, 24];
+        use std::io::ErrorKind::{Interrupted, OutOfMemory, StaleNetworkFileHandle, TimedOut};
+        match self {
+            Self::Io { source, .. } => {
+                matches!(source.kind(), Interrupted | OutOfMemory | StaleNetworkFileHandle | TimedOut)
+                    || (cfg!(unix) && source.raw_os_error().is_some_and(|n| NUMBERS.contains(&n)))
+            }
+            Self::Changed { .. } | Self::Stopped(_) => true,
+            _ => false,
+        }
+    }
+
     /// The file.
     pub fn path(&self) -> Option<&Path> {
         match self {
-            Self::Io { path, .. } | Self::Syntax { path, .. } | Self::Content { path, .. } => Some(path),
+            Self::Io { path, .. } | Self::Syntax { path, .. } | Self::Content { path, .. } | Self::Changed { path } => {
+                Some(path)
+            }
             Self::Settings(throng_base::Error::Io { path, .. } | throng_base::Error::Format { path, .. }) => Some(path),
             Self::Settings(_) | Self::Stopped(_) => None,
         }

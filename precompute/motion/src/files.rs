@@ -6,7 +6,7 @@
 
 use crate::error::BuildError;
 use std::fs::{File, TryLockError};
-use std::io::{BufWriter, ErrorKind, Write};
+use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -147,6 +147,17 @@ fn sync_folder(_: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
+/// Removes a file, where there is one.
+///
+/// # Errors
+/// [`BuildError::Io`] names the file.
+pub fn remove(path: &Path) -> Result<(), BuildError> {
+    match std::fs::remove_file(path) {
+        Err(source) if source.kind() != ErrorKind::NotFound => Err(BuildError::Io { path: path.to_path_buf(), source }),
+        _ => Ok(()),
+    }
+}
+
 /// Checks that a file may stand at a path, so that long work need not be done in vain.
 ///
 /// # Errors
@@ -172,6 +183,24 @@ pub fn check_target(path: &Path) -> Result<(), BuildError> {
         Ok(_) => Ok(()),
         Err(e) => fail(e.kind(), format!("the folder {} takes no file: {}", folder.display(), plain(&e))),
     }
+}
+
+/// As [`check_target`], where what stands at the path has to be of the same kind, or empty: nobody means a config or a motion file to
+/// become a bundle.
+///
+/// - `magic`: what files of the kind begin with; `what`: the kind, with its article.
+///
+/// # Errors
+/// As [`check_target`]; [`BuildError::Io`] where another file stands there.
+pub fn check_replaced(path: &Path, magic: &[u8], what: &str) -> Result<(), BuildError> {
+    check_target(path)?;
+    let mut found = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(magic.len() as u64).read_to_end(&mut found));
+    if read.is_err() || found.is_empty() || found == magic {
+        return Ok(());
+    }
+    let why = format!("it is there and is not {what}. Remove it, or write elsewhere");
+    Err(BuildError::Config { message: format!("{}: {why}", path.display()) })
 }
 
 /// The folder a file lies in.
@@ -293,6 +322,22 @@ mod tests {
             let e = e.unwrap_err().to_string();
             assert!(e.starts_with("/proc/self/a: the folder /proc/self takes no file: "), "{e}");
             assert!(!e.contains(".throng-"), "{e}");
+        }
+    }
+
+    #[test]
+    fn another_kind_of_file_is_not_replaced() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str, bytes: &[u8]| {
+            let path = dir.path().join(name);
+            std::fs::write(&path, bytes).unwrap();
+            check_replaced(&path, b"THRONG", "a bundle")
+        };
+        assert!(check_replaced(&dir.path().join("new"), b"THRONG", "a bundle").is_ok());
+        assert!(at("old", b"THRONG 3").is_ok() && at("empty", b"").is_ok());
+        for text in [&b"name = \"a\""[..], b"THR"] {
+            let e = at("a.toml", text).unwrap_err().to_string();
+            assert!(e.contains("a.toml: it is there and is not a bundle"), "{e}");
         }
     }
 

@@ -12,7 +12,8 @@ pub const SUFFIX: &str = "~mirror";
 /// Mirroring twice gives the clip back, name included. On a skeleton whose sides differ, joints land as far from
 /// the mirror image as the sides differ.
 pub fn mirror(clip: &Clip) -> Clip {
-    let name = clip.name.strip_suffix(SUFFIX).map_or_else(|| format!("{}{SUFFIX}", clip.name), str::to_string);
+    let original = clip.name.strip_suffix(SUFFIX).filter(|_| clip.mirrored);
+    let name = original.map_or_else(|| format!("{}{SUFFIX}", clip.name), str::to_string);
     let rotations = (0..clip.num_frames())
         .flat_map(|f| {
             let local = clip.frame_rotations(f);
@@ -113,5 +114,7 @@ mod tests {
         c.contacts = vec![Contacts::LEFT_HEEL];
         assert_eq!(mirror(&c).contacts, [Contacts::RIGHT_HEEL]);
         assert_eq!(mirror(&c).name, "c~mirror");
+        c.name = "c~mirror".into();
+        assert_eq!((mirror(&c).name.as_str(), mirror(&mirror(&c)).name), ("c~mirror~mirror", c.name));
     }
 }

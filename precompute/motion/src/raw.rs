@@ -97,4 +97,13 @@ impl RawClip {
         }
         out
     }
+
+    /// Model-to-world position and rotation of one joint at one frame, as [`RawClip::world`] has them.
+    pub fn world_of(&self, joint: usize, frame: usize) -> (Vec3, Quat) {
+        let at = |j: usize| frame * self.joints.len() + j;
+        let local = |j: usize| (self.translations[at(j)], self.rotations[at(j)]);
+        let path: Vec<usize> = std::iter::successors(Some(joint), |&j| self.joints[j].parent).collect();
+        let steps = path.into_iter().rev().map(local);
+        steps.reduce(|above, (t, r)| (above.0 + above.1 * t, maths::compose(above.1, r))).unwrap_or_default()
+    }
 }

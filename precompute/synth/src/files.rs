@@ -7,7 +7,7 @@ use throng_motion::annotate::sidecar::{Sidecar, SidecarTag, TimeUnit};
 use throng_motion::clip::{Clip, ClipSet, Tag};
 use throng_motion::error::BuildError;
 use throng_motion::export::{self, to_raw};
-use throng_motion::files::write_atomically;
+use throng_motion::files::{remove, write_atomically};
 
 /// Writes every clip as `NAME.bvh` into `folder`, which is made if it is not there, and its tags, where it has any, as
 /// the sidecar `NAME.toml`.
@@ -30,7 +30,8 @@ pub fn save(set: &ClipSet, folder: &Path) -> Result<Vec<PathBuf>, BuildError> {
 
 /// Writes the tags of a clip as a sidecar.
 fn save_tags(clip: &Clip, path: &Path) -> Result<(), BuildError> {
-    let Some(sidecar) = sidecar(clip) else { return Ok(()) };
+    // That of an earlier clip of this name is not of this one.
+    let Some(sidecar) = sidecar(clip) else { return remove(path) };
     write_atomically(path, |out| {
         let text = toml::to_string(&sidecar).map_err(Error::other)?;
         out.write_all(text.as_bytes())

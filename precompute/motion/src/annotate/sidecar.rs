@@ -363,5 +363,5 @@ fn refuse_beside(file: &Path, clip: &str) -> Result<(), BuildError> {
 
 /// Name of a clip, or of the one that it is a mirrored copy of.
 pub(super) fn original_name(clip: &Clip) -> &str {
-    clip.name.strip_suffix(mirror::SUFFIX).unwrap_or(&clip.name)
+    clip.name.strip_suffix(mirror::SUFFIX).filter(|_| clip.mirrored).unwrap_or(&clip.name)
 }

@@ -83,7 +83,7 @@ fn read_header(scan: &mut Scanner, asf: &Asf) -> Result<Header, ImportError> {
 }
 
 fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink, ImportError> {
-    let mut sink = FrameSink::new(asf.joints.clone(), FrameSink::budget(scan.len()));
+    let mut sink = FrameSink::new(asf.joints.clone(), FrameSink::budget_of_text(scan.len()));
     let by_name: HashMap<&[u8], usize> =
         asf.joints.iter().enumerate().filter(|(_, j)| !j.is_end).map(|(i, j)| (j.name.as_bytes(), i)).collect();
     let scale = if degrees { 1f64.to_radians() } else { 1.0 };
@@ -210,8 +210,7 @@ fn wrong_count(scan: &Scanner, mark: Mark, detail: &AsfJoint) -> ImportError {
 
 #[cold]
 fn unknown_joint(scan: &Scanner, mark: Mark, word: &[u8], asf: &Asf) -> ImportError {
-    let word = text(word);
-    let meant = did_you_mean(&word, asf.joints.iter().filter(|j| !j.is_end).map(|j| j.name.as_str()));
+    let meant = did_you_mean(&text(word), asf.joints.iter().filter(|j| !j.is_end).map(|j| j.name.as_str()));
     let help =
         format!("{} has no such joint.{meant} Name the right skeleton with `asf` in the config.", asf.path.display());
     scan.error(mark, "a frame number or the name of a joint", &help)

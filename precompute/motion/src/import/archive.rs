@@ -5,8 +5,10 @@ use super::source::content_error;
 use crate::ImportError;
 use std::borrow::Cow;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::SystemTime;
 use throng_base::file::{MAX_BUNDLE_BYTES, open_file};
 use zip::ZipArchive;
 
@@ -29,16 +31,22 @@ pub(super) fn split_at(path: &Path, is_outer: impl Fn(&Path) -> bool) -> Option<
 /// True for a file, in a folder or in an archive.
 pub fn is_file(path: &Path) -> bool {
     path.is_file()
-        || split(path).is_some_and(|(archive, member)| members(&archive).is_ok_and(|all| all.contains(&member)))
+        || split(path)
+            .is_some_and(|(archive, member)| open(&archive).is_ok_and(|z| z.index_for_name(&member).is_some()))
 }
 
-/// Names of the files in an archive, in its order.
+/// Names of the files in an archive, in its order. Those that lead out of it, such as `/etc/x.bvh` or `../x.bvh`, are left out.
 ///
 /// # Errors
 /// [`ImportError`] for a file that is no such archive.
 pub fn members(archive: &Path) -> Result<Vec<String>, ImportError> {
     let zip = open(archive)?;
-    Ok(zip.file_names().flatten().filter(|n| !n.ends_with('/')).map(Cow::into_owned).collect())
+    Ok(zip.file_names().flatten().filter(|n| is_within(n)).map(Cow::into_owned).collect())
+}
+
+/// True for the name of a file that stays within its archive, on any system.
+fn is_within(member: &str) -> bool {
+    member.split('/').all(|part| !matches!(part, "" | "." | "..") && !part.contains(['\\', ':', '\0']))
 }
 
 /// Reads a file, in a folder or in an archive, at most `max_bytes` long.
@@ -48,31 +56,123 @@ pub fn members(archive: &Path) -> Result<Vec<String>, ImportError> {
 /// # Errors
 /// [`ImportError`] naming the file.
 pub fn read_file(path: &Path, what: &str, max_bytes: u64) -> Result<Vec<u8>, ImportError> {
-    let Some((archive, member)) = split(path) else {
+    if split(path).is_none() {
         return throng_base::file::read_file(path, what, max_bytes).map_err(plain);
+    }
+    let mut bytes = Vec::new();
+    copy_file(path, what, max_bytes, &mut bytes)?;
+    Ok(bytes)
+}
+
+/// As [`read_file`], to a writer.
+///
+/// # Errors
+/// As [`read_file`].
+pub fn copy_file(path: &Path, what: &str, max_bytes: u64, out: &mut dyn Write) -> Result<(), ImportError> {
+    let failed = |source| ImportError::Io { path: path.to_path_buf(), source };
+    let Some((archive, member)) = split(path) else {
+        let (file, _) = open_file(path, what, max_bytes).map_err(plain)?;
+        // The file may grow while it is read.
+        return std::io::copy(&mut file.take(max_bytes), out).map(|_| ()).map_err(failed);
     };
     let mut zip = open(&archive)?;
     let found = zip.by_name(&member).map_err(|e| {
         let help = "Write the archive anew, with ordinary compression and without a password";
         content_error(path, format!("it cannot be read from its archive: {e}"), help)
     })?;
-    let mut bytes = Vec::new();
-    // What an archive says of lengths need not be true.
-    let read = found.take(max_bytes + 1).read_to_end(&mut bytes);
-    read.map_err(|source| ImportError::Io { path: path.to_path_buf(), source })?;
-    if bytes.len() as u64 > max_bytes {
-        let message = format!("it has more than the {:.0} MB that {what} may have", max_bytes as f64 / 1e6);
-        return Err(content_error(path, message, "Check that it is the right file"));
+    // What an archive says of lengths need not be true. Motion takes a tenth of its room when it is packed, numbers that repeat a hundredth.
+    let packed = found.compressed_size();
+    let most = max_bytes.min(packed.saturating_mul(MOST_PACKED).saturating_add(64 << 20));
+    let copied = std::io::copy(&mut found.take(most + 1), out).map_err(failed)?;
+    if copied > most {
+        let mb = |bytes: u64| bytes as f64 / 1e6;
+        let message = format!(
+            "{:.1} MB in the archive become more than the {:.0} MB that {what} of that length may have",
+            mb(packed),
+            mb(most)
+        );
+        return Err(content_error(path, message, "Check that it is the right file, or unpack it"));
     }
-    Ok(bytes)
+    Ok(())
 }
 
-fn open(archive: &Path) -> Result<ZipArchive<BufReader<File>>, ImportError> {
-    let (file, _) = open_file(archive, "an archive", MAX_BUNDLE_BYTES).map_err(plain)?;
-    ZipArchive::new(BufReader::new(file)).map_err(|e| {
+/// An archive file that several read at once.
+#[derive(Clone)]
+struct Shared {
+    file: Arc<File>,
+    length: u64,
+    at: u64,
+}
+
+impl Read for Shared {
+    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+        #[cfg(unix)]
+        let read = std::os::unix::fs::FileExt::read_at(&*self.file, out, self.at)?;
+        #[cfg(windows)]
+        let read = std::os::windows::fs::FileExt::seek_read(&*self.file, out, self.at)?;
+        #[cfg(not(any(unix, windows)))]
+        let read = {
+            (&*self.file).seek(SeekFrom::Start(self.at))?;
+            (&*self.file).read(out)?
+        };
+        self.at += read as u64;
+        Ok(read)
+    }
+}
+
+impl Seek for Shared {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        let at = match to {
+            SeekFrom::Start(at) => Some(at),
+            SeekFrom::End(by) => self.length.checked_add_signed(by),
+            SeekFrom::Current(by) => self.at.checked_add_signed(by),
+        };
+        self.at = at.ok_or(ErrorKind::InvalidInput)?;
+        Ok(self.at)
+    }
+}
+
+/// The archive that was opened last. Thousands of files of one are looked at one after the other, and each time its whole list
+/// would be read.
+struct Last {
+    path: PathBuf,
+    /// Of the file: another one may have its place by now.
+    length: u64,
+    written: Option<SystemTime>,
+    /// The last bytes, where the list is.
+    tail: Vec<u8>,
+    zip: ZipArchive<Shared>,
+}
+
+/// Most bytes that one packed byte may become.
+const MOST_PACKED: u64 = 200;
+/// Bytes of an archive's end that tell it from another one.
+const TAIL: u64 = 32 << 10;
+/// Most files of an archive.
+const MAX_MEMBERS: usize = 100_000;
+
+fn open(archive: &Path) -> Result<ZipArchive<Shared>, ImportError> {
+    static LAST: Mutex<Option<Last>> = Mutex::new(None);
+    let (file, length) = open_file(archive, "an archive", MAX_BUNDLE_BYTES).map_err(plain)?;
+    let written = file.metadata().and_then(|m| m.modified()).ok();
+    let (file, mut tail) = (Shared { file: Arc::new(file), length, at: length.saturating_sub(TAIL) }, Vec::new());
+    let read = file.clone().take(TAIL).read_to_end(&mut tail);
+    read.map_err(|source| ImportError::Io { path: archive.to_path_buf(), source })?;
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    let is_same = |l: &&Last| l.path == archive && l.length == length && l.written == written && l.tail == tail;
+    if let Some(last) = last.as_ref().filter(is_same) {
+        return Ok(last.zip.clone());
+    }
+    let zip = ZipArchive::new(file).map_err(|e| {
         let help = "Unpack it, or write it anew as an ordinary .zip archive";
         content_error(archive, format!("it is no archive that can be read: {e}"), help)
-    })
+    })?;
+    if zip.len() > MAX_MEMBERS {
+        let message = format!("it has {} files, expected {MAX_MEMBERS} at most", zip.len());
+        return Err(content_error(archive, message, "Unpack it, or split it"));
+    }
+    *last = Some(Last { path: archive.to_path_buf(), length, written, tail, zip: zip.clone() });
+    Ok(zip)
 }
 
 fn plain(e: throng_base::Error) -> ImportError {

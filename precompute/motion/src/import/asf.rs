@@ -5,7 +5,7 @@
 //! `axis` C does is to turn its motion R into global axes: the joint rotates by C R C^-1.
 
 use super::scan::{Mark, Scanner, text};
-use super::source::{Axis, MAX_JOINTS};
+use super::source::{Axis, MAX_JOINTS, MAX_NAME};
 use crate::ImportError;
 use crate::raw::RawJoint;
 use glam::{DQuat, DVec3, Quat};
@@ -231,6 +231,10 @@ impl<'a> Reader<'a> {
         };
         let missing = |what: &str| self.scan.error_found(end, what, "the segment's end without it", HELP);
         let (name, name_mark) = name.ok_or_else(|| missing("`name`"))?;
+        if name.len() > MAX_NAME {
+            let expected = format!("a name of at most {MAX_NAME} bytes");
+            return Err(self.scan.error(name_mark, &expected, "Give the segment a shorter name."));
+        }
         let direction = direction.ok_or_else(|| missing("`direction`"))?;
         let length = length.ok_or_else(|| missing("`length`"))?;
         let vector = direction.normalize_or_zero() * length;

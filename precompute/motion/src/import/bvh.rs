@@ -4,7 +4,7 @@
 //! Position channels replace the joint's offset, axis by axis, on any joint.
 
 use super::scan::{Scanner, text};
-use super::source::{Axis, FrameSink, MAX_JOINTS, SourceClip, content_error, duplicate_names};
+use super::source::{Axis, FrameSink, MAX_JOINTS, MAX_NAME, SourceClip, content_error, duplicate_names};
 use crate::ImportError;
 use crate::raw::{RawJoint, SourceFormat};
 use glam::{Quat, Vec3};
@@ -85,6 +85,9 @@ fn open_joint(scan: &mut Scanner, h: &mut Hierarchy) -> Result<(), ImportError> 
     let name = scan.name();
     if name.is_empty() {
         return Err(scan.error(mark, "the name of a joint", HELP_HIERARCHY));
+    }
+    if name.len() > MAX_NAME {
+        return Err(scan.error(mark, &format!("a name of at most {MAX_NAME} bytes"), "Give the joint a shorter name."));
     }
     scan.expect("{", HELP_HIERARCHY)?;
     let parent = h.open.replace(h.joints.len());
@@ -192,7 +195,7 @@ fn rate_of(seconds: f64, written: &str) -> f64 {
 }
 
 fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<FrameSink, ImportError> {
-    let mut sink = FrameSink::new(h.joints, FrameSink::budget(scan.len()));
+    let mut sink = FrameSink::new(h.joints, FrameSink::budget_of_text(scan.len()));
     let num_channels = h.channels.len();
     if num_channels == 0 {
         return Err(content_error(scan.path(), "no joint has a channel", "A clip without motion cannot be used"));
@@ -246,6 +249,17 @@ impl Channel {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_are_no_longer_than_names_are() {
+        let parse = |length: usize| {
+            let joint = format!("ROOT {} {{ OFFSET 0 0 0 CHANNELS 1 Xposition }}", "n".repeat(length));
+            parse(format!("HIERARCHY {joint} MOTION\nFrames: 1\nFrame Time: 0.1\n0\n").as_bytes(), Path::new("a.bvh"))
+        };
+        assert!(parse(MAX_NAME).is_ok());
+        let e = parse(MAX_NAME + 1).unwrap_err().to_string();
+        assert!(e.starts_with("a.bvh:1:16: expected a name of at most 1024 bytes, found `nnn") && e.len() < 200, "{e}");
+    }
 
     #[test]
     fn rates_follow_the_digits_that_were_written() {

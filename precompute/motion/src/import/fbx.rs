@@ -7,8 +7,9 @@ use super::source::{SourceClip, content_error};
 use crate::error::ImportError;
 use crate::raw::SourceFormat;
 use glam::{DQuat, DVec3};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::rc::Rc;
 use ufbx::{AllocatorOpts, CoordinateAxes, FileFormat, InheritModeHandling, LoadOpts, SceneRoot};
 
 /// Levels of nodes.
@@ -120,20 +121,25 @@ struct Stack<'a> {
 
 impl<'a> Stack<'a> {
     fn new(scene: &'a SceneRoot, stack: &'a ufbx::AnimStack) -> Result<Self, String> {
-        let (mut moved, mut keys) = (BTreeSet::new(), Vec::<Vec<f64>>::new());
+        // Nodes may share curves.
+        let (mut moved, mut keys) = (BTreeSet::new(), Vec::<Rc<[f64]>>::new());
+        let mut known = BTreeMap::<u32, Rc<[f64]>>::new();
         for prop in stack.layers.into_iter().flat_map(|layer| &layer.anim_props) {
             if let Some(node) = ufbx::as_node(&prop.element).filter(|_| MOVING.contains(&prop.prop_name.as_ref())) {
                 moved.insert(node.element.typed_id as usize);
                 let curves = prop.anim_value.curves.iter().flatten();
-                keys.extend(curves.map(|c| c.keyframes.iter().map(|k| k.time).collect()));
+                keys.extend(curves.map(|c| {
+                    let times = || c.keyframes.iter().map(|k| k.time).collect();
+                    known.entry(c.element.typed_id).or_insert_with(times).clone()
+                }));
             }
         }
         let name = stack.element.name.as_ref();
         let (mut begin, mut end) = (stack.time_begin, stack.time_end);
         if begin >= end {
             // Where the stack does not say when it is, its keys do.
-            begin = keys.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-            end = keys.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+            begin = known.values().flat_map(|k| k.iter()).copied().fold(f64::INFINITY, f64::min);
+            end = known.values().flat_map(|k| k.iter()).copied().fold(f64::NEG_INFINITY, f64::max);
         }
         let known = begin.abs() < MAX_TIME_S && end.abs() < MAX_TIME_S && begin <= end;
         if !known && !moved.is_empty() {
@@ -143,7 +149,7 @@ impl<'a> Stack<'a> {
         }
         let named = Some(without_rounding(scene.settings.frames_per_second));
         let named = named.filter(|hz| (1.0..MAX_RATE_HZ).contains(hz));
-        let of_keys = rate_of_keys(keys.iter().map(Vec::as_slice));
+        let of_keys = rate_of_keys(keys.iter().map(|k| &**k));
         let (rate_hz, why) = match (named, of_keys) {
             (Some(hz), Some(keys)) if keys > hz * 1.001 => {
                 (keys, "its keys are that far apart, closer than the file says")

@@ -11,6 +11,8 @@ use throng_base::file::MAX_MOTION_BYTES;
 pub const EXTENSIONS: [&str; 6] = ["bvh", "amc", "npz", "glb", "gltf", "fbx"];
 /// The same in words.
 pub const FORMATS: &str = ".bvh, .amc, .npz, .glb, .gltf or .fbx";
+/// True where this program reads FBX.
+pub const READS_FBX: bool = cfg!(feature = "fbx");
 /// Those that may hold several clips.
 const OF_SEVERAL: [&str; 4] = ["bvh", "fbx", "glb", "gltf"];
 /// Folders within folders that are searched; more is a loop.
@@ -99,8 +101,10 @@ fn found(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> {
         let has_star = |c: &Component| c.as_os_str().to_string_lossy().contains('*');
         let first = parts.iter().position(has_star).unwrap_or(parts.len());
         let base: PathBuf = parts[..first].iter().collect();
-        let pattern: Vec<String> =
+        let mut pattern: Vec<String> =
             parts[first..].iter().map(|c| c.as_os_str().to_string_lossy().into_owned()).collect();
+        // Several in a row are no more than one.
+        pattern.dedup_by(|a, b| a == b && a == ANY_FOLDERS);
         search.matching(&base, &pattern, 0)?;
         return Ok((base, search.found));
     }

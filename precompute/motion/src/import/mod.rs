@@ -33,7 +33,9 @@ use crate::export::{self, to_raw};
 use crate::progress::Progress;
 use crate::raw::RawClip;
 pub use config::{Forward, ImportConfig, UpAxis};
-pub use files::{EXTENSIONS, FORMATS, MotionFile, clip_in_file, expand, find, is_motion, matches, read_along};
+pub use files::{
+    EXTENSIONS, FORMATS, MotionFile, READS_FBX, clip_in_file, expand, find, is_motion, matches, read_along,
+};
 pub use glitches::{Glitch, GlitchKind, Glitches, Treated};
 use profile::Profile;
 use rayon::prelude::*;
@@ -139,8 +141,8 @@ pub type Reader<'a> = dyn Fn(&MotionFile, &dyn Fn() -> Clips) -> Clips + Sync + 
 /// [`ImportedSet::skipped`].
 ///
 /// # Errors
-/// The first bad file (by path) where `config.strict` is set; a path that yields no file; a bad profile;
-/// [`ImportError::Stopped`].
+/// The first bad file (by path) where `config.strict` is set; a path that yields no file; a bad profile; what may be other
+/// next time ([`ImportError::is_passing`]).
 pub fn read_by(
     reader: &Reader<'_>,
     paths: &[PathBuf],
@@ -158,7 +160,7 @@ pub fn read_by(
             progress.advance(1);
             let mut clips = result?;
             clips.iter_mut().for_each(|c| c.clip.name = file.clip_name(&c.clip.path));
-            Ok(clips)
+            Ok::<_, ImportError>(clips)
         })
         .collect();
     progress.end();
@@ -166,7 +168,7 @@ pub fn read_by(
     for result in results {
         match result {
             Ok(clips) => set.clips.extend(clips),
-            Err(e) if config.strict || matches!(e, ImportError::Stopped(_)) => return Err(e),
+            Err(e) if config.strict || e.is_passing() => return Err(e),
             Err(e) => set.skipped.push(e),
         }
     }
@@ -318,8 +320,12 @@ pub fn interpret(mut source: SourceClip, config: &ImportConfig, profiles: &[Prof
     let SourceClip { mut clip, mut findings, mut warnings, .. } = source;
     units::normalise(&mut clip, metres_per_unit, up);
     person::check_size(&clip, &roles, metres_per_unit, config.metres_per_unit.is_some())?;
-    person::check_place(&clip, &roles)?;
+    person::check_place(&clip, &roles, [0, clip.num_frames - 1])?;
     let glitches = glitches::treat(&mut clip, &roles, config.glitches, &mut warnings);
+    // Glitches may be anywhere.
+    let at = |f: usize| glitches.partition_point(|g| g.frames.end <= f);
+    let is_motion = |f: &usize| glitches.get(at(*f)).is_none_or(|g| !g.frames.contains(f));
+    person::check_place(&clip, &roles, (0..clip.num_frames).filter(is_motion))?;
     odd::tell(&clip, &roles, &mut warnings);
     let (rest_pose, facing) = rest::find_rest_pose(&clip, &roles, config.forward);
     findings.push(rest_pose.sentence.clone());

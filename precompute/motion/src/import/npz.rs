@@ -28,7 +28,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
     let trans = arrays.get("trans").map_err(fail)?;
     let poses = poses(&mut arrays).map_err(fail)?;
     let frames = trans.rows(3).map_err(|e| fail(format!("`trans`: {e}")))?;
-    let width = poses.iter().map(|p| p.width).sum::<usize>();
+    let width = poses.iter().map(|p| p.width).fold(0, usize::saturating_add);
     if poses.iter().any(|p| p.array.shape.first() != Some(&frames))
         || !(3 * NUM_JOINTS..=3 * MAX_JOINTS).contains(&width)
     {
@@ -83,7 +83,11 @@ fn poses(arrays: &mut Arrays<'_>) -> Result<Vec<Turns>, String> {
     if !parted {
         return Ok(vec![of("poses")?]);
     }
-    Ok(vec![of("root_orient")?, of("pose_body")?])
+    let (root, body) = (of("root_orient")?, of("pose_body")?);
+    match root.width {
+        3 => Ok(vec![root, body]),
+        other => Err(format!("`root_orient`: expected a table of 3 columns, found {other}")),
+    }
 }
 
 fn rate(arrays: &mut Arrays<'_>) -> Result<(f64, &'static str), String> {

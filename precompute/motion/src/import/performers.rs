@@ -3,6 +3,8 @@
 use super::roles;
 use super::source::{SourceClip, duplicate_names};
 use crate::raw::{RawClip, RawJoint};
+use glam::{Quat, Vec3};
+use throng_base::maths;
 
 /// A body has at least so many joints, ends of chains not counted.
 const LEAST_JOINTS: usize = 10;
@@ -11,17 +13,26 @@ const LEAST_JOINTS: usize = 10;
 ///
 /// - returns the clip as it is where there is no more than one.
 pub(super) fn apart(source: SourceClip) -> Vec<SourceClip> {
-    let bodies: Vec<RawClip> = branches(&source.clip.joints)
+    let (clip, roots) = (&source.clip, branches(&source.clip.joints));
+    // What is above the roots moves them; all of them hang on one joint, or on none.
+    let above = roots.first().and_then(|&root| clip.joints[root].parent);
+    let above: Vec<(Vec3, Quat)> =
+        above.map_or_else(Vec::new, |j| (0..clip.num_frames).map(|f| clip.world_of(j, f)).collect());
+    let bodies: Vec<RawClip> = roots
         .into_iter()
-        .map(|root| branch(&source.clip, root))
+        .map(|root| branch(clip, root, &above))
         .filter(|clip| roles::assign(clip, &[], None).is_ok())
         .collect();
     if bodies.len() < 2 {
         return vec![source];
     }
     let names: Vec<String> = bodies.iter().map(|b| b.joints[0].name.replace(['/', '\\'], "_")).collect();
-    let is_taken = |i: usize| names.iter().filter(|n| **n == names[i]).count() > 1;
     let count = bodies.len();
+    let is_twice = |name: &String| names.iter().filter(|n| *n == name).count() > 1;
+    let some_twice = names.iter().any(is_twice);
+    // Numbers stand for names that others have, too.
+    let is_number = |name: &str| name.parse().is_ok_and(|n: usize| (1..=count).contains(&n));
+    let is_taken = |i: usize| is_twice(&names[i]) || (some_twice && is_number(&names[i]));
     let named = |(i, clip): (usize, RawClip)| {
         let name = if is_taken(i) { (i + 1).to_string() } else { names[i].clone() };
         let path = source.clip.path.join(&name);
@@ -53,7 +64,9 @@ fn branches(joints: &[RawJoint]) -> Vec<usize> {
 }
 
 /// What hangs on a joint, which becomes the root.
-fn branch(clip: &RawClip, root: usize) -> RawClip {
+///
+/// - `above`: the joint that it hangs on, in the world (num_frames); empty where there is none.
+fn branch(clip: &RawClip, root: usize, above: &[(Vec3, Quat)]) -> RawClip {
     let n = clip.joints.len();
     let mut place = vec![None; n];
     let mut kept = Vec::new();
@@ -77,15 +90,32 @@ fn branch(clip: &RawClip, root: usize) -> RawClip {
     };
     for f in 0..clip.num_frames {
         for &j in &kept {
-            // What is above the root moves it.
-            let (at, turn) = if j == root && clip.joints[root].parent.is_some() {
-                clip.world(f)[root]
-            } else {
-                (clip.translations[f * n + j], clip.rotations[f * n + j])
-            };
-            out.translations.push(at);
-            out.rotations.push(turn);
+            let (at, turn) = (clip.translations[f * n + j], clip.rotations[f * n + j]);
+            let moves = above.get(f).filter(|_| j == root);
+            out.translations.push(moves.map_or(at, |(p, r)| *p + *r * at));
+            out.rotations.push(moves.map_or(turn, |(_, r)| maths::compose(*r, turn)));
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::bvh;
+    use std::path::Path;
+
+    #[test]
+    fn what_is_above_a_root_moves_it() {
+        let text = "HIERARCHY ROOT r { OFFSET 0 1 0 CHANNELS 3 Xrotation Yrotation Zrotation JOINT a { OFFSET 2 0 0 CHANNELS 1 \
+                    Yrotation JOINT b { OFFSET 0 3 0 CHANNELS 1 Zrotation End Site { OFFSET 1 0 0 } } } } MOTION\nFrames: \
+                    2\nFrame Time: 0.1\n10 20 30 40 50\n-5 15 25 35 45\n";
+        let clip = bvh::parse(text.as_bytes(), Path::new("a.bvh")).unwrap().clip;
+        let above: Vec<_> = (0..2).map(|f| clip.world_of(1, f)).collect();
+        let part = branch(&clip, 2, &above);
+        for f in 0..2 {
+            let world = clip.world(f);
+            assert_eq!((part.world(f)[0], clip.world_of(3, f)), (world[2], world[3]));
+        }
+    }
 }

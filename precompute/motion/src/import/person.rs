@@ -101,23 +101,33 @@ pub(super) fn check_size(
     }
     let unit = metres_per_unit * f64::from(TYPICAL_HEIGHT / height);
     let message = format!("at {metres_per_unit} m a unit the body is {height:.2} m tall, which no person is");
-    let help = format!(
-        "With `metres_per_unit = {}` in `import` of the config it is {TYPICAL_HEIGHT} m tall, with `{}` as \
+    let help = if height.is_finite() && height > 0.0 {
+        format!(
+            "With `metres_per_unit = {}` in `import` of the config it is {TYPICAL_HEIGHT} m tall, with `{}` as \
          it is; leave out what is no person",
-        rounded(unit),
-        rounded(metres_per_unit)
-    );
+            rounded(unit),
+            rounded(metres_per_unit)
+        )
+    } else {
+        "Check the lengths of its segments".to_owned()
+    };
     Err(content_error(&clip.path, message, &help))
 }
 
 /// Refuses a clip in metres that is so far from the origin that single precision would show.
 ///
+/// - `frames`: those that are looked at.
+///
 /// # Errors
 /// [`ImportError::Content`] naming the frame and how far it is.
-pub(super) fn check_place(clip: &RawClip, roles: &RoleMap) -> Result<(), ImportError> {
+pub(super) fn check_place(
+    clip: &RawClip,
+    roles: &RoleMap,
+    frames: impl IntoIterator<Item = usize>,
+) -> Result<(), ImportError> {
     let Some(hips) = roles.get(Joint::Hips) else { return Ok(()) };
-    let away = |frame: usize| (frame, clip.world(frame)[hips].0.with_y(0.0).length());
-    let far = [0, clip.num_frames - 1].map(away).into_iter().find(|f| f.1 > FARTHEST_M);
+    let away = |frame: usize| (frame, clip.world_of(hips, frame).0.length());
+    let far = frames.into_iter().map(away).find(|f| f.1 > FARTHEST_M);
     let Some((frame, away)) = far else { return Ok(()) };
     let message = format!("in frame {frame} the hips are {away:.0} m from the origin, expected at most {FARTHEST_M} m");
     Err(content_error(

@@ -7,6 +7,8 @@ use std::path::Path;
 
 /// Joints a skeleton may have; more is a damaged file.
 pub(crate) const MAX_JOINTS: usize = 4096;
+/// Longest name of a joint or an animation (bytes).
+pub(crate) const MAX_NAME: usize = 1024;
 
 /// A clip in the units and axes of its file, and what the file says about itself.
 #[derive(Clone, Debug)]
@@ -62,7 +64,12 @@ pub(crate) struct FrameSink {
 }
 
 impl FrameSink {
-    /// Joint transforms that a file of `num_bytes` may make: in proportion to it.
+    /// Joint transforms that a text of `num_bytes` may make: most of them take several numbers of it.
+    pub fn budget_of_text(num_bytes: usize) -> usize {
+        num_bytes.saturating_mul(2).saturating_add(1 << 20)
+    }
+
+    /// Joint transforms that a file of `num_bytes` may make that is compressed or has keys: in proportion to it.
     pub fn budget(num_bytes: usize) -> usize {
         num_bytes.saturating_mul(8).saturating_add(1 << 16)
     }

@@ -80,6 +80,9 @@ fn copy(parts: &mut Parts, wearer: &Wearer, take: &Take, a: usize) -> Copied {
     let skinned = wearer.json["nodes"].as_array().into_iter().flatten();
     for node in skinned {
         let Some(skin) = node["skin"].as_u64().and_then(|s| skins.get(&(s as usize))) else { continue };
+        if node["mesh"].is_null() {
+            continue;
+        }
         let mut root = json!({ "mesh": node["mesh"], "skin": skin });
         root["name"] = format!("{name} {}", node["name"].as_str().unwrap_or("body")).into();
         if node["weights"].is_array() {

@@ -41,9 +41,9 @@ impl Figure {
     pub fn open(path: &Path, config: &ImportConfig) -> Result<Self, BuildError> {
         let wearer = Wearer::open(path, config)?;
         let all = wearer.nodes();
-        let surface = Surface::read(&wearer, &all).map_err(|what| content_error(path, what, HELP))?;
-        let place = |n: usize| all.iter().position(|&m| m == n);
-        let moved = |n: usize| wearer.moved.iter().position(|m| wearer.rig.joints[m.joint] == n);
+        let mut places = vec![None; wearer.document.nodes.len()];
+        all.iter().enumerate().for_each(|(at, &n)| places[n] = Some(at));
+        let surface = Surface::read(&wearer, &places).map_err(|what| content_error(path, what, HELP))?;
         let mut nodes: Vec<Node> = all
             .iter()
             .map(|&n| {
@@ -53,17 +53,22 @@ impl Figure {
                     scale: local.scale.as_vec3(),
                     rotation: local.rotation.as_quat().normalize(),
                     translation: local.translation.as_vec3(),
-                    moved: moved(n),
+                    moved: None,
                     is_centre: wearer.rig.joints[wearer.centre] == n,
                 }
             })
             .collect();
         for (at, &n) in all.iter().enumerate() {
-            for child in wearer.document.nodes[n].children.iter().filter_map(|&c| place(c)) {
+            for child in wearer.document.nodes[n].children.iter().filter_map(|&c| places[c]) {
                 nodes[child].parent = Some(at);
             }
         }
-        let frames = surface.frames.iter().map(|(n, inverse)| Some((place(*n)?, Affine3A::from_mat4(*inverse))));
+        for (m, moved) in wearer.moved.iter().enumerate() {
+            if let Some(at) = places[wearer.rig.joints[moved.joint]] {
+                nodes[at].moved = Some(m);
+            }
+        }
+        let frames = surface.frames.iter().map(|(n, inverse)| Some((places[*n]?, Affine3A::from_mat4(*inverse))));
         let frames = frames.collect::<Option<Vec<_>>>();
         let frames = frames.ok_or_else(|| content_error(path, "a skin hangs on what is no joint", HELP))?;
         Ok(Self { wearer, surface, nodes, frames })

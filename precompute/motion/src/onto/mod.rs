@@ -29,6 +29,8 @@ use throng_core::Joint;
 
 /// How to get a file that can be worn.
 const HELP: &str = "Export the character with mesh, skin and textures as one .glb file";
+/// What is above the hips makes them smaller by no more than this factor: numbers in there are of single precision.
+const MOST_SHRUNK: f64 = 1e6;
 
 /// A character that wears motion.
 pub struct Wearer {
@@ -89,9 +91,10 @@ impl Wearer {
         let centre = moved::centre(&rig.clip.clip, &body.roles);
         let (roles, metres_per_unit) = (body.roles, body.metres_per_unit);
         let wearer = Self { document, json, buffer, rig, fit, roles, metres_per_unit, moved, centre };
-        match wearer.above_centre().0.inverse().is_finite() {
+        let back = wearer.above_centre().0.inverse();
+        match back.is_finite() && back.matrix3.to_cols_array().iter().all(|v| v.abs() <= MOST_SHRUNK) {
             true => Ok(wearer),
-            false => Err(fail("what is above its hips has a scale of 0".into()).into()),
+            false => Err(fail("what is above its hips has a scale of 0, or next to it".into()).into()),
         }
     }
 

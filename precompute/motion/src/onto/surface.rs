@@ -1,15 +1,18 @@
 //! The triangles of a character, what they look like, and which frames move them.
 
 use super::Wearer;
-use crate::import::gltf::{MAX_TRIANGLES, Primitive, Reader, base64};
+use crate::import::gltf::{MAX_BYTES, MAX_PARTS, MAX_TRIANGLES, Primitive, Reader, base64};
 use glam::{Mat4, Vec2, Vec3};
 use serde_json::Value;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// Triangles, not lines or points.
 const TRIANGLES: u32 = 4;
 /// Weights smaller than this say nothing.
 const MIN_WEIGHT: f32 = 1e-6;
+/// The material of what has none.
+const PLAIN: Material = Material { colour: [0.6, 0.6, 0.6, 1.0], image: None, cutoff: 0.0 };
 
 /// A corner of a character's triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,11 +60,11 @@ pub struct Surface {
 impl Surface {
     /// Reads the meshes of a character: those of its skins, and those that hang on its joints.
     ///
-    /// - `nodes`: the nodes of the character.
+    /// - `places`: of the nodes of the character; `None` for those that are not its own (nodes of the document).
     ///
     /// # Errors
     /// The part of the document that is missing or wrong.
-    pub(super) fn read(wearer: &Wearer, nodes: &[usize]) -> Result<Self, String> {
+    pub(super) fn read(wearer: &Wearer, places: &[Option<usize>]) -> Result<Self, String> {
         let document = &wearer.document;
         let compressed = |e: &&String| e.contains("draco") || e.contains("meshopt");
         if let Some(extension) = document.extensions_required.iter().find(compressed) {
@@ -69,7 +72,9 @@ impl Surface {
         }
         let reader = Reader::of_buffer(document, &wearer.buffer);
         let mut out = Self { materials: materials(&wearer.json), ..Self::default() };
-        let mut starts: HashMap<usize, usize> = HashMap::new();
+        let mut starts: HashMap<usize, Option<usize>> = HashMap::new();
+        let is_own = |node: usize| places.get(node).is_some_and(Option::is_some);
+        let mut parts = 0;
         for (n, node) in document.nodes.iter().enumerate() {
             let Some(mesh) = node.mesh else { continue };
             let mesh = document.meshes.get(mesh).ok_or_else(|| format!("nodes[{n}]: there is no mesh {mesh}"))?;
@@ -77,20 +82,29 @@ impl Surface {
                 Some(skin) => {
                     let known =
                         document.skins.get(skin).ok_or_else(|| format!("nodes[{n}]: there is no skin {skin}"))?;
-                    if !known.joints.iter().all(|j| nodes.contains(j)) {
-                        continue;
+                    if known.joints.is_empty() {
+                        return Err(format!("nodes[{n}]: expected joints in skin {skin}, found none"));
                     }
-                    match starts.get(&skin) {
-                        Some(&start) => start,
-                        None => *starts.entry(skin).or_insert(out.bind(&reader, skin, wearer)?),
-                    }
+                    let start = match starts.entry(skin) {
+                        Entry::Occupied(entry) => *entry.get(),
+                        Entry::Vacant(entry) => {
+                            let own = known.joints.iter().all(|&j| is_own(j));
+                            *entry.insert(own.then(|| out.bind(&reader, skin, wearer)).transpose()?)
+                        }
+                    };
+                    let Some(start) = start else { continue };
+                    start
                 }
-                None if nodes.contains(&n) => {
+                None if is_own(n) => {
                     out.frames.push((n, Mat4::IDENTITY));
                     out.frames.len() - 1
                 }
                 None => continue,
             };
+            parts += mesh.primitives.len();
+            if parts > MAX_PARTS {
+                return Err(format!("a character may have {MAX_PARTS} parts of meshes at most; merge them"));
+            }
             for (i, primitive) in mesh.primitives.iter().enumerate() {
                 let joints = node.skin.map(|s| start..start + document.skins[s].joints.len());
                 out.primitive(&reader, primitive, joints, start).map_err(|e| format!("nodes[{n}], part {i}: {e}"))?;
@@ -140,7 +154,9 @@ impl Surface {
         let accessor = has.position.ok_or("expected an attribute POSITION, found none")?;
         let n = reader.count(accessor)?;
         let triangles = primitive.indices.map_or(Ok(n), |i| reader.count(i))? / 3;
-        if triangles + self.indices.len() / 3 > MAX_TRIANGLES || n + self.corners.len() > 3 * MAX_TRIANGLES {
+        if triangles + self.indices.len() / 3 > MAX_TRIANGLES
+            || n.saturating_add(self.corners.len()) > 3 * MAX_TRIANGLES
+        {
             return Err(format!("a character may have {MAX_TRIANGLES} triangles at most; export a simpler mesh"));
         }
         let list = |accessor: Option<usize>, kind: &str, width: usize| match accessor {
@@ -159,10 +175,12 @@ impl Surface {
             return Err("expected attributes JOINTS_0 and WEIGHTS_0 on a skin, found none".into());
         }
         let material = match primitive.material {
-            Some(m) if m < self.materials.len() => m as u16,
+            Some(m) if m < self.materials.len() => m,
             Some(m) => return Err(format!("there is no material {m}")),
             None => self.plain(),
         };
+        let material = u16::try_from(material)
+            .map_err(|_| format!("expected {} materials at most, found more; merge them", 1 << 16))?;
         let first = self.corners.len() as u32;
         let three = |v: &[f32], i: usize| v.get(3 * i..3 * i + 3).map_or(Vec3::ZERO, Vec3::from_slice);
         for i in 0..n {
@@ -189,10 +207,12 @@ impl Surface {
         Ok(())
     }
 
-    /// The material of what has none.
-    fn plain(&mut self) -> u16 {
-        self.materials.push(Material { colour: [0.6, 0.6, 0.6, 1.0], image: None, cutoff: 0.0 });
-        (self.materials.len() - 1) as u16
+    /// Place of the material of what has none.
+    fn plain(&mut self) -> usize {
+        if self.materials.last() != Some(&PLAIN) {
+            self.materials.push(PLAIN);
+        }
+        self.materials.len() - 1
     }
 
     /// Makes normals of corners from the triangles around them.
@@ -244,10 +264,18 @@ fn materials(json: &Value) -> Vec<Material> {
 }
 
 fn images(json: &Value, reader: &Reader<'_>) -> Result<Vec<Vec<u8>>, String> {
+    // Images may share bytes.
+    let mut left = MAX_BYTES as usize;
     let read = |(i, image): (usize, &Value)| {
         let fail = |e: String| format!("images[{i}]: {e}");
         match (image["bufferView"].as_u64(), image["uri"].as_str()) {
-            (Some(view), _) => reader.view(view as usize).map(<[u8]>::to_vec).map_err(fail),
+            (Some(view), _) => {
+                let bytes = reader.view(view as usize).map_err(fail)?;
+                let after = left.checked_sub(bytes.len());
+                let what = || format!("expected {} MiB at most in all images, found more", MAX_BYTES >> 20);
+                left = after.ok_or_else(|| fail(what()))?;
+                Ok(bytes.to_vec())
+            }
             (None, Some(uri)) => {
                 let data = uri.split_once(";base64,").and_then(|(_, text)| base64(text));
                 data.ok_or_else(|| fail("expected data in base64".into()))

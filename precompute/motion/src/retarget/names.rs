@@ -32,8 +32,9 @@ pub fn unique_names(sources: &[Source], warnings: &mut Warnings) -> Vec<String> 
     // Two files of one folder that differ in their extension alone.
     let mut taken = BTreeSet::new();
     for (i, name) in names.iter_mut().enumerate() {
+        let mut numbered = (i..).map(|n| format!("{name}~{n}"));
         if !taken.insert(name.clone()) {
-            *name = format!("{name}~{i}");
+            *name = numbered.find(|n| taken.insert(n.clone())).unwrap_or_default();
         }
     }
     let mut clashes = BTreeMap::<&String, Vec<&String>>::new();

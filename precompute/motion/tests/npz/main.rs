@@ -75,6 +75,11 @@ fn what_is_missing_or_wrong_is_named() {
         files.push((name, content));
         files
     };
+    let parted = |width: usize, body: Vec<u8>| {
+        let mut files = without("poses");
+        files.extend([("root_orient.npy", table(30, width, |_, _| 0.0)), ("pose_body.npy", body)]);
+        files
+    };
     for (files, expected) in [
         (without("poses"), "there is no array `poses`, only: trans, mocap_framerate, gender"),
         (without("trans"), "there is no array `trans`"),
@@ -89,6 +94,8 @@ fn what_is_missing_or_wrong_is_named() {
             "`trans`: expected a table of 3 columns, found the shape [30, 2]",
         ),
         (with("trans.npy", table(30, 3, |_, _| f64::NAN)), "frame 0: expected numbers"),
+        (parted(3, npy("<f8", &format!("0, {}", usize::MAX), &[])), "expected 30 rows"),
+        (parted(6, table(30, 63, |_, _| 0.0)), "`root_orient`: expected a table of 3 columns, found 6"),
         (with("mocap_framerate.npy", npy("<f8", "", &0f64.to_le_bytes())), "expected 0.1 to 100000 Hz, found 0"),
         (with("poses.npy", npy(">f8", "1, 1", &[0; 8])), "little-endian), found `>f8`"),
         (with("poses.npy", npy("<f8", "30, 156", &[0; 8])), "its shape [30, 156] does not fit its 8 bytes"),
@@ -97,6 +104,15 @@ fn what_is_missing_or_wrong_is_named() {
         let e = refused(&files);
         assert!(e.contains("a.npz: ") && e.contains(expected) && e.contains("numpy.savez"), "{expected}: {e}");
     }
+}
+
+#[test]
+fn little_that_is_compressed_cannot_ask_for_much_memory() {
+    let mut out = ZipWriter::new(Cursor::new(Vec::new()));
+    out.start_file("trans.npy", SimpleFileOptions::default()).unwrap();
+    (0..300).for_each(|_| out.write_all(&vec![0; 1 << 20]).unwrap());
+    let e = read(&out.finish().unwrap().into_inner()).unwrap_err().to_string();
+    assert!(e.contains("`trans`: expected 274 MiB at most of a file of its size, found more"), "{e}");
 }
 
 #[test]

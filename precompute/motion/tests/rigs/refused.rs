@@ -145,14 +145,20 @@ fn a_giant_by_its_unit_is_refused_and_the_unit_offered() {
 #[test]
 fn motion_far_from_the_origin_is_refused_with_the_frame() {
     let text = bvh(&table("Mixamo"), &Style::default());
-    let read = |away_m: f32| {
+    let read_at = |frames: std::ops::Range<usize>, axis: usize, away_m: f32| {
         let mut source = throng_motion::import::bvh::parse(text.as_bytes(), std::path::Path::new("a.bvh")).unwrap();
         let metres = throng_motion::import::interpret(source.clone(), &ImportConfig::default(), &[]).unwrap();
-        let last = source.clip.translations.len() - source.clip.joints.len();
-        source.clip.translations[last].x += away_m / metres.metres_per_unit as f32;
+        for f in frames {
+            source.clip.translations[f * source.clip.joints.len()][axis] += away_m / metres.metres_per_unit as f32;
+        }
         throng_motion::import::interpret(source, &ImportConfig::default(), &[])
     };
+    let read = |away_m: f32| read_at(FRAMES - 1..FRAMES, 0, away_m);
     assert!(read(4900.0).is_ok());
     let e = read(10_000.0).unwrap_err().to_string();
     assert!(e.contains(&format!("in frame {} the hips are", FRAMES - 1)) && e.contains("from the origin"), "{e}");
+    // High above it, and away and back again; a glitch may be anywhere.
+    assert!(read_at(0..FRAMES, 1, 10_000.0).unwrap_err().to_string().contains("in frame 0 the hips are"));
+    assert!(read_at(20..40, 0, 1e6).unwrap_err().to_string().contains("the hips are"));
+    assert!(read_at(20..21, 0, 1e6).is_ok());
 }

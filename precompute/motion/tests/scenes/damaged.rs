@@ -1,7 +1,7 @@
 //! Damaged scene files are refused with the file and what is wrong; none panics, and none asks for memory by a count.
 
 use super::glb::{FLOAT, Glb, Style};
-use super::{STYLE, only, walk};
+use super::{STYLE, only, parse, walk};
 use serde_json::{Value, json};
 use std::path::Path;
 use throng_motion::import::gltf;
@@ -23,7 +23,7 @@ fn faults_name_the_file_and_the_part() {
     let good = whole(Style { skin: true, ..STYLE() });
     only(&good);
     type Fault = (fn(&mut Value), &'static str);
-    let faults: [Fault; 31] = [
+    let faults: [Fault; 34] = [
         (|j| j["animations"] = json!([]), "it holds no animation"),
         (|j| j["animations"][0]["channels"] = json!([]), "its animations move no skeleton"),
         (
@@ -70,6 +70,18 @@ fn faults_name_the_file_and_the_part() {
         (|j| j["buffers"][0]["uri"] = json!("../b.bin"), "buffers[0]: expected a file in its own folder"),
         (|j| j["buffers"][0]["uri"] = json!("data:,x"), "buffers[0]: expected data in base64"),
         (|j| j["buffers"] = json!([]), "no buffers[0]"),
+        (|j| j["nodes"][4]["name"] = json!("n".repeat(1025)), "nodes[4]: expected a name of at most 1024 bytes"),
+        (
+            |j| j["animations"][0]["name"] = json!("n".repeat(1025)),
+            "animation 0: expected a name of at most 1024 bytes",
+        ),
+        (
+            |j| {
+                let part = json!({ "bufferView": 2, "componentType": 5121 });
+                j["accessors"][2]["sparse"] = json!({ "count": 61, "indices": part, "values": part });
+            },
+            "sparse: expected 60 items at most, found 61",
+        ),
     ];
     for (spoil, expected) in faults {
         let mut bad = Glb { json: good.json.clone(), bytes: good.bytes.clone() };
@@ -119,6 +131,31 @@ fn little_text_cannot_ask_for_much_memory_or_time() {
     glb.json["animations"] = json!([]);
     glb.animation(STYLE(), &[0.0, 0.03, 9e5], &[(0, "translation", vec![0.0; 9])]);
     assert!(refusal(&glb.glb()).contains("joints are too many for its file"));
+    // What is above a skeleton is posed, too.
+    let mut glb = whole(STYLE());
+    glb.json["animations"] = json!([]);
+    glb.animation(STYLE(), &[0.0, 300.0], &[(1, "translation", vec![0.0; 6])]);
+    only(&glb);
+    for i in 0..400 {
+        glb.push(
+            "nodes",
+            json!({ "children": [if i == 0 { 0 } else { glb.json["nodes"].as_array().unwrap().len() - 1 }] }),
+        );
+    }
+    assert!(refusal(&glb.glb()).contains("joints are too many for its file"));
+    // Names of joints that every clip has.
+    let mut glb = whole(STYLE());
+    for _ in 0..100 {
+        let end = glb.push("nodes", json!({}));
+        glb.json["nodes"][0]["children"].as_array_mut().unwrap().push(json!(end));
+    }
+    glb.json["nodes"].as_array_mut().unwrap().iter_mut().for_each(|n| n["name"] = json!("n".repeat(1000)));
+    let animation = json!({ "channels": [{ "sampler": 0, "target": { "node": 0, "path": "rotation" } }],
+        "samplers": [glb.json["animations"][0]["samplers"][0]] });
+    glb.json["animations"] = json!(vec![animation.clone(); 10]);
+    assert_eq!(parse(&glb).len(), 10);
+    glb.json["animations"] = json!(vec![animation; 3000]);
+    assert!(refusal(&glb.glb()).contains("the joints of 3000 clips are too many for its file"));
     // Zeros that no bytes stand for.
     let mut glb = whole(STYLE());
     let sparse =

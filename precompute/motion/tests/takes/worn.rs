@@ -16,7 +16,7 @@ use throng_core::{Joint, Skeleton};
 use throng_motion::error::BuildError;
 use throng_motion::export::{Take, TakeWriter};
 use throng_motion::import::{ImportConfig, bvh, read_source};
-use throng_motion::onto::Wearer;
+use throng_motion::onto::{Figure, Wearer};
 use throng_motion::progress::Silent;
 use throng_motion::raw::RawClip;
 
@@ -168,6 +168,76 @@ fn what_cannot_be_worn_is_refused_by_name() {
     parted.add(&clip(mixamo), glb::Style { skin: true, ..glb::Style::default() });
     parted.json["images"] = serde_json::json!([{ "uri": "skin.png" }]);
     refused("parted.glb", &parted.glb(), &["`skin.png`", "one .glb file"]);
+    let mut flat = glb::Glb::new();
+    flat.add(&clip(mixamo), glb::Style { skin: true, armature: Some((1.0, false)), ..glb::Style::default() });
+    let armature = flat.json["nodes"].as_array().unwrap().iter().position(|n| n["name"] == "Armature").unwrap();
+    flat.json["nodes"][armature]["scale"] = serde_json::json!([1.0, 1.0, 1e-10]);
+    refused("flat.glb", &flat.glb(), &["above its hips has a scale of 0, or next to it"]);
+}
+
+#[test]
+fn meshes_that_cannot_be_drawn_are_refused_by_name() {
+    use serde_json::json;
+    let folder = tempfile::tempdir().unwrap();
+    let table = tables::RIGS.iter().find(|r| r.0 == "Mixamo").unwrap().1;
+    let text = rig::bvh(&rig::parse(table), &rig::Style { moves: false, scale: 1.0, ..rig::Style::default() });
+    let clip = bvh::parse(text.as_bytes(), &folder.path().join("rest.bvh")).unwrap().clip;
+    let mut good = glb::Glb::new();
+    good.add(&clip, glb::Style { skin: true, ..glb::Style::default() });
+    let position = good.accessor("VEC3", glb::FLOAT, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0], false);
+    let none = good.accessor("VEC4", glb::FLOAT, &[0.0; 12], false);
+    let part = json!({ "attributes": { "POSITION": position, "JOINTS_0": none, "WEIGHTS_0": none } });
+    good.json["meshes"][0]["primitives"] = json!([part, part]);
+    let read = |change: &dyn Fn(&mut glb::Glb)| {
+        let mut glb = glb::Glb { json: good.json.clone(), bytes: good.bytes.clone() };
+        change(&mut glb);
+        let path = folder.path().join("a.glb");
+        std::fs::write(&path, glb.glb()).unwrap();
+        Figure::open(&path, &ImportConfig::default()).map_err(|e| e.to_string())
+    };
+    // Parts without a material share one.
+    let surface = |figure: Figure| (figure.surface().corners.len(), figure.surface().materials.len());
+    assert_eq!(read(&|_| {}).map(surface), Ok((6, 1)));
+    type Change<'a> = &'a dyn Fn(&mut glb::Glb);
+    let changes: [(Change<'_>, &str); 4] = [
+        (
+            &|glb| {
+                let skin = glb.push("skins", json!({ "joints": [] }));
+                glb.push("nodes", json!({ "mesh": 0, "skin": skin }));
+            },
+            "expected joints in skin 1, found none",
+        ),
+        (
+            &|glb| {
+                let long = json!({ "componentType": glb::FLOAT, "count": u64::MAX, "type": "VEC3" });
+                let long = glb.push("accessors", long);
+                let index = glb.accessor("SCALAR", glb::FLOAT, &[0.0; 3], false);
+                let part = json!({ "attributes": { "POSITION": long, "JOINTS_0": none, "WEIGHTS_0": none }, "indices": index });
+                glb.json["meshes"][0]["primitives"][1] = part;
+            },
+            "part 1: a character may have 5000000 triangles at most",
+        ),
+        (
+            &|glb| {
+                glb.json["materials"] = json!(vec![json!({}); 65_537]);
+                glb.json["meshes"][0]["primitives"][0]["material"] = json!(65_535);
+                glb.json["meshes"][0]["primitives"][1]["material"] = json!(65_536);
+            },
+            "part 1: expected 65536 materials at most",
+        ),
+        (
+            &|glb| {
+                let view = glb.push("bufferViews", json!({ "buffer": 0, "byteLength": glb.bytes.len() }));
+                let times = (1 << 30) / glb.bytes.len() + 1;
+                glb.json["images"] = json!(vec![json!({ "bufferView": view }); times]);
+            },
+            "expected 1024 MiB at most in all images",
+        ),
+    ];
+    for (change, expected) in changes {
+        let e = read(change).map(surface).expect_err(expected);
+        assert!(e.contains("a.glb: ") && e.contains(expected), "{expected}: {e}");
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Hits that people mark in sidecar files.
 
-use super::track::{Poses, striking_points, velocities};
+use super::track::{Poses, tip, velocity};
 use super::{MIN_SPEED, hit_at};
 use crate::annotate::sidecar::Place;
 use crate::clip::{Clip, FrameRange, Hit, HitKind};
@@ -28,10 +28,10 @@ impl HitMark {
     pub(super) fn hit(&self, clip: &Clip, poses: &Poses, skeleton: &Skeleton) -> Result<Hit, BuildError> {
         let joint = self.joint.name();
         let refuse = |what: String| Err(self.place.fault(what));
-        let tips = striking_points(poses, skeleton, self.joint);
-        let moving = velocities(&tips, clip.rate_hz);
-        let usable = self.range.clone().filter(|&f| clip.is_usable(f));
-        let Some(frame) = usable.max_by(|&a, &b| moving[a].length().total_cmp(&moving[b].length()).then(b.cmp(&a)))
+        let tip = |f: usize| tip(&poses[f], skeleton, self.joint);
+        let moving = |f: usize| (f, velocity(&tip, poses.len(), f, clip.rate_hz));
+        let usable = self.range.clone().filter(|&f| clip.is_usable(f)).map(moving);
+        let Some((frame, moving)) = usable.max_by(|a, b| a.1.length().total_cmp(&b.1.length()).then(b.0.cmp(&a.0)))
         else {
             return refuse(format!(
                 "{:.2} s into clip `{}` nothing is used: the frames are left out. Move the hit or keep the frames.",
@@ -39,13 +39,13 @@ impl HitMark {
                 clip.name
             ));
         };
-        match hit_at(clip, frame, self.kind.clone(), self.joint, (tips[frame], moving[frame])) {
+        match hit_at(clip, frame, self.kind.clone(), self.joint, (tip(frame), moving)) {
             Some(hit) => Ok(hit),
             None => refuse(format!(
                 "{joint} of clip `{}` moves at {:.3} m/s {:.2} s into it, too slow for a direction to strike in \
                  ({MIN_SPEED} m/s). Move the hit or name another joint.",
                 clip.name,
-                moving[frame].length(),
+                moving.length(),
                 frame as f64 / clip.rate_hz
             )),
         }

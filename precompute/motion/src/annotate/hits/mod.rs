@@ -237,7 +237,8 @@ impl Search<'_> {
 
 /// Angle above level (rad).
 fn elevation(direction: Vec3) -> f32 {
-    direction.normalize_or_zero().y.asin()
+    // Rounding may make it longer than 1.
+    direction.normalize_or_zero().y.clamp(-1.0, 1.0).asin()
 }
 
 /// Adds blows that are at least `min_gap` frames from those that are there.

@@ -356,3 +356,8 @@ fn marks_are_taken_as_they_are_and_replace_what_is_found_nearby() {
     let e = find(&cut, &Skeleton::default(), &HitConfig::default(), &[jab], true).unwrap_err().to_string();
     assert!(e.contains("hits[0]: ") && e.contains("left out"), "{e}");
 }
+
+#[test]
+fn what_points_straight_up_has_an_elevation() {
+    assert!((1..1000).all(|y| (elevation(Vec3::Y * y as f32 * 0.37) - FRAC_PI_2).abs() < 1e-3));
+}

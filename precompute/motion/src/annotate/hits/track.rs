@@ -78,19 +78,25 @@ impl Track {
 
 /// World positions of the point of a joint that strikes (m, num_frames).
 pub fn striking_points(poses: &Poses, skeleton: &Skeleton, joint: Joint) -> Vec<Vec3> {
-    poses.iter().map(|p| p[joint.index()]).map(|(at, turn)| striking_point(skeleton, joint, at, turn)).collect()
+    poses.iter().map(|p| tip(p, skeleton, joint)).collect()
+}
+
+/// World position of the point of a joint that strikes, in one pose (m).
+pub fn tip(pose: &[(Vec3, Quat); NUM_JOINTS], skeleton: &Skeleton, joint: Joint) -> Vec3 {
+    let (at, turn) = pose[joint.index()];
+    striking_point(skeleton, joint, at, turn)
 }
 
 /// Velocities by central differences, one-sided at the ends (m/s, num_frames).
 pub fn velocities(positions: &[Vec3], rate_hz: f64) -> Vec<Vec3> {
-    let last = positions.len().saturating_sub(1);
+    (0..positions.len()).map(|f| velocity(&|f| positions[f], positions.len(), f, rate_hz)).collect()
+}
+
+/// As [`velocities`], of one of `num` frames.
+pub fn velocity(position: &impl Fn(usize) -> Vec3, num: usize, frame: usize, rate_hz: f64) -> Vec3 {
     let reach = ((DIFFERENCE * rate_hz).round() as usize).max(1);
-    (0..positions.len())
-        .map(|f| {
-            let (a, b) = (f.saturating_sub(reach), (f + reach).min(last));
-            (positions[b] - positions[a]) * (rate_hz as f32 / (b - a).max(1) as f32)
-        })
-        .collect()
+    let (a, b) = (frame.saturating_sub(reach), (frame + reach).min(num - 1));
+    (position(b) - position(a)) * (rate_hz as f32 / (b - a).max(1) as f32)
 }
 
 /// World positions and rotations of all joints at every frame of a clip.

@@ -20,11 +20,13 @@ fn reads_ranges_and_tags_in_seconds_and_frames() {
     all.insert("a", Sidecar::parse(text, "a.toml").unwrap(), 120.0, Some(Path::new("a.toml"))).unwrap();
     let frames = "unit = \"frames\"\nexclude = [[4, 8]]";
     all.insert("b", Sidecar::parse(frames, "b.toml").unwrap(), 120.0, Some(Path::new("b.toml"))).unwrap();
-    let a = all.ranges(&clip("a~mirror", 90)).unwrap();
+    let a = all.ranges(&Clip { mirrored: true, ..clip("a~mirror", 90) }).unwrap();
     assert_eq!(a.excluded.iter().map(|e| e.range.clone()).collect::<Vec<_>>(), [0..15, 60..90]);
     assert_eq!(a.tags, [Tag { name: "punch".into(), range: 30..45 }]);
     assert_eq!(all.ranges(&clip("b", 90)).unwrap().excluded[0].range, 1..2);
     assert_eq!(all.ranges(&clip("c", 90)).unwrap(), Marked::default());
+    // A file may be called as a copy is.
+    assert_eq!(all.ranges(&clip("a~mirror", 90)).unwrap(), Marked::default());
 }
 
 #[test]

@@ -114,11 +114,27 @@ fn files_in_archives_are_read_up_to_a_limit_and_find_their_skeleton() {
     let (zip, at) = (dir.path().join("more.zip"), |m: &str| dir.path().join("more.zip").join(m));
     assert_eq!(archive::read_file(&at("x/five.bvh"), "motion", 100).unwrap(), b"x/five.bvh");
     assert!(
-        archive::read_file(&at("x/five.bvh"), "motion", 9).unwrap_err().to_string().contains("five.bvh: it has more")
+        archive::read_file(&at("x/five.bvh"), "motion", 9)
+            .unwrap_err()
+            .to_string()
+            .contains("five.bvh: 0.0 MB in the archive become more")
     );
     assert!(archive::read_file(&at("x/seven.bvh"), "motion", 9).unwrap_err().to_string().contains("seven.bvh"));
     assert_eq!(find_asf(&at("x/six.amc")).unwrap(), at("x/b.asf"));
     assert!(archive::is_file(&at("x/b.asf")) && !archive::is_file(&at("b.asf")));
+    // What leads out of it is not found.
+    let out = dir.path().join("out.zip");
+    for outside in ["/etc/x.bvh", "../x.bvh", "a/../../x.bvh", "C:x.bvh", "a\\x.bvh", "./x.bvh"] {
+        // As long as the name that is put in its place, which the program that writes archives would not take.
+        let plain = "x".repeat(outside.len());
+        let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+        zip.start_file(&plain, zip::write::SimpleFileOptions::default()).unwrap();
+        let bytes = zip.finish().unwrap().into_inner();
+        let text = bytes.iter().map(|b| char::from(*b)).collect::<String>().replace(&plain, outside);
+        std::fs::write(&out, text.chars().map(|c| c as u8).collect::<Vec<_>>()).unwrap();
+        assert_eq!(archive::members(&out).unwrap(), [] as [&str; 0], "{outside}");
+    }
+    std::fs::remove_file(&out).unwrap();
     // Every byte may be wrong: nothing panics.
     let good = std::fs::read(&zip).unwrap();
     for i in 0..good.len() {

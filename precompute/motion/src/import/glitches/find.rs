@@ -2,7 +2,7 @@
 
 use super::signal::{Away, Value, sharp, spikes, steps};
 use super::{Glitch, GlitchKind, Treated};
-use crate::clip::runs;
+use crate::clip::{FrameRange, runs};
 use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
@@ -97,6 +97,8 @@ fn merge(mut all: Vec<Glitch>) -> Vec<Glitch> {
                     last.joints.clear();
                 } else {
                     last.joints.extend(g.joints);
+                    last.joints.sort_unstable();
+                    last.joints.dedup();
                 }
             }
             _ => out.push(g),
@@ -105,19 +107,22 @@ fn merge(mut all: Vec<Glitch>) -> Vec<Glitch> {
     out
 }
 
-/// Frames in which every number of the file is zero, in a clip where that is not the rule.
+/// Frames in which every number of the file is zero, in a clip where that is not the rule, between frames in which the body
+/// is elsewhere: at the ends, and where it stays in its place, that is a pose of rest.
 fn drop_outs(clip: &RawClip) -> Vec<Glitch> {
     let n = clip.joints.len();
     let roots: Vec<usize> = (0..n).filter(|&j| clip.joints[j].parent.is_none()).collect();
     let at_zero = |f: usize| roots.iter().all(|&j| clip.translations[f * n + j].length() < 1e-6);
-    let unturned = |f: usize| clip.rotations[f * n..(f + 1) * n].iter().all(|r| r.w.abs() > 1.0 - 1e-9);
+    let unturned = |f: usize| clip.rotations[f * n..(f + 1) * n].iter().all(|r| r.xyz().length() < 1e-6);
     let zero: Vec<bool> = (0..clip.num_frames).map(|f| at_zero(f) && unturned(f)).collect();
     let count = zero.iter().filter(|z| **z).count();
     if count == 0 || count * 2 > clip.num_frames {
         return Vec::new();
     }
-    let all = runs(0..clip.num_frames, |f| zero[f]);
-    all.into_iter().map(|r| glitch(GlitchKind::DropOut, r.start, r.end, "all numbers are zero".into())).collect()
+    let is_away = |f: usize| f < clip.num_frames && !at_zero(f);
+    let inner = |r: &FrameRange| r.start.checked_sub(1).is_some_and(is_away) && is_away(r.end);
+    let all = runs(0..clip.num_frames, |f| zero[f]).into_iter().filter(inner);
+    all.map(|r| glitch(GlitchKind::DropOut, r.start, r.end, "all numbers are zero".into())).collect()
 }
 
 impl Tracks {
@@ -281,5 +286,17 @@ impl Tracks {
         } else {
             glitch(kind, f - 1, f + 1, what)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn glitches_that_touch_are_one_that_has_each_joint_once() {
+        let of = |f: usize| Glitch { joints: vec![3, 2], ..glitch(GlitchKind::Pop, f, f + 1, String::new()) };
+        let one = merge((0..5).map(of).collect());
+        assert_eq!((one.len(), &one[0].frames, &one[0].joints[..]), (1, &(0..5), &[2, 3][..]));
     }
 }

@@ -142,6 +142,9 @@ impl<'a> Reader<'a> {
             None => vec![0.0; a.count * width],
         };
         if let Some(Sparse { count, indices, values }) = &a.sparse {
+            if *count > a.count {
+                return Err(format!("sparse: expected {} items at most, found {count}", a.count));
+            }
             let SparsePart { buffer_view, byte_offset, component_type } = indices;
             let places = self.whole(*buffer_view, *byte_offset, component_type.unwrap_or(0), *count)?;
             let items = self.items(values.buffer_view, values.byte_offset, *count, size * width)?;

@@ -13,8 +13,7 @@ pub const MAX_TRIANGLES: usize = 5_000_000;
 /// Most corners of them, of positions that no triangle uses too.
 const MAX_POSITIONS: usize = 3 * MAX_TRIANGLES;
 /// Most parts of meshes that nodes show.
-const MAX_PARTS: usize = 1_000_000;
-
+pub(crate) const MAX_PARTS: usize = 1_000_000;
 /// Coordinates are smaller than this (m).
 const MAX_POSITION: f32 = 1e6;
 

@@ -19,6 +19,7 @@ pub use document::{
     Sampler, SceneNodes, Skin, Sparse, SparsePart, Target, ViewExtensions, parse as document,
 };
 use glam::{DMat4, DQuat, DVec3, Mat4};
+pub(crate) use mesh::MAX_PARTS;
 pub use mesh::{MAX_TRIANGLES, triangles};
 use sampler::{Keys, Samplers};
 use std::collections::{BTreeMap, BTreeSet};
@@ -181,7 +182,8 @@ impl nodes::Animation for Tracks {
         let of_nodes = self.by_node.iter().filter(|(n, _)| nodes.contains(n));
         let tracks = of_nodes.flat_map(|(_, keys)| keys.iter().flatten()).map(Keys::times);
         let (begin, end) = tracks.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(begin, end), times| {
-            (times.iter().copied().fold(begin, f64::min), times.iter().copied().fold(end, f64::max))
+            // They are in order.
+            (times.first().map_or(begin, |t| begin.min(*t)), times.last().map_or(end, |t| end.max(*t)))
         });
         let (rate_hz, why) = match rate_of_keys(tracks) {
             Some(rate_hz) => (rate_hz, "most keys are that far apart"),

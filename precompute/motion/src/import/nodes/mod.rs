@@ -7,7 +7,7 @@ mod people;
 mod rate;
 
 use super::rest::nearest_axis;
-use super::source::{FrameSink, SourceClip, content_error, duplicate_names};
+use super::source::{FrameSink, MAX_NAME, SourceClip, content_error, duplicate_names};
 use crate::error::ImportError;
 use crate::raw::{RawJoint, SourceFormat};
 use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
@@ -15,7 +15,7 @@ use people::Person;
 #[cfg(feature = "fbx")]
 pub(super) use rate::without_rounding;
 pub(super) use rate::{FALLBACK_HZ, rate_of_keys};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Most clips of a file.
@@ -26,6 +26,10 @@ const MAX_NUMBER: f64 = 1e9;
 const ON_FRAME: f64 = 0.01;
 /// Joint transforms that a file may make however short it is: few keys may stand for long motion.
 const FREE_TRANSFORMS: usize = 1 << 20;
+/// Bytes of joints that all clips of a file may have together, for each byte of it and for every file: clips have the joints
+/// each by itself.
+const JOINT_BYTES: usize = 64;
+const FREE_JOINT_BYTES: usize = 256 << 20;
 
 /// A node's frame in that of its parent: scaled, then rotated, then moved.
 #[derive(Clone, Copy, Debug)]
@@ -121,6 +125,19 @@ impl Scene<'_> {
             if pairs.len() > MAX_CLIPS {
                 return Err(fail(format!("expected {MAX_CLIPS} clips at most, found more"), "Export fewer at once"));
             }
+            if animation.name().len() > MAX_NAME {
+                let what = format!("animation {a}: expected a name of at most {MAX_NAME} bytes, found a longer one");
+                return Err(fail(what, "Give it a shorter name"));
+            }
+        }
+        let of_joint = |n: &usize| size_of::<RawJoint>() + self.nodes[*n].name.len();
+        let joint_bytes: Vec<usize> = people.iter().map(|p| p.joints.iter().map(of_joint).sum()).collect();
+        let most = self.num_bytes.saturating_mul(JOINT_BYTES).saturating_add(FREE_JOINT_BYTES);
+        if pairs.iter().map(|&(_, p)| joint_bytes[p]).sum::<usize>() > most {
+            return Err(fail(
+                format!("the joints of {} clips are too many for its file", pairs.len()),
+                "Export fewer at once",
+            ));
         }
         if pairs.is_empty() {
             return Err(fail("its animations move no skeleton".into(), "Export it with the motion of its joints"));
@@ -181,14 +198,20 @@ impl Scene<'_> {
     fn names(&self, pairs: &[(usize, usize)], people: &[Person]) -> Vec<Option<String>> {
         let several = |of: fn(&(usize, usize)) -> usize| pairs.iter().any(|p| of(p) != of(&pairs[0]));
         let (animations, persons) = (several(|p| p.0), several(|p| p.1));
-        let mut taken = BTreeSet::new();
+        let (mut taken, mut numbers) = (BTreeSet::new(), BTreeMap::<String, usize>::new());
         let mut name = |&(a, p): &(usize, usize)| {
             let parts = [animations.then(|| self.animations[a].name()), persons.then(|| people[p].name.clone())];
             let words: Vec<String> = parts.iter().flatten().map(|n| plain(n)).filter(|n| !n.is_empty()).collect();
             let base = if words.is_empty() { "clip".to_owned() } else { words.join("/") };
-            let numbered = (2..).map(|i| format!("{base} {i}"));
-            let free = std::iter::once(base.clone()).chain(numbered).find(|n| taken.insert(n.clone()));
-            free.filter(|_| pairs.len() > 1)
+            let number = numbers.entry(base.clone()).or_insert(0);
+            let free = loop {
+                *number += 1;
+                let name = if *number == 1 { base.clone() } else { format!("{base} {number}") };
+                if taken.insert(name.clone()) {
+                    break name;
+                }
+            };
+            Some(free).filter(|_| pairs.len() > 1)
         };
         pairs.iter().map(&mut name).collect()
     }
@@ -204,7 +227,9 @@ impl Scene<'_> {
             |what: String, help| content_error(self.path, format!("animation `{}`: {what}", animation.name()), help);
         let Span { begin, end, rate_hz, finding } = span;
         let rest = Rest::new(self, person).map_err(|e| fail(e, "Apply scales and mirrors, and export it again"))?;
-        let mut sink = FrameSink::new(rest.joints.clone(), *budget);
+        // What is above is posed, too.
+        let cost = rest.joints.len().max(person.above.len());
+        let mut sink = FrameSink::new(rest.joints.clone(), *budget / cost * rest.joints.len());
         let mut turned = vec![(DVec3::ZERO, DQuat::IDENTITY); rest.joints.len()];
         let num_frames = ((end - begin) * rate_hz + ON_FRAME).floor() as usize + 1;
         for frame in 0..num_frames {
@@ -224,7 +249,7 @@ impl Scene<'_> {
                 return Err(fail(what, "Check the times of its keys"));
             }
         }
-        *budget -= sink.num_frames() * sink.num_joints();
+        *budget -= sink.num_frames() * cost;
         let warnings = duplicate_names(&rest.joints, self.path);
         let clip = sink.into_clip(self.path, self.format, rate_hz);
         Ok(SourceClip { clip, declared_metres_per_unit: Some(1.0), findings: vec![finding], warnings })

@@ -1,6 +1,6 @@
 //! Which nodes of a scene are the skeletons of people.
 
-use super::super::source::MAX_JOINTS;
+use super::super::source::{MAX_JOINTS, MAX_NAME};
 use super::Scene;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -161,6 +161,10 @@ impl<'a, 'b> Tree<'a, 'b> {
         let name = |n: usize| self.scene.nodes[n].name.clone();
         if joints.len() > MAX_JOINTS {
             return Err(format!("node `{}`: expected at most {MAX_JOINTS} joints, found {}", name(top), joints.len()));
+        }
+        let long = |n: &usize| self.scene.nodes[*n].name.len() > MAX_NAME;
+        if let Some(n) = joints.iter().copied().chain(parent(top)).find(long) {
+            return Err(format!("nodes[{n}]: expected a name of at most {MAX_NAME} bytes, found a longer one"));
         }
         let mut above: Vec<usize> = self.path_up(top).skip(1).collect();
         above.reverse();

@@ -1,6 +1,6 @@
 //! How many frames a second a clip has whose file only has keys.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Frames a second where keys do not tell (Hz).
 pub const FALLBACK_HZ: f64 = 30.0;
@@ -10,26 +10,43 @@ const FRAMES_S: f64 = 0.05;
 const JUMP_S: f64 = 0.001;
 /// Spacings that count as one (s).
 const BUCKET_S: f64 = 1e-5;
+/// Keys that are looked at one by one, those that nodes share each time; of more, those that are shared are looked at once.
+const MAX_KEYS: usize = 1 << 28;
 /// How far a rate may be from a whole number that is meant: far below 29.97 and 30, above the rounding of times.
 const ROUNDING: f64 = 3e-4;
 
 /// Frames a second by the most frequent spacing of keys, and a sentence that says why (Hz).
 ///
 /// - `tracks`: times of keys, in order (s).
-pub fn rate_of_keys<'a>(tracks: impl Iterator<Item = &'a [f64]> + Clone) -> Option<f64> {
+pub fn rate_of_keys<'a>(tracks: impl Iterator<Item = &'a [f64]>) -> Option<f64> {
+    rate_of(tracks, MAX_KEYS)
+}
+
+fn rate_of<'a>(tracks: impl Iterator<Item = &'a [f64]>, max_keys: usize) -> Option<f64> {
+    // With how often each counts.
+    let mut all: Vec<(&[f64], usize)> = tracks.map(|t| (t, 1)).collect();
+    if all.iter().map(|(t, _)| t.len()).sum::<usize>() > max_keys {
+        let mut times = HashMap::<_, usize>::new();
+        all.iter().for_each(|(t, _)| *times.entry((t.as_ptr(), t.len())).or_default() += 1);
+        all.retain_mut(|(t, n)| {
+            let often = times.remove(&(t.as_ptr(), t.len()));
+            *n = often.unwrap_or(0);
+            often.is_some()
+        });
+    }
     let spacings = || {
-        tracks
-            .clone()
-            .flat_map(|t| t.windows(2).map(|w| w[1] - w[0]))
-            .filter(|s| (JUMP_S..=FRAMES_S + BUCKET_S).contains(s))
+        all.iter()
+            .flat_map(|&(t, n)| t.windows(2).map(move |w| (w[1] - w[0], n)))
+            .filter(|(s, _)| (JUMP_S..=FRAMES_S + BUCKET_S).contains(s))
     };
     let mut counts = BTreeMap::<u64, usize>::new();
-    spacings().for_each(|s| *counts.entry((s / BUCKET_S).round() as u64).or_default() += 1);
+    spacings().for_each(|(s, n)| *counts.entry((s / BUCKET_S).round() as u64).or_default() += n);
     let most = counts.into_iter().max_by_key(|&(bucket, count)| (count, std::cmp::Reverse(bucket)))?;
     let near = most.0 as f64 * BUCKET_S;
     // Rounding of times spreads one spacing over several buckets.
-    let (sum, count) =
-        spacings().filter(|s| (s - near).abs() < 0.02 * near).fold((0.0, 0usize), |(sum, n), s| (sum + s, n + 1));
+    let (sum, count) = spacings()
+        .filter(|(s, _)| (s - near).abs() < 0.02 * near)
+        .fold((0.0, 0usize), |(sum, count), (s, n)| (sum + n as f64 * s, count + n));
     Some(without_rounding(count as f64 / sum))
 }
 
@@ -64,6 +81,14 @@ mod tests {
             assert!((got - hz).abs() < 1e-4 * hz && got != hz.round(), "{hz}: {got}");
         }
         assert_eq!(rate(&[vec![0.0, 1.0, 3.0], keys(60.0, 0.0, 9), vec![0.0, 0.04, 0.08]]), Some(60.0));
+    }
+
+    #[test]
+    fn keys_that_are_shared_count_as_often_when_they_are_looked_at_once() {
+        let (shared, own) = (keys(30.0, 0.0, 10), keys(60.0, 0.0, 20));
+        let tracks = || std::iter::repeat_n(&shared[..], 3).chain([&own[..]]);
+        assert_eq!((rate_of(tracks(), MAX_KEYS), rate_of(tracks(), 40)), (Some(30.0), Some(30.0)));
+        assert_eq!(rate_of(tracks().skip(2), 10), Some(60.0));
     }
 
     #[test]

@@ -6,12 +6,17 @@ use zip::ZipArchive;
 
 /// Longest header of an array.
 const MAX_HEADER: usize = 1 << 16;
+/// Bytes of an array for each byte of its file, and for every file: arrays are compressed.
+const BYTES_PER_BYTE: u64 = 64;
+const FREE_BYTES: u64 = 256 << 20;
 /// Most dimensions of an array.
 const MAX_DIMENSIONS: usize = 8;
 
 /// The arrays of a zip file, by name.
 pub struct Arrays<'a> {
     zip: ZipArchive<Cursor<&'a [u8]>>,
+    /// Most bytes of an array.
+    most: u64,
 }
 
 /// Numbers and their shape, read as 64-bit floats.
@@ -45,7 +50,8 @@ impl<'a> Arrays<'a> {
     /// Reads the list of files at the end of a zip file.
     pub fn open(bytes: &'a [u8]) -> Result<Self, String> {
         let zip = ZipArchive::new(Cursor::new(bytes));
-        Ok(Self { zip: zip.map_err(|e| format!("this is no .npz file, or it is damaged: {e}"))? })
+        let most = (bytes.len() as u64).saturating_mul(BYTES_PER_BYTE).saturating_add(FREE_BYTES).min(MAX_MOTION_BYTES);
+        Ok(Self { zip: zip.map_err(|e| format!("this is no .npz file, or it is damaged: {e}"))?, most })
     }
 
     pub fn has(&self, name: &str) -> bool {
@@ -59,14 +65,18 @@ impl<'a> Arrays<'a> {
                 self.zip.file_names().flatten().map(|n| n.trim_end_matches(".npy").to_owned()).take(40).collect();
             return Err(format!("there is no array `{name}`, only: {}", names.join(", ")));
         };
-        let mut bytes = Vec::new();
+        let (mut bytes, most) = (Vec::new(), self.most);
         // What an archive says of lengths need not be true; the checksum is looked at where the file ends.
         let read = self
             .zip
             .by_index(index)
             .map_err(|e| e.to_string())
-            .and_then(|file| file.take(MAX_MOTION_BYTES).read_to_end(&mut bytes).map_err(|e| e.to_string()));
-        read.and_then(|_| array(&bytes)).map_err(|e| format!("`{name}`: {e}"))
+            .and_then(|file| file.take(most + 1).read_to_end(&mut bytes).map_err(|e| e.to_string()));
+        let whole = read.and_then(|n| match n as u64 > most {
+            true => Err(format!("expected {} MiB at most of a file of its size, found more", most >> 20)),
+            false => array(&bytes),
+        });
+        whole.map_err(|e| format!("`{name}`: {e}"))
     }
 }
 

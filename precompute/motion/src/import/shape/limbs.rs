@@ -3,6 +3,7 @@
 use super::names::Part::{self, Foot, Forearm, Hand, Shin, Thigh, UpperArm};
 use super::names::Side;
 use super::tree::Tree;
+use std::collections::HashSet;
 
 /// Segments of a left and a right limb differ by less than this share.
 const MAX_ASYMMETRY: f32 = 0.22;
@@ -140,13 +141,13 @@ fn match_children(tree: &Tree, a: usize, b: usize) -> Vec<[usize; 2]> {
         }
     }
     all.sort_by(|x, y| x.0.total_cmp(&y.0));
-    let mut out: Vec<[usize; 2]> = Vec::new();
-    for (_, [x, y]) in all {
-        if !out.iter().any(|[p, q]| *p == x || *q == y) {
-            out.push([x, y]);
-        }
-    }
-    out
+    let mut taken = HashSet::<usize>::new();
+    all.retain(|(_, both)| {
+        let free = both.iter().all(|j| !taken.contains(j));
+        taken.extend(both.iter().filter(|_| free));
+        free
+    });
+    all.into_iter().map(|(_, both)| both).collect()
 }
 
 /// The three joints of a limb on one way down.

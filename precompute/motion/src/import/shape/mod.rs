@@ -18,8 +18,12 @@ use glam::Vec3;
 use limbs::{Limb, Pair};
 use names::Part;
 pub(super) use sides::of_roles;
+use std::collections::HashMap;
 use throng_core::{Joint, NUM_JOINTS};
 pub(super) use tree::Tree;
+
+/// Pairs that are looked at as legs, and as arms; people have a few dozen of them.
+const MAX_PAIRS: usize = 256;
 
 /// Why a skeleton is no person: what it is instead, and the way out.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,9 +74,16 @@ pub(super) fn recognise(clip: &RawClip) -> Result<RoleMap, NoPerson> {
 fn best_body(tree: &Tree, pairs: &[Pair]) -> Option<Body> {
     let longest = pairs.iter().map(|p| p.leg.length).fold(0.0, f32::max);
     let mut best: Option<(f32, Body)> = None;
-    for legs in pairs {
-        for arms in pairs {
-            let Some(score) = score(tree, legs, arms, longest) else { continue };
+    let mut necks = HashMap::new();
+    let arms = likeliest(pairs, |p| &p.arm, longest);
+    for legs in likeliest(pairs, |p| &p.leg, longest) {
+        for &arms in &arms {
+            let mut has_head = || {
+                let (chest, hips) = (arms.parent, legs.parent);
+                let necks = necks.entry((chest, hips)).or_insert_with(|| trunk::necks(tree, chest, hips));
+                trunk::has_head(tree, arms, necks)
+            };
+            let Some(score) = score(tree, legs, arms, longest, &mut has_head) else { continue };
             if best.as_ref().is_none_or(|(s, _)| score > *s) {
                 let (hips, chest) = (legs.parent, arms.parent);
                 best = Some((score, Body { legs: legs.leg.clone(), arms: arms.arm.clone(), hips, chest }));
@@ -82,8 +93,20 @@ fn best_body(tree: &Tree, pairs: &[Pair]) -> Option<Body> {
     best.map(|(_, body)| body)
 }
 
+/// The pairs that are the most like legs or arms, in their order.
+fn likeliest(pairs: &[Pair], limb: impl Fn(&Pair) -> &Limb, longest: f32) -> Vec<&Pair> {
+    let value = |i: &usize| 2.0 * limb(&pairs[*i]).names + limb(&pairs[*i]).score / longest;
+    let mut all: Vec<usize> = (0..pairs.len()).collect();
+    all.sort_by(|a, b| value(b).total_cmp(&value(a)));
+    all.truncate(MAX_PAIRS);
+    all.sort_unstable();
+    all.into_iter().map(|i| &pairs[i]).collect()
+}
+
 /// How well two pairs are the legs and the arms of one body; `None` where they cannot be.
-fn score(tree: &Tree, legs: &Pair, arms: &Pair, longest: f32) -> Option<f32> {
+///
+/// - `has_head`: asked whether a head goes on from where the arms meet.
+fn score(tree: &Tree, legs: &Pair, arms: &Pair, longest: f32, has_head: &mut dyn FnMut() -> bool) -> Option<f32> {
     let inside = |a: &Pair, b: &Pair| a.first.iter().any(|&f| tree.is_above(f, b.parent));
     let apart = legs.first.iter().all(|f| !arms.first.contains(f)) && !inside(legs, arms) && !inside(arms, legs);
     let is_hand = legs.parent == arms.parent && none::is_hand(tree, legs.parent);
@@ -105,7 +128,7 @@ fn score(tree: &Tree, legs: &Pair, arms: &Pair, longest: f32) -> Option<f32> {
     let away = pointing_away(tree, legs, arms) - pointing_away(tree, arms, legs);
     let names = legs.leg.names + arms.arm.names;
     let size = (legs.leg.score + arms.arm.score) / longest;
-    let head = if trunk::has_head(tree, arms, legs.parent) { 1.0 } else { 0.0 };
+    let head = if has_head() { 1.0 } else { 0.0 };
     Some(2.0 * names + nearer_root + proportion + 0.5 * away + size + head)
 }
 
@@ -166,4 +189,33 @@ fn longest_below(tree: &Tree, joint: usize) -> Option<usize> {
 fn clavicle(tree: &Tree, before: &[usize]) -> Option<usize> {
     let candidates = || before.iter().copied().filter(|&j| tree.is_candidate(j));
     candidates().find(|&j| tree.labels[j].may_be(Part::Clavicle)).or(candidates().next())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::bvh;
+    use std::path::Path;
+
+    #[test]
+    fn skeletons_of_many_alike_limbs_are_looked_at_in_part() {
+        let limb = "JOINT a { OFFSET 0 1 0 CHANNELS 0 JOINT b { OFFSET 0 1 0 CHANNELS 0 End Site { OFFSET 0 1 0 } } }";
+        let text = format!(
+            "HIERARCHY ROOT r {{ OFFSET 0 0 0 CHANNELS 1 Xposition {0} JOINT s {{ OFFSET 0 1 0 CHANNELS 0 {0} }} }} MOTION \
+             Frames: 1\nFrame Time: 0.1\n0\n",
+            limb.repeat(30)
+        );
+        let clip = bvh::parse(text.as_bytes(), Path::new("a.bvh")).unwrap().clip;
+        let tree = Tree::new(&clip);
+        for (a, b) in (0..clip.joints.len()).flat_map(|a| [(a, 0), (0, a), (a, a / 2), (a / 2, a), (a, a)]) {
+            assert_eq!(tree.is_above(a, b), tree.path_up(b).any(|j| j == a), "{a} {b}");
+        }
+        let pairs = limbs::pairs(&tree);
+        assert!(pairs.len() > 2 * MAX_PAIRS, "{}", pairs.len());
+        let longest = pairs.iter().map(|p| p.leg.length).fold(0.0, f32::max);
+        let likeliest = likeliest(&pairs, |p| &p.leg, longest);
+        assert_eq!(likeliest.len(), MAX_PAIRS);
+        assert!(likeliest.is_sorted_by_key(|p| (p.parent, p.first)));
+        assert!(recognise(&clip).is_err());
+    }
 }

@@ -25,7 +25,7 @@ pub(super) fn explain(tree: &Tree, pairs: &[Pair]) -> NoPerson {
     let arms = pair.arm.names > pair.leg.names;
     let legs = pair.leg.names > pair.arm.names;
     let above = tree.path_up(pair.parent).last().unwrap_or(pair.parent);
-    let upper = arms || (!legs && trunk::has_head(tree, pair, above));
+    let upper = arms || (!legs && trunk::has_head(tree, pair, &trunk::necks(tree, pair.parent, above)));
     let (has, lacks) = if upper { ("an upper body", "legs") } else { ("a lower body", "arms") };
     no_person(tree, &format!("it is {has} alone: `{a}` and `{b}` are a pair of limbs, and no pair of {lacks} is there"))
 }

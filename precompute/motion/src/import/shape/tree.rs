@@ -21,6 +21,8 @@ pub struct Tree<'a> {
     pub lengths: Vec<f32>,
     /// Longest way along joints below each one.
     pub heights: Vec<f32>,
+    /// Each joint and those below it have places in a row: the first, and the one after the last.
+    rows: Vec<[usize; 2]>,
     /// True where neither the joint nor any below it may play a role, by name.
     pub pruned: Vec<bool>,
     /// World positions of all joints, frame by frame.
@@ -44,6 +46,7 @@ impl<'a> Tree<'a> {
         };
         let lengths: Vec<f32> = (0..n).map(length).collect();
         let labels: Vec<Label> = clip.joints.iter().map(|j| Label::of(&j.name)).collect();
+        let rows = rows(&children, clip);
         let (mut heights, mut pruned) = (vec![0f32; n], vec![true; n]);
         for j in (0..n).rev() {
             let is_end = clip.joints[j].is_end;
@@ -58,7 +61,7 @@ impl<'a> Tree<'a> {
             }
         }
         let frames = sampled.iter().map(|&f| clip.world(f).into_iter().map(|(p, _)| p).collect()).collect();
-        Self { clip, labels, children, lengths, heights, pruned, frames }
+        Self { clip, labels, children, lengths, heights, rows, pruned, frames }
     }
 
     /// Joints below one that may play roles, or lead to such.
@@ -83,7 +86,7 @@ impl<'a> Tree<'a> {
 
     /// True where `above` is `joint` or one of its ancestors.
     pub fn is_above(&self, above: usize, joint: usize) -> bool {
-        self.path_up(joint).any(|j| j == above)
+        (self.rows[above][0]..self.rows[above][1]).contains(&self.rows[joint][0])
     }
 
     /// The nearest joint that is above both.
@@ -100,4 +103,27 @@ impl<'a> Tree<'a> {
         let all: Vec<f32> = self.frames.iter().filter_map(|f| of(f)).filter(|v| v.is_finite()).collect();
         (!all.is_empty()).then(|| all.iter().sum::<f32>() / all.len() as f32)
     }
+}
+
+fn rows(children: &[Vec<usize>], clip: &RawClip) -> Vec<[usize; 2]> {
+    let mut sizes = vec![1; children.len()];
+    for (j, joint) in clip.joints.iter().enumerate().rev() {
+        if let Some(p) = joint.parent {
+            sizes[p] += sizes[j];
+        }
+    }
+    let mut rows = vec![[0; 2]; children.len()];
+    let mut free = 0;
+    for (j, joint) in clip.joints.iter().enumerate() {
+        if joint.parent.is_none() {
+            rows[j] = [free, free + sizes[j]];
+            free += sizes[j];
+        }
+        let mut next = rows[j][0] + 1;
+        for &c in &children[j] {
+            rows[c] = [next, next + sizes[c]];
+            next += sizes[c];
+        }
+    }
+    rows
 }

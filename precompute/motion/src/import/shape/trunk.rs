@@ -56,27 +56,40 @@ fn spine(tree: &Tree, body: &Body) -> Vec<usize> {
 }
 
 /// True where a chain goes on from where a pair of arms meets, away from the legs.
-pub fn has_head(tree: &Tree, arms: &Pair, hips: usize) -> bool {
-    let firsts = [arms.first[..1].to_vec(), arms.first[1..].to_vec()];
-    !head_chain(tree, arms.parent, &firsts, hips).is_empty()
+///
+/// - `necks`: what may start it, as [`necks`] has it.
+pub fn has_head(tree: &Tree, arms: &Pair, necks: &[usize]) -> bool {
+    let start = necks.iter().copied().find(|j| !arms.first.contains(j));
+    start.is_some_and(|start| goes_on(tree, arms.parent, start).next().is_some())
 }
 
 /// The chain of joints from where the arms meet to the head, and beyond it.
 fn head_chain(tree: &Tree, chest: usize, arms: &[Vec<usize>; 2], hips: usize) -> Vec<usize> {
-    let start = tree
+    let start = necks(tree, chest, hips).into_iter().find(|j| !arms.iter().any(|arm| arm.contains(j)));
+    start.map_or_else(Vec::new, |start| goes_on(tree, chest, start).collect())
+}
+
+/// The joints that a neck may start with, the best first.
+pub fn necks(tree: &Tree, chest: usize, hips: usize) -> Vec<usize> {
+    let mut all: Vec<(usize, f32)> = tree
         .below(chest)
-        .filter(|&j| tree.turns(j) && !arms.iter().any(|arm| arm.contains(&j)) && !tree.is_above(j, hips))
+        .filter(|&j| tree.turns(j) && !tree.is_above(j, hips))
         .map(|j| (j, head_score(tree, chest, hips, j)))
         .filter(|(_, score)| *score > 0.0)
-        .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
-    let Some((start, _)) = start else { return Vec::new() };
-    let reach = |j: usize| {
+        .collect();
+    all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    all.into_iter().map(|(j, _)| j).collect()
+}
+
+/// The chain of joints that a neck starts.
+fn goes_on<'a>(tree: &'a Tree, chest: usize, start: usize) -> impl Iterator<Item = usize> + 'a {
+    let reach = move |j: usize| {
         let named = tree.labels[j].may_be(Part::Neck) || tree.labels[j].may_be(Part::Head);
         tree.lengths[j] + tree.heights[j] + if named { tree.heights[chest] } else { 0.0 }
     };
-    let farther = |a: &usize, b: &usize| reach(*a).total_cmp(&reach(*b)).then(b.cmp(a));
-    let next = |j: &usize| tree.below(*j).filter(|&c| tree.turns(c)).max_by(farther);
-    std::iter::successors(Some(start), next).filter(|&j| tree.is_candidate(j)).collect()
+    let farther = move |a: &usize, b: &usize| reach(*a).total_cmp(&reach(*b)).then(b.cmp(a));
+    let next = move |j: &usize| tree.below(*j).filter(|&c| tree.turns(c)).max_by(|a, b| farther(a, b));
+    std::iter::successors(Some(start), next).filter(|&j| tree.is_candidate(j))
 }
 
 /// How well a joint starts the neck: it goes on where the trunk points, and is called so.
