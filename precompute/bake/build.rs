@@ -5,6 +5,8 @@ use std::collections::BTreeSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
+/// What decides the versions of other crates, and how they are compiled.
+const CRATES: [&str; 2] = ["../../Cargo.lock", "../../Cargo.toml"];
 /// What stages are made of, seen from this crate's folder; what is not there in a packaged crate is passed over.
 const SOURCES: [&str; 7] = [
     "src",
@@ -22,7 +24,13 @@ fn main() -> std::io::Result<()> {
         println!("cargo::rerun-if-changed={}", folder.display());
         collect(folder, &mut files)?;
     }
+    for file in CRATES.map(Path::new).into_iter().filter(|f| f.is_file()) {
+        println!("cargo::rerun-if-changed={}", file.display());
+        files.insert(file.to_path_buf());
+    }
     let mut hasher = DefaultHasher::new();
+    // Last bits differ between kinds of processors.
+    std::env::var("TARGET").ok().hash(&mut hasher);
     for file in files {
         file.hash(&mut hasher);
         std::fs::read(&file)?.hash(&mut hasher);

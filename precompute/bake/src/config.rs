@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use throng_base::text::Source;
 use throng_motion::annotate::{AnnotateConfig, Sidecar};
 use throng_motion::error::BuildError;
-use throng_motion::import::ImportConfig;
+use throng_motion::import::{self, ImportConfig};
 use throng_motion::resample::ResampleConfig;
 use throng_motion::retarget::RetargetConfig;
 use throng_synth::SynthInput;
@@ -165,6 +165,10 @@ impl BuildConfig {
             }
             _ => {}
         }
+        if let Some(path) = self.paths().find(|p| p.to_str().is_none()) {
+            let why = format!("{}: expected a path in UTF-8; rename the folder or the file", path.display());
+            return Err(BuildError::key("inputs", &why));
+        }
         self.import.check().map_err(|e| e.within("import"))?;
         self.synth.as_ref().map_or(Ok(()), |s| s.check().map_err(|e| e.within("synth")))?;
         self.retarget.check()?;
@@ -187,7 +191,9 @@ impl BuildConfig {
     pub(crate) fn motion(&self) -> impl Serialize {
         let patches = &self.patches;
         let surroundings = (&patches.environments, &patches.touch);
-        (&self.import, &self.clips, &self.retarget, &self.resample, &self.annotate, surroundings)
+        // Names of clips depend on the folder that was given, and a path may name one clip of a file.
+        let given = (&self.inputs, import::READS_FBX);
+        (given, &self.import, &self.clips, &self.retarget, &self.resample, &self.annotate, surroundings)
     }
 
     /// The config as TOML, as the bundle keeps it.

@@ -11,7 +11,7 @@ use crate::config::BuildConfig;
 use crate::environment::UnitSet;
 use crate::parts::Parts;
 use crate::patch;
-use crate::provenance::{FileKeys, Provenance};
+use crate::provenance::{self, FileKeys, Provenance};
 use crate::stages::{Motion, Performer, Stages};
 use lent::Lent;
 use rayon::prelude::*;
@@ -43,6 +43,7 @@ pub(crate) fn collect(
     if let Some(units) = units {
         s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
     }
+    provenance::check_unchanged(from, cfg)?;
     Ok(Motion { clips, skipped, performers, files_kept, clips_kept, warnings })
 }
 
@@ -75,12 +76,12 @@ struct Read<'a> {
 fn begin<'a>(
     cfg: &'a BuildConfig,
     parts: Parts,
-    from: &Provenance,
+    from: &'a Provenance,
     s: &'a Stages<'_>,
     lends: bool,
 ) -> Result<Read<'a>, BuildError> {
     let files = from.file_keys(&cfg.import);
-    let lent = lends.then(|| Lent::new(&cfg.import, s.cache()));
+    let lent = lends.then(|| Lent::new(from.file_keys(&cfg.import), s.cache()));
     let ((mut raw, files_kept), sidecars) = s.run("import", |p| match &cfg.synth {
         Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import).map(|(set, marks)| ((set, 0), marks)),
         None => Ok((read(cfg, &files, s.cache(), lent.as_ref(), p)?, BTreeMap::new())),
@@ -126,7 +127,7 @@ fn read(
     let kept = AtomicUsize::new(0);
     let reader = |file: &MotionFile, read: &dyn Fn() -> Clips| {
         let Ok(key) = keys.key_of(&file.path) else { return read() };
-        let (mut imported, was_kept) = cache.each("import", key, read)?;
+        let (mut imported, was_kept) = cache.each("import", key, || keys.read(&file.path, read))?;
         kept.fetch_add(usize::from(was_kept), Ordering::Relaxed);
         lent.into_iter().for_each(|lent| lent.take_back(file, key, &mut imported));
         Ok(imported)

@@ -19,7 +19,7 @@ use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use throng_base::{Alone, Comm};
-use throng_core::format::ActivityMeta;
+use throng_core::format::{ActivityMeta, MAGIC};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Warnings};
 use throng_motion::import::Imported;
@@ -74,6 +74,7 @@ pub fn bake_shard(
 /// # Errors
 /// As [`provenance::collect`].
 pub fn kept_bundle(cfg: &BuildConfig, cache: &Cache) -> Result<Option<PathBuf>, BuildError> {
+    cfg.check()?;
     let key = Key::of("bundle", &[provenance::collect(cfg)?.key()?], cfg)?;
     Ok(cache.bundle(key))
 }
@@ -95,7 +96,7 @@ pub fn build_shared(
     comm: &dyn Comm,
 ) -> Result<BuildReport, BuildError> {
     cfg.check()?;
-    files::check_target(out)?;
+    files::check_replaced(out, &MAGIC, "a bundle")?;
     let (s, mut attempts) = (Stages::new(cache, progress, comm), Attempts::new(parts));
     let units = cfg.patches.units.as_deref().map(UnitSet::load).transpose()?;
 

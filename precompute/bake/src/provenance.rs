@@ -8,10 +8,9 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Component, Path, PathBuf};
-use throng_base::file::open_file;
 use throng_core::format::{Meta, SourceMeta};
-use throng_motion::error::BuildError;
-use throng_motion::import::{self, ImportConfig, archive};
+use throng_motion::error::{BuildError, ImportError};
+use throng_motion::import::{self, Clips, ImportConfig, archive};
 use throng_synth::SynthInput;
 use xxhash_rust::xxh3::Xxh3;
 
@@ -29,7 +28,7 @@ pub struct Provenance {
 
 /// What the keys of single motion files are made of.
 pub struct FileKeys<'a> {
-    config: &'a ImportConfig,
+    pub(crate) config: &'a ImportConfig,
     /// Skeleton and profiles that the config names.
     given: Vec<&'a SourceMeta>,
     files: BTreeMap<&'a Path, &'a SourceMeta>,
@@ -42,10 +41,49 @@ impl FileKeys<'_> {
     /// # Errors
     /// Never in practice, as [`Provenance::key`].
     pub fn key_of(&self, file: &Path) -> Result<Key, BuildError> {
+        let name = file.as_os_str().as_encoded_bytes();
+        let read: Vec<_> = self.read_with(file).map(|path| self.files.get(&*path)).collect();
+        Key::of("file", &[], &(name, read, &self.given, self.config, import::READS_FBX))
+    }
+
+    /// A file, and what is read along with it.
+    fn read_with(&self, file: &Path) -> impl Iterator<Item = PathBuf> {
         let whole = import::clip_in_file(file).map_or(file.to_path_buf(), |(whole, _)| whole);
-        let along = self.along.get(&whole).into_iter().flatten();
-        let read: Vec<_> = std::iter::once(&whole).chain(along).map(|path| self.files.get(&**path)).collect();
-        Key::of("file", &[], &(file, read, &self.given, self.config))
+        let along = self.along.get(&whole).into_iter().flatten().cloned();
+        std::iter::once(whole.clone()).chain(along)
+    }
+
+    /// Reads a motion file, of which the key has to be true.
+    ///
+    /// # Errors
+    /// Those of `import`; [`ImportError::Changed`] where a file is not what was hashed.
+    pub fn read(&self, file: &Path, import: impl FnOnce() -> Clips) -> Clips {
+        let clips = import();
+        let given = self.given.iter().map(|s| PathBuf::from(&s.path));
+        for path in self.read_with(file).chain(given) {
+            let is_same = |was: &&SourceMeta| hash(&path).is_ok_and(|now| now == **was);
+            if self.files.get(&*path).is_none_or(is_same) {
+                continue;
+            }
+            return Err(ImportError::Changed { path });
+        }
+        clips
+    }
+}
+
+/// Checks that files still are what they were: all, as some stages read them again.
+///
+/// # Errors
+/// As [`collect`]; [`ImportError::Changed`] names the first file that is another one.
+pub fn check_unchanged(from: &Provenance, config: &BuildConfig) -> Result<(), BuildError> {
+    let now = collect(config)?;
+    let both = from.sources.iter().map(Some).chain([None]).zip(now.sources.iter().map(Some).chain([None]));
+    match both.into_iter().find(|(was, is)| was != is) {
+        None => Ok(()),
+        Some((was, is)) => {
+            let path = was.or(is).map(|s| PathBuf::from(&s.path)).unwrap_or_default();
+            Err(ImportError::Changed { path }.into())
+        }
     }
 }
 
@@ -113,14 +151,8 @@ fn made(synth: &SynthInput, rate_hz: f64) -> SourceMeta {
 }
 
 fn hash(path: &Path) -> Result<SourceMeta, BuildError> {
-    if archive::split(path).is_some() {
-        let bytes = archive::read_file(path, "a file of a build", import::MAX_MOTION_BYTES)?;
-        let (path, hash) = (path.display().to_string(), content_hash(&bytes));
-        return Ok(SourceMeta { path, bytes: bytes.len() as u64, hash });
-    }
-    let (mut file, _) = open_file(path, "a file of a build", import::MAX_MOTION_BYTES)?;
     let mut counted = Counted { hash: Xxh3::new(), bytes: 0 };
-    std::io::copy(&mut file, &mut counted).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+    archive::copy_file(path, "a file of a build", import::MAX_MOTION_BYTES, &mut counted)?;
     Ok(SourceMeta { path: path.display().to_string(), bytes: counted.bytes, hash: counted.hash.digest128() })
 }
 

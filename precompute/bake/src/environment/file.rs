@@ -4,7 +4,7 @@ use super::{Environment, PlacedUnit, UnitSet};
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use throng_base::text;
 use throng_core::patch::Placement;
@@ -87,11 +87,13 @@ impl EnvironmentFile {
     }
 
     fn lay_out(&self, units: &UnitSet) -> Result<Environment, BuildError> {
-        if let Some(name) = self.prefabs.keys().find(|name| units.find(name).is_some()) {
+        let numbers: HashMap<&str, usize> = units.units.iter().enumerate().map(|(i, u)| (u.name.as_str(), i)).collect();
+        if let Some(name) = self.prefabs.keys().find(|name| numbers.contains_key(name.as_str())) {
             let why = "a unit has that name too; rename one of them";
             return Err(BuildError::key(format!("prefabs.{name}"), why));
         }
-        let mut layout = Layout { file: self, units, open: Vec::new(), out: Vec::new(), taken: BTreeSet::new() };
+        let (open, out, taken) = (Vec::new(), Vec::new(), BTreeSet::new());
+        let mut layout = Layout { file: self, units, numbers, open, out, taken };
         // Those that are never placed must be right too.
         for (name, places) in &self.prefabs {
             if places.is_empty() {
@@ -110,6 +112,8 @@ impl EnvironmentFile {
 struct Layout<'a> {
     file: &'a EnvironmentFile,
     units: &'a UnitSet,
+    /// Of each unit, by its name.
+    numbers: HashMap<&'a str, usize>,
     /// Prefabs that are being laid out, outermost first.
     open: Vec<&'a str>,
     out: Vec<PlacedUnit>,
@@ -125,22 +129,14 @@ impl<'a> Layout<'a> {
     }
 
     fn check(&self, place: &Place, index: usize) -> Result<(), BuildError> {
-        let fine = |v: &f32| v.abs() < MAX_NUMBER;
-        let moderate = format!("expected numbers below {MAX_NUMBER}");
-        if !place.at.iter().all(fine) {
-            return self.fault(index, "at", format!("{moderate}, found {:?}", place.at));
-        }
-        if !fine(&place.heading_deg) {
-            return self.fault(index, "heading_deg", format!("{moderate}, found {}", place.heading_deg));
-        }
-        if !place.step.iter().flatten().all(fine) {
-            return self.fault(index, "step", format!("{moderate}, found {:?}", place.step));
-        }
+        self.moderate(index, "at", &place.at)?;
+        self.moderate(index, "heading_deg", &[place.heading_deg])?;
+        self.moderate(index, "step", place.step.as_flattened())?;
         if place.repeat.contains(&0) {
             return self.fault(index, "repeat", format!("expected numbers of at least 1, found {:?}", place.repeat));
         }
         let name = place.unit.as_str();
-        if self.units.find(name).is_none() && !self.file.prefabs.contains_key(name) {
+        if !self.numbers.contains_key(name) && !self.file.prefabs.contains_key(name) {
             let known = self.units.units.iter().map(|u| u.name.as_str());
             let known = known.chain(self.file.prefabs.keys().map(String::as_str));
             let meant = text::did_you_mean(name, known);
@@ -148,6 +144,13 @@ impl<'a> Layout<'a> {
             return self.fault(index, "unit", format!("no unit of {place} and no prefab is called `{name}`.{meant}"));
         }
         Ok(())
+    }
+
+    fn moderate(&self, index: usize, key: &str, numbers: &[f32]) -> Result<(), BuildError> {
+        match numbers.iter().all(|v| v.abs() < MAX_NUMBER) {
+            true => Ok(()),
+            false => self.fault(index, key, format!("expected numbers below {MAX_NUMBER}, found {numbers:?}")),
+        }
     }
 
     fn all(&mut self, places: &'a [Place], frame: Placement) -> Result<(), BuildError> {
@@ -174,8 +177,10 @@ impl<'a> Layout<'a> {
     }
 
     fn one(&mut self, place: &'a Place, index: usize, at: Placement) -> Result<(), BuildError> {
-        if let Some(unit) = self.units.find(&place.unit) {
+        if let Some(&unit) = self.numbers.get(place.unit.as_str()) {
             let placement = at.wrapped();
+            let Placement { x, y, z, .. } = placement;
+            self.moderate(index, if place.repeat == once() { "at" } else { "step" }, &[x, y, z])?;
             if self.out.len() >= MAX_UNITS {
                 return self.fault(index, "", format!("an environment may hold {MAX_UNITS} units, found more"));
             }
@@ -185,7 +190,6 @@ impl<'a> Layout<'a> {
             let heading = if turn - heading < 5e-4 { 0.0 } else { heading };
             let key = [placement.x, placement.y, placement.z, heading].map(thousandths);
             if !self.taken.insert((unit, key)) {
-                let Placement { x, y, z, .. } = placement;
                 let what = format!("`{}` stands at ({x:.3}, {y:.3}, {z:.3}) twice; leave one out", place.unit);
                 return self.fault(index, "", what);
             }
@@ -297,6 +301,11 @@ mod tests {
         assert!(e.ends_with("is called `pots`. Did you mean `post`?"), "{e}");
         let e = place("{ unit = \"post\", at = [nan, 0.0, 0.0] }");
         assert!(e.starts_with("e.toml: place[0].at: expected numbers below"), "{e}");
+        let e = place(
+            "{ unit = \"post\", at = [0.0, 0.0, 0.0], repeat = [2, 1, 1], step = [[9e4, 0, 0], [0, 0, 0], [0, 0, 0]] }, \
+             { unit = \"post\", at = [0.0, 0.0, 5.0], repeat = [3, 1, 1], step = [[9e4, 0, 1], [0, 0, 0], [0, 0, 0]] }",
+        );
+        assert_eq!(e, "e.toml: place[1].step: expected numbers below 100000, found [180000.0, 0.0, 7.0]");
         let e = place("{ unit = \"post\", at = [0.0, 0.0, 0.0], repeat = [1, 0, 1] }");
         assert!(e.starts_with("e.toml: place[0].repeat: expected numbers of at least 1"), "{e}");
         let e = place("{ unit = \"post\", at = [0.0, 0.0, 0.0], repeat = [9999, 9999, 9999] }");

@@ -235,8 +235,8 @@ impl BlendConfig {
                 let found = format!("expected none on axis `{name}`, whose value is measured, found some");
                 return Err(fault(format!("axes[{i}].tags"), &found));
             }
-            if a.range.is_some_and(|[low, high]| !(low < high && low.abs().max(high.abs()) < 1e4)) {
-                let found = format!("expected [low, high] of axis `{name}`, found {:?}", a.range);
+            if a.range.is_some_and(|[low, high]| !(low + 0.001 <= high && low.abs().max(high.abs()) < 1e4)) {
+                let found = format!("expected [low, high] of axis `{name}`, 0.001 apart or more, found {:?}", a.range);
                 return Err(fault(format!("axes[{i}].range"), &found));
             }
             if a.spacing.is_some_and(|s| !(s > 0.0 && s < 1e4)) {

@@ -20,7 +20,7 @@ pub struct GraphConfig {
     /// Most actions a state may have (4 to 255).
     pub max_actions: usize,
     /// Longest action: a character chooses at least this often. Motion without a choice for longer is left out
-    /// (s, 0.1 to 10000).
+    /// (s, 0.1 to 30).
     pub max_action_s: f64,
     /// Transitions that stay within this time of where they leave in the same clip are left out.
     /// (s, 0 to 10000)
@@ -75,7 +75,7 @@ impl GraphConfig {
             ("max_error", self.max_error, 1e-6, 1e3),
             ("max_actions", self.max_actions as f64, 4.0, 255.0),
             ("branching", self.branching, 2.0, self.max_actions as f64),
-            ("max_action_s", self.max_action_s, 0.1, 1e4),
+            ("max_action_s", self.max_action_s, 0.1, 30.0),
             ("min_jump_s", self.min_jump_s, 0.0, 1e4),
             ("outcome_distance", self.outcome_distance, 0.0, 1e3),
             ("outcome_angle", self.outcome_angle, 0.0, 10.0),

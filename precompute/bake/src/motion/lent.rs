@@ -1,16 +1,17 @@
 //! Motion that is in the cache and not in memory: a file's is read again when it is needed, and given up after.
 
 use crate::cache::{Cache, Key};
+use crate::provenance::FileKeys;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use throng_motion::error::BuildError;
-use throng_motion::import::{self, ImportConfig, Imported, MotionFile};
+use throng_motion::import::{self, Imported, MotionFile};
 use throng_motion::retarget::Source;
 
 /// Where the motion of clips is.
 pub(super) struct Lent<'a> {
-    import: &'a ImportConfig,
+    keys: FileKeys<'a>,
     cache: &'a Cache,
     /// By path of the clip.
     clips: Mutex<BTreeMap<PathBuf, Whereabouts>>,
@@ -29,8 +30,8 @@ struct Whereabouts {
 }
 
 impl<'a> Lent<'a> {
-    pub(super) fn new(import: &'a ImportConfig, cache: &'a Cache) -> Self {
-        Self { import, cache, clips: Mutex::default() }
+    pub(super) fn new(keys: FileKeys<'a>, cache: &'a Cache) -> Self {
+        Self { keys, cache, clips: Mutex::default() }
     }
 
     /// Takes the motion out of the clips of a file that was read.
@@ -55,7 +56,8 @@ impl<'a> Lent<'a> {
         let lost =
             || BuildError::Format(format!("{}: changed while it was read; start again", clip.clip.path.display()));
         let Whereabouts { file, key, number, .. } = self.at(clip).ok_or_else(lost)?;
-        let (clips, _) = self.cache.each("import", key, || import::read_clips(&file, self.import))?;
+        let read = || self.keys.read(&file, || import::read_clips(&file, self.keys.config));
+        let (clips, _) = self.cache.each("import", key, read)?;
         clips.into_iter().nth(number).ok_or_else(lost)
     }
 

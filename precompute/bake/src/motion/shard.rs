@@ -174,14 +174,14 @@ fn read(
             return Ok(Vec::new());
         }
         count(&own_files);
-        match cache.each("import", key, import) {
+        match cache.each("import", key, || keys.read(&file.path, import)) {
             Ok((_, kept)) => {
                 if !kept {
                     count(&read);
                 }
                 Ok(Vec::new())
             }
-            Err(e @ ImportError::Stopped(_)) => Err(e),
+            Err(e) if e.is_passing() => Err(e),
             Err(e) => {
                 _ = cache.each::<String, ImportError>(REFUSED, key, || Ok(e.to_string()));
                 Err(e)

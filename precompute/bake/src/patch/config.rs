@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use throng_motion::error::{BuildError, check_ranges};
 
+/// Most entries, exits and places of rest of a tile.
+const MOST_SPOTS: usize = 2_000_000;
+
 /// How motion patches are built from clips and the environments they were captured in.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -211,7 +214,18 @@ impl TileConfig {
                 return Err(BuildError::key(format!("pairs[{i}]"), why));
             }
         }
-        check_ranges(limits)
+        check_ranges(limits)?;
+        let entries = 8 * self.slots * (2 * self.headings + 1) * self.edge_groups;
+        let rest = self.rest_spots.pow(2) * self.rest_headings * (self.rest_groups + self.edge_groups);
+        if entries + rest > MOST_SPOTS {
+            let why = format!(
+                "expected {MOST_SPOTS} entries, exits and places of rest at most, found up to {}: ask for fewer `slots`, \
+                 `headings`, `edge_groups`, `rest_spots`, `rest_headings` or `rest_groups`",
+                entries + rest
+            );
+            return Err(BuildError::key("", why));
+        }
+        Ok(())
     }
 }
 
@@ -243,6 +257,20 @@ mod tests {
             ),
         ] {
             assert!(config.check().unwrap_err().to_string().contains(&format!("patches.{key}:")));
+        }
+    }
+
+    #[test]
+    fn tiles_of_too_many_spots_are_refused() {
+        let check = |tile| PatchConfig { tiles: vec![tile], ..Default::default() }.check();
+        let panel = || TileConfig::of("panel");
+        assert!(check(TileConfig { slots: 20, headings: 4, edge_groups: 1000, ..panel() }).is_ok());
+        for tile in [
+            TileConfig { slots: 100, headings: 20, edge_groups: 1000, ..panel() },
+            TileConfig { rest_spots: 100, rest_headings: 360, rest_groups: 1000, ..panel() },
+        ] {
+            let e = check(tile).unwrap_err().to_string();
+            assert!(e.starts_with("patches.tiles[0]: expected 2000000 entries"), "{e}");
         }
     }
 

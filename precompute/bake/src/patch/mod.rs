@@ -110,7 +110,7 @@ pub struct Setting {
 ///
 /// # Errors
 /// [`BuildError::Config`] for a setting out of its limits or a tile whose unit or clips are not there;
-/// [`BuildError::Stage`] for a tile that cannot be made, with the condition that could not be met.
+/// [`BuildError::Stage`] for a tile that cannot be made, with the condition that could not be met, and for too many tags.
 ///
 /// # Source
 /// Lee, Choi and Lee 2006, sections 4 and 6.
@@ -123,7 +123,7 @@ pub fn build(
     progress: &dyn Progress,
 ) -> Result<Patches, BuildError> {
     config.check()?;
-    let (tracks, tags) = Track::of_all(clips, groups);
+    let (tracks, tags) = Track::of_all(clips, groups)?;
     let bounds = Bounds::new(clips);
     let mut out = Patches { link_tags: tags, ..Patches::default() };
     let hips = hips_heights(clips, groups);

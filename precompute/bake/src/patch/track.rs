@@ -6,11 +6,14 @@ use throng_core::patch::Placement;
 use throng_core::planar::wrap_angle;
 use throng_core::{NUM_JOINTS, Planar};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs};
+use throng_motion::error::BuildError;
 
 /// Slower roots may stand (m/s).
 const STANDING_MPS: f32 = 0.12;
 /// Joints that turn slower may stand (rad/s).
 const STANDING_RADPS: f32 = 1.0;
+/// Most names of tags of a clip set; links have numbers of 15 bits for them.
+const MOST_TAGS: usize = 1000;
 /// Shortest time that counts as standing (frames).
 const STANDING_FRAMES: usize = 10;
 
@@ -38,15 +41,29 @@ pub(super) struct Track {
 
 impl Track {
     /// Tracks of all clips, and the names of all tags: the rarest first, which says most.
-    pub fn of_all(clips: &ClipSet, groups: &PoseGroups) -> (Vec<Self>, Vec<String>) {
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] for clips with too many tags.
+    pub fn of_all(clips: &ClipSet, groups: &PoseGroups) -> Result<(Vec<Self>, Vec<String>), BuildError> {
         let mut frames: BTreeMap<&str, usize> = BTreeMap::new();
         for tag in clips.clips.iter().flat_map(|c| &c.tags) {
             *frames.entry(&tag.name).or_default() += tag.range.len();
         }
         let mut tags: Vec<String> = frames.keys().map(|name| (*name).to_owned()).collect();
         tags.sort_by_key(|name| frames[name.as_str()]);
+        if tags.len() > MOST_TAGS {
+            return Err(BuildError::Stage {
+                stage: "patch",
+                message: format!(
+                    "the clips have {} tags, such as `{}`; expected {MOST_TAGS} at most",
+                    tags.len(),
+                    tags[0]
+                ),
+                help: "Give the same name to what is the same in their sidecar files".into(),
+            });
+        }
         let tracks = clips.clips.iter().zip(clips.frame_starts());
-        (tracks.map(|(c, first_row)| Self::new(c, first_row, groups, &tags)).collect(), tags)
+        Ok((tracks.map(|(c, first_row)| Self::new(c, first_row, groups, &tags)).collect(), tags))
     }
 
     fn new(clip: &Clip, first_row: u32, groups: &PoseGroups, tags: &[String]) -> Self {
@@ -166,7 +183,7 @@ mod tests {
             clips: vec![clip],
         };
         let groups = PoseGroups { groups: vec![0; 100], ..PoseGroups::default() };
-        let (tracks, tags) = Track::of_all(&clips, &groups);
+        let (tracks, tags) = Track::of_all(&clips, &groups).unwrap();
         assert_eq!(tags, ["slide", "sit"]);
         let named = |range| match tracks[0].tag_of(&range) {
             0 => "",
@@ -177,5 +194,19 @@ mod tests {
         // Both cover all of it, and sliding is the rarer.
         assert_eq!(named(32..52), "slide");
         assert_eq!(named(50..78), "sit");
+    }
+
+    #[test]
+    fn clips_of_too_many_tags_are_refused() {
+        let clip = Clip::new("one", 30.0, vec![Vec3::Y; 2], vec![Quat::IDENTITY; 2 * NUM_JOINTS]);
+        let skeleton = Skeleton { offsets: [Vec3::ZERO; NUM_JOINTS], tips: [Vec3::ZERO; 3] };
+        let groups = PoseGroups { groups: vec![0; 2], ..PoseGroups::default() };
+        let with = |n: usize| {
+            let tags = (0..n).map(|k| Tag { name: format!("t{k}"), range: 0..2 }).collect();
+            Track::of_all(&ClipSet { skeleton: skeleton.clone(), clips: vec![Clip { tags, ..clip.clone() }] }, &groups)
+        };
+        assert!(with(MOST_TAGS).is_ok());
+        let e = with(MOST_TAGS + 1).err().unwrap().to_string();
+        assert!(e.contains("1001 tags, such as `t0`; expected 1000 at most"), "{e}");
     }
 }

@@ -13,9 +13,9 @@ use throng_base::text::Source;
 use throng_core::Bundle;
 use throng_core::patch::Patches;
 use throng_motion::error::BuildError;
-use throng_motion::files::write_atomically;
+use throng_motion::files::{self, write_atomically};
 use throng_motion::progress::Progress;
-use throng_world::{PathCosts, World, WorldData, WorldGraph};
+use throng_world::{PathCosts, WORLD_MAGIC, World, WorldData, WorldGraph};
 
 /// A world that is to be stitched.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -247,7 +247,8 @@ pub fn save(world: &mut WorldData, source: &Path, patches: &Patches, out: &Path)
 /// # Errors
 /// [`BuildError::Stage`] that names both files.
 pub fn check_replaced(source: &Path, out: &Path) -> Result<(), BuildError> {
-    // What is no world, or of another version, cannot be used by anybody.
+    files::check_replaced(out, &WORLD_MAGIC, "a world")?;
+    // A world that is damaged, or of another version, cannot be used by anybody.
     let Ok(meta) = World::read_meta(out) else { return Ok(()) };
     if meta.source == seen_from(source, out)? {
         return Ok(());

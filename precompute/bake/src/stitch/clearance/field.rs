@@ -47,14 +47,27 @@ impl Field {
     /// No distance in a grid cell is farther than this from what is kept of it (m).
     pub const OFF_M: f32 = Self::ERROR_M + Self::ROUNDING_M;
 
-    /// Measures a unit.
-    pub fn new(geometry: &Arc<UnitGeometry>) -> Self {
+    /// Most cells of a grid, a byte each.
+    const MOST_CELLS: usize = 1 << 31;
+
+    /// True for a unit whose grid would have more than [`Self::MOST_CELLS`].
+    pub fn is_too_large(geometry: &UnitGeometry) -> bool {
+        Self::size(geometry).into_iter().fold(1, usize::saturating_mul) > Self::MOST_CELLS
+    }
+
+    /// Grid cells along x, y and z.
+    fn size(geometry: &UnitGeometry) -> [usize; 3] {
         let bounds = geometry.bounds.grown(Self::MARGIN_M);
         let cells = |length: f32| (length / Self::STEP_M).ceil().max(0.0) as usize;
-        let size = match geometry.bounds.is_empty() {
+        match geometry.bounds.is_empty() {
             true => [0; 3],
             false => (bounds.max - bounds.min).to_array().map(cells),
-        };
+        }
+    }
+
+    /// Measures a unit that is not too large.
+    pub fn new(geometry: &Arc<UnitGeometry>) -> Self {
+        let (bounds, size) = (geometry.bounds.grown(Self::MARGIN_M), Self::size(geometry));
         let mut distances = Vec::with_capacity(size.iter().product());
         for z in 0..size[2] {
             for y in 0..size[1] {
@@ -254,6 +267,18 @@ mod tests {
         let text = "[[units]]\nname = \"post\"\nshapes = [{ bar = { from = [0.0, 0.0, 0.0], to = [0.3, 1.0, 0.0], radius \
                     = 0.1 } }, { box = { at = [0.0, 0.1, 0.0], size = [0.5, 0.2, 0.4], pitch_deg = 20.0 } }]\n";
         Arc::new(UnitGeometry::new(&UnitSet::parse(text, Path::new("u.toml")).unwrap().units[0]).unwrap())
+    }
+
+    #[test]
+    fn a_unit_of_a_hundred_metres_is_too_large_where_it_is_as_high() {
+        let is_too_large = |size: &str| {
+            let text =
+                format!("[[units]]\nname = \"hall\"\nshapes = [{{ box = {{ at = [0, 0, 0], size = {size} }} }}]\n");
+            let set = UnitSet::parse(&text, Path::new("u.toml")).unwrap();
+            Field::is_too_large(&UnitGeometry::new(&set.units[0]).unwrap())
+        };
+        assert!(!is_too_large("[100, 8, 100]") && !is_too_large("[9999, 1, 0.1]"));
+        assert!(is_too_large("[100, 100, 100]") && is_too_large("[9999, 9999, 9999]"));
     }
 
     proptest! {

@@ -32,6 +32,7 @@ impl Plan {
         let middle =
             |c: usize| [min[0] + step * ((c % size[0]) as f32 + 0.5), min[1] + step * ((c / size[0]) as f32 + 0.5)];
         let rim: Vec<_> = (0..touched.len()).filter(|&c| touched[c] && !is_within(c)).map(middle).collect();
+        let rows: Vec<&[[f32; 2]]> = rim.chunk_by(|a, b| a[1] == b[1]).collect();
         let low = min.map(|v| v - Self::MARGIN_M);
         let squares = match rim.is_empty() {
             true => [0; 2],
@@ -49,8 +50,7 @@ impl Plan {
             if is_over && touched[column[1] as usize * size[0] + column[0] as usize] {
                 return 0.0;
             }
-            let apart = |r: &[f32; 2]| (r[0] - p[0]).powi(2) + (r[1] - p[1]).powi(2);
-            (rim.iter().map(apart).fold(f32::INFINITY, f32::min).sqrt() - off).max(0.0)
+            (least_square(&rows, p).sqrt() - off).max(0.0)
         };
         Self { min: low, size: squares, distances: (0..squares[0] * squares[1]).map(distance).collect() }
     }
@@ -65,6 +65,24 @@ impl Plan {
         }
         self.distances[at[1] as usize * self.size[0] + at[0] as usize]
     }
+}
+
+/// The squared distance of the nearest point; infinite where there is none (m^2).
+///
+/// - `rows`: points of one z each, both x and z ascending.
+fn least_square(rows: &[&[[f32; 2]]], p: [f32; 2]) -> f32 {
+    let mut least = f32::INFINITY;
+    // False where no row beyond has a nearer point.
+    let mut look = |row: &&[[f32; 2]]| {
+        let k = row.partition_point(|r| r[0] < p[0]);
+        let beside = row[k.saturating_sub(1)..row.len().min(k + 1)].iter();
+        least = beside.map(|r| (r[0] - p[0]).powi(2) + (r[1] - p[1]).powi(2)).fold(least, f32::min);
+        (row[0][1] - p[1]).powi(2) < least
+    };
+    let (before, after) = rows.split_at(rows.partition_point(|row| row[0][1] < p[1]));
+    let _ = before.iter().rev().all(&mut look);
+    let _ = after.iter().all(&mut look);
+    least
 }
 
 #[cfg(test)]
@@ -88,6 +106,16 @@ mod tests {
             let found = plan.beside(p[0], p[1]);
             prop_assert!(found <= exact + 1e-4, "{} {}", found, exact);
             prop_assert!(exact > 0.4 || found > exact - 0.3, "{} {}", found, exact);
+        }
+
+        #[test]
+        fn no_point_is_nearer_than_the_nearest_one(
+            cells in prop::collection::btree_set((0u8..20, 0u8..20), 0..30), p in prop::array::uniform2(-3.0f32..4.0)
+        ) {
+            let points: Vec<[f32; 2]> = cells.iter().map(|&(z, x)| [x, z].map(|v| 0.1 * f32::from(v))).collect();
+            let rows: Vec<&[[f32; 2]]> = points.chunk_by(|a, b| a[1] == b[1]).collect();
+            let apart = |r: &[f32; 2]| (r[0] - p[0]).powi(2) + (r[1] - p[1]).powi(2);
+            prop_assert_eq!(least_square(&rows, p), points.iter().map(apart).fold(f32::INFINITY, f32::min));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Stitching from the first step to the last, all of it or what a change left to do.
 
 use crate::environment::{Environment, Solid};
+use crate::stitch::clearance::field::Field;
 use crate::stitch::config::StitchConfig;
 use crate::stitch::connect::allow::allow;
 use crate::stitch::connect::assemble::{Written, write};
@@ -47,6 +48,7 @@ pub(in crate::stitch) fn make<'a>(
         None => (stitcher.placer.lay(environment)?, None),
     };
     let past = kept.as_ref().map(|(made, kept)| Past { made, kept });
+    check_sizes(stitcher, environment, &laid)?;
     progress.check()?;
     let prepared = stitcher.prepare(&laid, past, progress);
     progress.check()?;
@@ -81,6 +83,24 @@ pub(in crate::stitch) fn make<'a>(
     (report.tables, report.joints) = (world.tables.len(), world.joints.len());
     (report.peak_bytes, report.seconds) = (memory::peak_bytes().unwrap_or(0), begin.elapsed().as_secs_f64());
     Ok(Made { laid, joined, settled, remains, report })
+}
+
+/// What is in the way of motion is measured on a grid.
+fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, laid: &Laid) -> Result<(), BuildError> {
+    let library = &stitcher.placer.library;
+    let is_too_large: Vec<bool> = library.geometries.iter().map(|g| Field::is_too_large(g)).collect();
+    let Some((_, unit, relation)) = laid.obstacles.iter().find(|o| is_too_large[o.2.b as usize]) else { return Ok(()) };
+    let bounds = &library.geometries[relation.b as usize].bounds;
+    Err(BuildError::Stage {
+        stage: STAGE,
+        message: format!(
+            "environment {}: {} is in the way of motion, and too large to be measured: {:.0} m",
+            environment.name,
+            library.describe(environment, *unit as usize),
+            bounds.max - bounds.min
+        ),
+        help: "Make several smaller units of it".into(),
+    })
 }
 
 /// The number that each instance had before; [`NONE`] for those that are new or have something else around them.
