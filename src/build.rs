@@ -123,6 +123,7 @@ pub fn run(args: &Args) -> Outcome {
         }
         None => PathBuf::from(format!("{}.throng", config.name)),
     };
+    args.report.iter().try_for_each(|file| files::check_target(file))?;
     let bar = progress::Bar::on_interrupt(args.cache.folder());
     let build = match plan.parts {
         Parts::All => pipeline::build,

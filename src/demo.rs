@@ -39,13 +39,13 @@ struct Report {
 
 /// Bakes the synthetic walk.
 pub fn bake(bundle: &Path) -> Result<BuildReport, Box<dyn std::error::Error>> {
-    let clips = tempfile::tempdir()?;
+    let clips = progress::Scratch::new()?;
     eprintln!("synthesising motion ...");
     synth::write(SynthSet::Walk, &SynthConfig::default(), clips.path())?;
     eprintln!("baking it ...");
     let mut config = BuildConfig::new("demo", vec![clips.path().to_path_buf()]);
     config.resample.mirror = true;
-    let built = pipeline::build(&config, bundle, &Cache::none(), &progress::Bar::default())?;
+    let built = pipeline::build(&config, bundle, &Cache::none(), &progress::Bar::on_interrupt(None))?;
     output::warnings(&built.skipped, &built.warnings);
     Ok(built)
 }

@@ -3,6 +3,7 @@
 use crate::args::{CacheArgs, Outcome, fail};
 use crate::{keys, output};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 use throng_precompute::run::Recording;
@@ -72,16 +73,17 @@ fn message(minds: &Minds, event: &str, json: bool) -> Outcome {
         return output::json(&Message { event: event.into(), learnt });
     }
     let mut text = String::new();
+    let mut told: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
+    learnt.iter().enumerate().for_each(|(i, (_, known))| told.entry(known.from).or_default().push(i));
+    let told_by = |from: Option<usize>| told.get(&from).into_iter().flatten().rev().copied();
     // Depth first, from those who learnt it from nobody.
-    let mut open: Vec<(usize, usize)> =
-        learnt.iter().enumerate().filter(|(_, l)| l.1.from.is_none()).map(|(i, _)| (i, 0)).rev().collect();
+    let mut open: Vec<(usize, usize)> = told_by(None).map(|i| (i, 0)).collect();
     while let Some((i, depth)) = open.pop() {
         let (agent, known) = &learnt[i];
         let [x, z] = known.at;
         let (indent, how, time_s) = ("  ".repeat(depth), &known.how, known.time_s);
         _ = writeln!(text, "{indent}{agent}  {time_s:.2} s at {x:.1}, {z:.1} ({how})");
-        let heard = learnt.iter().enumerate().filter(|(_, l)| l.1.from == Some(*agent));
-        open.extend(heard.map(|(n, _)| (n, depth + 1)).rev());
+        open.extend(told_by(Some(*agent)).map(|n| (n, depth + 1)));
     }
     if text.is_empty() {
         text = format!("nobody knows of `{event}`\n");

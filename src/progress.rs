@@ -2,16 +2,41 @@
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
+use tempfile::TempDir;
 use throng_precompute::progress::{Progress, Status};
 
 /// Time between lines where standard error is no terminal.
 const EVERY: Duration = Duration::from_secs(5);
 /// What a shell says of a program that was interrupted.
 const INTERRUPTED: i32 = 130;
+
+/// Folders of [`Scratch`] that are there.
+static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// A folder for what is needed while a command runs; it goes when the command ends, also by Ctrl+C.
+pub struct Scratch(TempDir);
+
+impl Scratch {
+    pub fn new() -> std::io::Result<Self> {
+        let folder = tempfile::tempdir()?;
+        lock(&FOLDERS).push(folder.path().to_path_buf());
+        Ok(Self(folder))
+    }
+
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        lock(&FOLDERS).retain(|folder| folder != self.0.path());
+    }
+}
 
 /// Set by Ctrl+C, where a run ends by itself then.
 static STOP: OnceLock<AtomicBool> = OnceLock::new();
@@ -80,6 +105,7 @@ impl Bar {
             if !now.is_over {
                 eprintln!("\n{}", now.status.farewell(cache.as_deref(), "the same command"));
             }
+            lock(&FOLDERS).iter().for_each(|folder| _ = std::fs::remove_dir_all(folder));
             std::process::exit(INTERRUPTED);
         });
         bar

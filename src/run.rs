@@ -8,6 +8,7 @@ use std::fmt::Write;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use throng_precompute::error::BuildError;
+use throng_precompute::files;
 use throng_precompute::live::{LiveConfig, LiveReport, Server};
 use throng_precompute::picture;
 use throng_precompute::run::{self, Cached, Figures, RunConfig, SceneReport, TrajectoryPoint};
@@ -89,6 +90,8 @@ struct Report {
 }
 
 pub fn run(args: &Args) -> Outcome {
+    let files = [&args.png, &args.trajectories, &args.record];
+    files.into_iter().flatten().try_for_each(|file| files::check_target(file))?;
     let is_single = |p: &PathBuf| is_toml(p) || is_bundle(p);
     match args.what.as_slice() {
         [scene] if is_toml(scene) => return run_scene(scene, args),
@@ -126,7 +129,7 @@ pub fn run(args: &Args) -> Outcome {
 
 /// The bundle of some motion, which is built into the cache where it is not there yet.
 pub fn motion_bundle(motion: &[PathBuf], cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
-    let folder = tempfile::tempdir()?;
+    let folder = progress::Scratch::new()?;
     let otherwise = folder.path().join("motion.throng");
     let bundle = with(cache, |with| run::ensure_motion(motion, &otherwise, with))??;
     // Read, not mapped: without a cache, the file goes with its folder.
@@ -160,7 +163,7 @@ fn run_scene(file: &Path, args: &Args) -> Outcome {
     let mut recording = args.record.as_ref().map(|_| run::Recording::new(&compiled, config.step_hz)).transpose()?;
     let (report, record, sim) = run::run_recorded(&compiled, &config, recording.as_mut())?;
     if let (Some(file), Some(recording)) = (&args.record, &recording) {
-        throng_precompute::files::write_atomically(file, |out| out.write_all(&recording.bytes()))?;
+        files::write_atomically(file, |out| out.write_all(&recording.bytes()))?;
     }
     if let Some(png) = &args.png {
         picture::scene_sheet(&compiled, &sim, &report, &record)?.save_png(png)?;
@@ -195,7 +198,7 @@ fn write_trajectories(points: &[TrajectoryPoint], file: &Path) -> Outcome {
         let ([x, z], [vx, vz]) = (p.at.to_array(), p.velocity.to_array());
         _ = writeln!(text, "{:.3},{},{x:.4},{z:.4},{vx:.4},{vz:.4}", p.time_s, p.agent);
     }
-    std::fs::write(file, text).map_err(|e| format!("{}: {e}", file.display()).into())
+    Ok(files::write_atomically(file, |out| out.write_all(text.as_bytes()))?)
 }
 
 /// Puts what is given in place of what the scene says.

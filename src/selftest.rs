@@ -1,7 +1,7 @@
 //! `throng selftest`: a short proof on the machine at hand.
 
 use crate::args::{CacheArgs, Outcome, fail};
-use crate::{keys, output};
+use crate::{keys, output, progress};
 use throng_precompute::selftest::{self, SelftestConfig, SelftestReport};
 
 /// Check this build on this machine in about a minute: equal bytes and states at any number of threads, damaged input,
@@ -24,7 +24,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Outcome {
     let config = SelftestConfig { mutants: args.mutants, seed: args.seed, ..SelftestConfig::default() };
-    let folder = tempfile::tempdir()?;
+    let folder = progress::Scratch::new()?;
     let report = crate::run::with(&args.cache, |with| selftest::selftest(&config, folder.path(), with))?;
     if args.json {
         output::json(&report)?;

@@ -1,7 +1,7 @@
 //! `throng soak`: scenes in turns, with checks on every step.
 
 use crate::args::{CacheArgs, Outcome, fail};
-use crate::{keys, output};
+use crate::{keys, output, progress};
 use std::path::PathBuf;
 use throng_precompute::soak::{self, SoakConfig, SoakReport};
 use throng_runtime::simulation::Scene;
@@ -52,7 +52,7 @@ fn run_seconds(text: &str) -> Result<f64, String> {
 
 pub fn run(args: &Args) -> Outcome {
     let seconds = args.hours.map(|h| 3600.0 * h).or(args.seconds).unwrap_or(60.0);
-    let folder = tempfile::tempdir()?;
+    let folder = progress::Scratch::new()?;
     let scenes = if args.scenes.is_empty() {
         crate::run::with(&args.cache, |with| soak::scenes(folder.path(), with))??
     } else {

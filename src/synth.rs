@@ -5,6 +5,7 @@ use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
+use throng_precompute::import;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_runtime::base::{Hash128, limits};
 
@@ -66,6 +67,11 @@ pub fn run(args: &Args) -> Outcome {
         let config = SynthConfig { minutes, seed, rate_hz: args.rate_hz, ..usual };
         let set = synth::write(which, &config, &folder)?;
         (clips, frames) = (clips + set.clips.len(), frames + set.num_frames());
+    }
+    let there = import::expand(std::slice::from_ref(&args.out))?.len();
+    if there > clips {
+        let (folder, more) = (args.out.display(), there - clips);
+        eprintln!("{folder}: {more} other motion file(s) are there, and a build of the folder takes them, too");
     }
     let seconds = frames as f64 / args.rate_hz;
     let report = Report { set: args.set.clone(), clips, frames, seconds, out: args.out.clone() };

@@ -12,7 +12,7 @@ use throng_precompute::config::BuildConfig;
 use throng_precompute::import::{ImportConfig, read};
 use throng_precompute::pipeline;
 use throng_precompute::policy::{AdaptiveConfig, BehaviourConfig, GridConfig};
-use throng_precompute::progress::Silent;
+use throng_precompute::progress::{Progress, Silent};
 use throng_precompute::resample::{ResampleConfig, resample};
 use throng_precompute::retarget::{RetargetConfig, onto};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
@@ -265,6 +265,88 @@ fn an_unchanged_build_only_hashes_finds_stops_and_writes() {
     std::fs::write(&clip, text + "\n").expect("a clip");
     let other = build(&config, &out, &cache);
     assert!(other.cached.is_empty(), "a changed clip was not read again: {:?}", other.cached);
+}
+
+#[test]
+fn the_cache_tells_inputs_apart_that_have_the_same_files() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("all"), folder.path().join("a.throng"));
+    write_clips(&clips.join("walks"), 0.6);
+    let cache = Cache::in_folder(folder.path().join("cache"));
+    let made = |inputs: Vec<PathBuf>, cache: &Cache| {
+        build(&small_config(inputs), &out, cache);
+        Bundle::open(&out).expect("the bundle opens").meta().clips.iter().map(|c| c.name.clone()).collect::<Vec<_>>()
+    };
+    // Clips are named as seen from the folder that was given.
+    for inputs in [vec![clips.clone()], vec![clips.join("walks")], vec![clips.join("walks/walk_00.bvh")]] {
+        assert_eq!(made(inputs.clone(), &cache), made(inputs, &Cache::none()));
+    }
+}
+
+/// Puts another clip in the place of one when a stage begins.
+struct Meddler {
+    clip: PathBuf,
+    stage: &'static str,
+}
+
+impl Progress for Meddler {
+    fn begin(&self, _: &'static str, _: u64, _: &'static str) {}
+    fn advance(&self, _: u64) {}
+    fn end(&self) {}
+    fn comes_to(&self, stage: &'static str) {
+        if stage == self.stage {
+            let text = std::fs::read_to_string(&self.clip).expect("a clip");
+            std::fs::write(&self.clip, text + "\n").expect("a clip");
+        }
+    }
+}
+
+#[test]
+fn a_file_that_changes_while_it_is_read_ends_the_build_and_is_not_cached() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    write_clips(&clips, 0.6);
+    let (clip, cache) = (clips.join("walk_00.bvh"), Cache::in_folder(folder.path().join("cache")));
+    let good = std::fs::read(&clip).expect("a clip");
+    for stage in ["import", "clips"] {
+        let meddler = Meddler { clip: clip.clone(), stage };
+        for build in [pipeline::build, pipeline::build_possible] {
+            let e = build(&small_config(vec![clips.clone()]), &out, &cache, &meddler).unwrap_err().to_string();
+            assert!(e.contains("walk_00.bvh: it has changed while it was read"), "{e}");
+            assert!(!out.exists());
+            std::fs::write(&clip, &good).expect("a clip");
+        }
+    }
+    let whole = build(&small_config(vec![clips]), &out, &cache);
+    assert!(whole.cached.is_empty(), "{:?}", whole.cached);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_name_that_is_no_text_does_not_end_a_build() {
+    use std::os::unix::ffi::OsStringExt;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (clips, out) = (folder.path().join("clips"), folder.path().join("a.throng"));
+    write_clips(&clips, 0.6);
+    let odd = clips.join(std::ffi::OsString::from_vec(b"w\xff.bvh".to_vec()));
+    if std::fs::copy(clips.join("walk_00.bvh"), odd).is_err() {
+        return eprintln!("skipped: the file system takes names of text alone");
+    }
+    let cache = Cache::in_folder(folder.path().join("cache"));
+    build(&small_config(vec![clips.clone()]), &out, &cache);
+    assert!(build(&small_config(vec![clips]), &out, &cache).cached.contains(&"motion"));
+}
+
+#[test]
+fn a_bundle_takes_the_place_of_no_other_file() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let clips = folder.path().join("clips");
+    write_clips(&clips, 0.6);
+    let clip = clips.join("walk_00.bvh");
+    let before = std::fs::read(&clip).expect("a clip");
+    let e = pipeline::build(&small_config(vec![clips]), &clip, &Cache::none(), &Silent).unwrap_err().to_string();
+    assert!(e.contains("walk_00.bvh: it is there and is not a bundle"), "{e}");
+    assert_eq!(std::fs::read(&clip).expect("a clip"), before);
 }
 
 #[test]

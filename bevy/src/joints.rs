@@ -51,7 +51,8 @@ pub fn follow(
         let all = live.cast.ids().iter().zip(live.cast.instances()).zip(live.cast.bodies().model);
         for ((id, record), model) in all.filter(|((_, r), _)| away(r.x, r.z) <= near_m) {
             let entity = live.entities[id.index()];
-            if characters.contains(entity) {
+            // Nobody is the entity of who came with a snapshot.
+            if entity == Entity::PLACEHOLDER || characters.contains(entity) {
                 continue;
             }
             let joints = std::array::from_fn(|j| {

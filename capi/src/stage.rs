@@ -80,22 +80,32 @@ pub unsafe fn keep(stage: Stage, to: *mut ThrongSimulation) -> Result<(), Fault>
 
 /// Works on a simulation that no other thread is using.
 pub fn with<R>(number: u64, work: impl FnOnce(&mut Stage, &Desk) -> Result<R, Fault>) -> Result<R, Fault> {
-    let entry = SIMULATIONS.get("simulation", number)?;
-    let mut stage = entry.stage.try_lock().map_err(|e| match e {
-        TryLockError::WouldBlock => {
-            Fault::new(ThrongStatus::Busy, "another thread is in a call with this simulation; wait for it")
-        }
-        TryLockError::Poisoned(_) => {
-            Fault::new(ThrongStatus::Panic, "a call with this simulation failed half way; free it and make it anew")
-        }
-    })?;
-    work(&mut stage, &entry.desk)
+    SIMULATIONS.get("simulation", number)?.with(work)
+}
+
+impl Entry {
+    fn with<R>(&self, work: impl FnOnce(&mut Stage, &Desk) -> Result<R, Fault>) -> Result<R, Fault> {
+        let mut stage = self.stage.try_lock().map_err(|e| match e {
+            TryLockError::WouldBlock => {
+                Fault::new(ThrongStatus::Busy, "another thread is in a call with this simulation; wait for it")
+            }
+            TryLockError::Poisoned(_) => {
+                Fault::new(ThrongStatus::Panic, "a call with this simulation failed half way; free it and make it anew")
+            }
+        })?;
+        work(&mut stage, &self.desk)
+    }
 }
 
 /// Frees a simulation; a call that another thread is in ends first.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_free(simulation: ThrongSimulation) -> ThrongStatus {
-    call(|| SIMULATIONS.remove("simulation", simulation.handle))
+    call(|| {
+        let entry = SIMULATIONS.get("simulation", simulation.handle)?;
+        SIMULATIONS.remove("simulation", simulation.handle)?;
+        entry.desk.close();
+        Ok(())
+    })
 }
 
 /// Moves everybody on. Works on this thread, and on those that help where the step was announced.
@@ -111,9 +121,10 @@ pub extern "C" fn throng_simulation_step(simulation: ThrongSimulation, dt_s: f64
         }
     }
     call(|| {
-        with(simulation.handle, |stage, desk| {
+        let entry = SIMULATIONS.get("simulation", simulation.handle)?;
+        let _close = Close(&entry.desk);
+        entry.with(|stage, desk| {
             let run: &dyn Run = if desk.is_open() { desk } else { &Inline };
-            let _close = Close(desk);
             stage.step(dt_s, run)
         })
     })
@@ -279,5 +290,38 @@ impl Stage {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc;
+    use std::time::Duration;
+    use throng_runtime::Bundle;
+    use throng_runtime::characters::CharactersConfig;
+
+    #[test]
+    fn helpers_go_where_a_step_is_refused_and_where_the_simulation_is_freed() {
+        let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/golden/tables_v");
+        let bundle =
+            Bundle::open(format!("{golden}{}.throng", throng_runtime::format::VERSION)).expect("the golden bundle");
+        let cast = PolicyCharacters::with_capacity(&bundle, 1, CharactersConfig::default()).expect("one character");
+        let mut sim = ThrongSimulation { handle: 0 };
+        // SAFETY: `sim` can be written.
+        unsafe { keep(Stage::characters(cast), &raw mut sim) }.ok().expect("a handle");
+        let helper = || {
+            throng_simulation_announce(sim);
+            let (tell, told) = mpsc::channel();
+            std::thread::spawn(move || tell.send(throng_simulation_help(sim)));
+            std::thread::sleep(Duration::from_millis(50));
+            told
+        };
+        let has_gone = |told: mpsc::Receiver<ThrongStatus>| told.recv_timeout(Duration::from_secs(20)).is_ok();
+        let told = helper();
+        let busy = with(sim.handle, |_, _| Ok(throng_simulation_step(sim, 0.1)));
+        assert!(busy.ok() == Some(ThrongStatus::Busy) && has_gone(told));
+        let told = helper();
+        assert!(throng_simulation_free(sim) == ThrongStatus::Ok && has_gone(told));
     }
 }

@@ -18,7 +18,7 @@ pub struct Args {
     #[arg(value_name = "NAME_OR_FILE")]
     scene: String,
     /// Number of agents; that of the scene where absent.
-    #[arg(long, value_name = "N", value_parser = limits::number::<usize>(&limits::CAPACITY))]
+    #[arg(long, value_name = "N", value_parser = limits::number::<usize>(&limits::CHARACTERS))]
     agents: Option<usize>,
     /// Simulated time; what the scene says where absent.
     #[arg(long, value_name = "S", value_parser = limits::number::<f64>(&limits::SECONDS))]

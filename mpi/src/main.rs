@@ -42,7 +42,7 @@ type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    if let Some(ranks) = cli.local.filter(|&n| n > 0) {
+    if let Some(ranks) = cli.local {
         let board: Arc<dyn Board> = Arc::new(LocalBoard::default());
         let done = LocalComm::run(ranks, |comm| run(&cli.command, comm, &board).map_err(|e| e.to_string()));
         let failed = done.into_iter().filter_map(Result::err);

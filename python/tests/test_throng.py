@@ -86,6 +86,8 @@ def test_wrong_input_is_told_clearly(bundle, tmp_path):
         bundle.section("NONE")
     with pytest.raises(throng.InputError, match="state"):
         bundle.query([10**6], [[0, 0, 1]])
+    with pytest.raises(throng.InputError, match="0 to 4294967295"):
+        bundle.query([2**32], [[0, 0, 1]])
     with pytest.raises(throng.InputError, match="behaviour"):
         bundle.query([0], [[0, 0, 1]], "fly")
     with pytest.raises(throng.InputError, match="dt_s"):

@@ -17,7 +17,7 @@ pub struct Args {
     scene: Vec<String>,
     /// Number of agents; that of the scene where absent.
     #[arg(long, value_name = "N", value_parser = limits::number::<usize>(&limits::CHARACTERS))]
-    members: Option<usize>,
+    agents: Option<usize>,
     /// Numbers of threads.
     #[arg(long, value_delimiter = ',', default_value = "1", value_name = "N,...", value_parser = limits::number::<usize>(&limits::THREADS))]
     threads: Vec<usize>,
@@ -44,8 +44,8 @@ pub fn run(args: &Args) -> Outcome {
         let path =
             if path.extension().is_some() { path } else { Path::new("data/scenes").join(format!("{name}.toml")) };
         let mut scene = Scene::load(&path)?;
-        if let Some(members) = args.members {
-            scene = scene.resized(members);
+        if let Some(agents) = args.agents {
+            scene = scene.resized(agents);
         }
         crate::run::ensure(&scene, &args.cache)?;
         let compiled = scene.open()?;

@@ -108,13 +108,14 @@ fn help_lists_exactly_the_keys_that_are_printed() {
 
 #[test]
 fn old_names_are_refused_with_the_new_ones() {
-    let cases: [(&[&str], &str); 6] = [
+    let cases: [(&[&str], &str); 7] = [
         (&["bench", "walk.throng", "--json"], "throng bench bundle walk.throng"),
         (&["bench", "data/worlds/logo.toml"], "throng bench world data/worlds/logo.toml"),
         (&["bench", "everything"], "bundle FILE, world FILE, blend [FILE] and crowd"),
         (&["query", "walk.throng", "--state", "0"], "throng query action walk.throng"),
         (&["query", "data/worlds/logo.toml", "--from", "0,0"], "throng query path data/worlds/logo.toml"),
         (&["bench", "crowd", "--members", "100"], "`--members` is now `--agents`"),
+        (&["bench", "scenario", "--members", "100"], "`--members` is now `--agents`"),
     ];
     for (args, new) in cases {
         let out = throng(args);

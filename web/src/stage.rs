@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
+use throng_base::limits::{CAPACITY, COORDINATE, STEP_S};
 use throng_base::{Inline, Result};
 use throng_core::characters::{
     AvoidConfig, CharactersConfig, Instance, MotionSet, PolicyCharacters, SampleJob, Spawn, uniform,
@@ -106,6 +107,7 @@ impl Stage {
     /// # Errors
     /// [`CrowdError`] for numbers out of range.
     pub fn agents(&mut self, count: usize, seed: u64) -> std::result::Result<(), CrowdError> {
+        CAPACITY.check_count("count", count)?;
         let side = ((count as f32).sqrt().ceil().max(4.0) * SPACING_M).ceil();
         let lanes = 24;
         let line = |k: usize| side * ((k as f32 + 0.5) / lanes as f32 - 0.5);
@@ -145,6 +147,7 @@ impl Stage {
     /// # Errors
     /// For a place that is not finite, or far away.
     pub fn move_target(&mut self, number: usize, to: Vec2) -> Result<()> {
+        to.to_array().iter().try_for_each(|&v| COORDINATE.check("target", None, v))?;
         if let Walk::People { targets, .. } = &mut self.walk
             && let Some(target) = targets.get_mut(number)
         {
@@ -180,6 +183,7 @@ impl Stage {
                 self.records.extend(cast.instances());
             }
             Walk::Agents(crowd) => {
+                STEP_S.check("dt_s", None, dt_s).map_err(|e| e.to_string())?;
                 let until = crowd.now() + f64::from(dt_s);
                 crowd.advance(until, &mut |_| ()).map_err(|e| e.to_string())?;
                 self.show_agents();
@@ -226,7 +230,9 @@ mod tests {
         let before = far(&stage);
         (0..300).for_each(|_| stage.step(1.0 / 60.0).expect("a step"));
         assert!(far(&stage) < before - 2.0, "{before} {}", far(&stage));
-        assert!(stage.move_target(0, Vec2::NAN).is_err());
+        let targets = stage.targets().to_vec();
+        assert!(stage.move_target(0, Vec2::NAN).is_err() && stage.targets() == targets);
+        stage.move_target(1, to).expect("what is refused changes nothing");
     }
 
     #[test]
@@ -238,6 +244,8 @@ mod tests {
         let moved = stage.records.iter().zip(&before).filter(|(a, b)| Vec2::new(a.x - b.x, a.z - b.z).length() > 1.0);
         assert!(moved.count() > 150);
         assert!(stage.targets().is_empty());
+        assert!(stage.step(1e8).is_err() && stage.step(f32::NAN).is_err());
+        assert!(stage.agents(usize::MAX, 5).is_err() && stage.step(0.1).is_ok());
     }
 
     #[test]

@@ -96,8 +96,9 @@ class Bundle(_throng.Bundle):
         (of the latter) and ``scores`` (of the best four actions).
         """
         states = _np.asarray(states)
-        if states.ndim != 1 or (states.size and (states.dtype.kind not in "iu" or states.min() < 0)):
-            raise InputError("`states` must be a list of whole numbers from 0 on")
+        whole = states.size == 0 or states.dtype.kind in "iu"
+        if states.ndim != 1 or not whole or (states.size and not 0 <= states.min() <= states.max() < 2**32):
+            raise InputError("`states` must be a list of whole numbers from 0 to 4294967295")
         targets = _numbers("targets", targets, 2)
         return super()._query(states.astype(_np.uint32), targets, behaviour)
 

@@ -441,11 +441,17 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
         let kit = Kit::new(bundle, bundle_path).map_err(|e| e.to_string())?;
         let first = meshes.len() as u32;
         meshes.extend(kit.geometries.iter().map(|g| unit_mesh(g)));
-        out.units.extend(world.world.view().units.iter().map(|u| {
-            let unit = &kit.units.units[u.unit as usize];
+        for u in world.world.view().units.iter() {
+            let Some(unit) = kit.units.units.get(u.unit as usize) else {
+                let (name, most) = (world.path.display(), kit.units.units.len());
+                return Err(format!(
+                    "{name}: it has unit number {}, but {most} unit(s) are known. Stitch it again with `throng stitch`",
+                    u.unit
+                ));
+            };
             let (mesh, name) = (first + u.unit, unit.name.clone());
-            StandingUnit { mesh, name, is_floor: unit.floor, placement: u.placement }
-        }));
+            out.units.push(StandingUnit { mesh, name, is_floor: unit.floor, placement: u.placement });
+        }
     }
     for door in doors {
         if let SeenObstacle::Wall { from, to, .. } = door {

@@ -66,6 +66,7 @@ pub const READERS: &[Reader] = {
         Reader { name: "task", form: Text, seeds: seeds::task, read: readers::task },
         Reader { name: "obj", form: Text, seeds: seeds::obj, read: readers::obj },
         Reader { name: "limits", form: Text, seeds: seeds::limits, read: readers::limits },
+        Reader { name: "recording", form: Binary, seeds: seeds::recording, read: readers::recording },
         Reader { name: "snapshot_policy", form: Binary, seeds: seeds::of_policy, read: readers::snapshot_policy },
         Reader { name: "snapshot_sparring", form: Binary, seeds: seeds::of_sparring, read: readers::snapshot_sparring },
         Reader { name: "snapshot_patches", form: Binary, seeds: seeds::of_patches, read: readers::snapshot_patches },

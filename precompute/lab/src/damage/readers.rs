@@ -15,7 +15,7 @@ use throng_motion::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
 use throng_motion::export::{Pose, TakeWriter};
 use throng_motion::import::profile::Profile;
 use throng_motion::import::{self, ImportConfig, SourceClip, amc, asf, bvh, gltf, npz};
-use throng_motion::onto::Wearer;
+use throng_motion::onto::{Figure, Wearer};
 use throng_motion::progress::Silent;
 use throng_motion::resample::{ResampleConfig, resample};
 use throng_motion::retarget::{self, RetargetConfig};
@@ -94,13 +94,19 @@ fn live_in(world: &throng_world::World, bytes: &[u8], floor: &Bundle) {
         let _ = std::fs::write(path, bytes);
     });
     let group = "motion = \"patches\"\ncount = 3\nwishes = [{ share = 1.0, wish = { perform = { tag = \"sit\", \
-                 seconds = [0.5, 1.0] } } }, { share = 1.0, wish = { roam = { seconds = [0.5, 2.0] } } }]";
+                 seconds = [0.5, 1.0] } } }, { share = 1.0, wish = { roam = { seconds = [0.5, 2.0] } } }, \
+                 { share = 2.0, wish = { visit = {} } }]";
     let world = toml::Value::from(path.to_string_lossy().as_ref());
     let text = format!("bundle = \"own.throng\"\n[[groups]]\nworld = {world}\n{group}\n");
     let scene = Scene::parse(&text, Path::new("scene.toml")).expect("the scene is fixed");
     if let Ok(sim) = scene.compile(floor).and_then(|s| Simulation::new(&s)) {
         run(sim);
     }
+}
+
+/// A recording of policy characters, as it is and with its checksum put right: its scene is read, and its beginning run again.
+pub fn recording(data: &[u8]) -> bool {
+    snapshots::replay(data)
 }
 
 /// Steps a simulation as far as it goes.
@@ -276,6 +282,7 @@ pub fn gltf_mesh(data: &[u8]) -> bool {
 /// A character of glTF: it wears two poses, and what is written of it is a document.
 pub fn character(data: &[u8]) -> bool {
     let Ok(wearer) = Wearer::parse(data, Path::new("fuzz.glb"), &ImportConfig::default()) else { return false };
+    triangles(data);
     let (folder, skeleton) = (std::env::temp_dir(), Skeleton::default());
     let actors = vec![(0, "one".into(), skeleton.clone())];
     let mut writer = TakeWriter::new(&folder, actors, 30.0).expect("a temporary file");
@@ -292,6 +299,16 @@ pub fn character(data: &[u8]) -> bool {
     assert!(document.animations.len() == 1 && document.skins.len() <= 1000);
     outfit.numbers(|numbers| assert!(numbers.iter().all(|n| n.is_finite()), "a pose that is not finite"));
     true
+}
+
+/// The triangles of a character.
+fn triangles(data: &[u8]) {
+    let path = in_folder("fuzz.glb", |path| {
+        let _ = std::fs::write(path, data);
+    });
+    if let Ok(figure) = Figure::open(&path, &ImportConfig::default()) {
+        drop((figure.rest(), figure.carriers()));
+    }
 }
 
 /// A sidecar; what was read can be written and read again.

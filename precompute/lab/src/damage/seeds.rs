@@ -255,6 +255,11 @@ pub fn limits() -> Vec<Vec<u8>> {
     texts(&[include_str!("../../../../data/skeletons/throng.limits.toml")])
 }
 
+/// A recording of policy characters.
+pub fn recording() -> Vec<Vec<u8>> {
+    vec![snapshots::recorded()]
+}
+
 /// A snapshot of policy characters.
 pub fn of_policy() -> Vec<Vec<u8>> {
     vec![snapshots::good("policy")]

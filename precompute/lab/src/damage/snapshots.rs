@@ -1,13 +1,14 @@
 //! Running simulations of every kind of motion, into which damaged snapshots are put.
 
 use super::{readers, repair};
+use crate::run::Recording;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock};
 use throng_core::characters::made_up;
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
-use throng_runtime::{Bundle, HitRecord, Joint};
+use throng_runtime::{Bundle, HitRecord, Inline, Joint};
 
 /// Step of all simulations here (s).
 pub(super) const DT: f64 = 1.0 / 30.0;
@@ -117,6 +118,30 @@ fn running(kind: &'static str) -> &'static Mutex<Running> {
 /// A snapshot of a kind of motion.
 pub(super) fn good(kind: &'static str) -> Vec<u8> {
     running(kind).lock().unwrap_or_else(std::sync::PoisonError::into_inner).good.clone()
+}
+
+/// A recording of a second of policy characters.
+pub(super) fn recorded() -> Vec<u8> {
+    let scene = compile("policy");
+    let mut sim = Simulation::new(&scene).expect("a scene of this list");
+    let mut recording = Recording::new(&scene, 1.0 / DT).expect("a scene of this list");
+    for step in 1..=30 {
+        sim.step_to(f64::from(step) * DT, &Inline).expect("a step");
+        recording.observe(&sim, step == 30);
+    }
+    recording.bytes()
+}
+
+/// Runs the beginning of a recording again, as it is and with its checksum put right; true where it is one.
+pub(super) fn replay(data: &[u8]) -> bool {
+    static GOOD: OnceLock<(CompiledScene, Vec<u8>)> = OnceLock::new();
+    let (scene, good) = GOOD.get_or_init(|| (compile("policy"), recorded()));
+    [data.to_vec(), repair::snapshot(data, good)].iter().any(|bytes| {
+        let Ok(recording) = Recording::parse(bytes) else { return false };
+        let _ = recording.scene();
+        let _ = recording.replay(scene, Some(recording.seconds.min(0.1)));
+        true
+    })
 }
 
 /// Restores bytes as they are, and with the checksums put right; true where they are accepted then.

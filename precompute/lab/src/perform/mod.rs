@@ -143,15 +143,28 @@ fn chosen(config: &PerformConfig, total: usize, what: &str) -> Result<Vec<usize>
     if config.characters.is_empty() {
         return Ok((0..total).collect());
     }
-    let mut out: Vec<usize> = Vec::new();
+    let mut is_chosen = vec![false; total];
     for range in &config.characters {
         if range.is_empty() || *range.end() >= total {
             let (a, b) = (range.start(), range.end());
             return Err(refused(format!("--characters {a}..{b}: there are {total}, counted from 0"), help));
         }
-        out.extend(range.clone());
+        is_chosen[range.clone()].fill(true);
     }
-    out.sort_unstable();
-    out.dedup();
-    Ok(out)
+    Ok((0..total).filter(|&k| is_chosen[k]).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_that_overlap_take_no_more_room_than_all() {
+        let config = |characters| PerformConfig { characters, ..PerformConfig::default() };
+        let some = config(vec![7..=9, 0..=0, 8..=8]);
+        assert_eq!(chosen(&some, 10, "character").unwrap(), [0, 7, 8, 9]);
+        let all = config(vec![0..=999_999; 1000]);
+        assert_eq!(chosen(&all, 1_000_000, "character").unwrap().len(), 1_000_000);
+        assert!(chosen(&config(vec![3..=10]), 10, "character").is_err());
+    }
 }

@@ -70,6 +70,9 @@ fn who_walks_comes_to_where_its_hand_reaches_and_keeps_to_its_pace() {
     let (task, sources) = sources_of(folder.path(), "from = [-0.4, -2.4]", &far_away).expect("a walker");
     let why = sources.staged(task, None).expect_err("out of reach").to_string();
     assert!(why.contains("right_arm touch bottle"), "{why}");
+    let (task, sources) = sources_of(folder.path(), "from = [9999.0, 0.0]", TABLE).expect("a walker");
+    let why = sources.staged(task, None).expect_err("a walk of hours").to_string();
+    assert!(why.contains("m away, expected 200 m at most"), "{why}");
 
     let timed = format!("{TABLE}at_s = 3.0\nwindow_s = [2.0, 4.0]\n");
     let pace = "space = \"walk_to_run\", from = [3.0, 0.0], heading_deg = 90.0, \

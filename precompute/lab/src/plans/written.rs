@@ -52,8 +52,11 @@ pub fn write(
         written.push(path);
     }
     let objects = Objects { attachments: &outcome.attachments, events: &outcome.events };
-    if !(objects.attachments.is_empty() && objects.events.is_empty()) {
-        let path = beside(&out, ".objects.json");
+    let path = beside(&out, ".objects.json");
+    if objects.attachments.is_empty() && objects.events.is_empty() {
+        // That of an earlier run is not of this clip.
+        files::remove(&path)?;
+    } else {
         files::write_atomically(&path, |w| {
             serde_json::to_writer_pretty(&mut *w, &objects)?;
             writeln!(w)

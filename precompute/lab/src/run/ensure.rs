@@ -6,7 +6,7 @@ use throng_bake::cache::Cache;
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
 use throng_bake::stitch::{self, Kit, StitchReport, WorldSource};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, ImportError};
 use throng_motion::progress::Progress;
 use throng_runtime::Bundle;
 use throng_runtime::simulation::{Motion, Scene};
@@ -86,15 +86,25 @@ pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &Cached<'_>) ->
     with.progress.comes_to("hash");
     let kept = pipeline::kept_bundle(&config, with.cache)?;
     if let Some(bundle) = kept.iter().find(|b| b.is_file()) {
-        return Ok(bundle.clone());
+        match Bundle::open(bundle) {
+            Ok(_) => return Ok(bundle.clone()),
+            Err(e) => (with.tell)(News::Making(format!("{e}"))),
+        }
+        // It may have been another file that was put there; nobody else has it.
+        _ = std::fs::remove_file(bundle);
     }
-    let bundle = kept.unwrap_or_else(|| otherwise.to_path_buf());
+    let bundle = kept.clone().unwrap_or_else(|| otherwise.to_path_buf());
     if let Some(folder) = bundle.parent() {
         std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
     }
     (with.tell)(News::Making(format!("building {}", config.name)));
     let report = pipeline::build_possible(&config, &bundle, with.cache, with.progress)?;
     News::of(&report).for_each(with.tell);
+    if pipeline::kept_bundle(&config, with.cache)? != kept {
+        // The one that was built is not of the files that its name was made of.
+        _ = std::fs::remove_file(&bundle);
+        return Err(ImportError::Changed { path: inputs.first().cloned().unwrap_or_default() }.into());
+    }
     Ok(bundle)
 }
 

@@ -230,12 +230,13 @@ impl Recorder {
                 }
                 GroupCast::Paths(_) => record.paths.push(PathsRecord { group: g, ..PathsRecord::default() }),
                 GroupCast::Patches(_) if record.worlds.iter().all(|w| w.cast != group.cast) => {
-                    let followed = match sim.scene().picture.follow {
-                        Some(one) => vec![one.min(sim.num_characters() - 1)],
-                        None => {
-                            let all = sim.groups().iter().filter(|g| g.cast == group.cast);
-                            all.flat_map(|g| g.characters.clone()).take(FOLLOWED[1]).collect()
-                        }
+                    let all = sim.groups().iter().filter(|g| g.cast == group.cast);
+                    let all = all.flat_map(|g| g.characters.clone());
+                    let one = sim.scene().picture.follow.map(|one| one.min(sim.num_characters() - 1));
+                    // Who is not in this world is not seen in it.
+                    let followed = match one.filter(|one| all.clone().any(|who| who == *one)) {
+                        Some(one) => vec![one],
+                        None => all.take(FOLLOWED[1]).collect(),
                     };
                     record.worlds.push(WorldRecord {
                         cast: group.cast,
@@ -420,4 +421,33 @@ pub fn seen_obstacle<V: Space>(obstacle: &Obstacle<V>) -> Option<SeenObstacle> {
         }
         _ => return None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damage::seeds;
+    use throng_runtime::simulation::Scene;
+
+    #[test]
+    fn a_world_shows_its_own_where_the_one_to_follow_is_not_in_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+        std::fs::write(file("floor.throng"), throng_world::made_up_floor::bundle("made up")).unwrap();
+        std::fs::write(file("floor.world"), &seeds::world()[0]).unwrap();
+        let followed = |who: usize| {
+            let text = format!(
+                "picture.follow = {who}\n[[groups]]\nmotion = \"none\"\ncount = 3\ngoal = {{ stay = {{}} }}\n\
+                 place = {{ block = {{ from = [50.0, 50.0], to = [59.0, 59.0] }} }}\n\
+                 [[groups]]\nmotion = \"patches\"\ncount = 4\nbundle = {:?}\nworld = {:?}\n",
+                file("floor.throng"),
+                file("floor.world")
+            );
+            let scene = Scene::parse(&text, &folder.path().join("s.toml")).unwrap().open().unwrap();
+            let config = RunConfig { recorded: true, ..RunConfig::default() };
+            Recorder::new(&config, &Simulation::new(&scene).unwrap(), 1.0).record.worlds[0].followed.clone()
+        };
+        assert_eq!((followed(5), followed(99)), (vec![5], vec![6]));
+        assert_eq!(followed(0), [3, 4, 5, 6]);
+    }
 }

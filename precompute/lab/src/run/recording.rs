@@ -6,6 +6,7 @@ use std::path::Path;
 use throng_motion::error::BuildError;
 use throng_runtime::base::SnapshotKind;
 use throng_runtime::base::file::{MAX_TEXT_BYTES, read_file};
+use throng_runtime::base::limits::{SECONDS, STEP_HZ};
 use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
 
 const KIND: SnapshotKind = SnapshotKind { what: "recording", tag: *b"RCRD", version: 1, setup: 0 };
@@ -61,7 +62,18 @@ impl Recording {
     /// [`BuildError::Config`] for a file that is none, or damaged.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
         let bytes = read_file(path, "a recording", MAX_TEXT_BYTES).map_err(fault)?;
-        KIND.read_all(&bytes).map_err(|e| BuildError::Config { message: format!("{}: {e}", path.display()) })
+        Self::parse(&bytes).map_err(|e| BuildError::Config { message: format!("{}: {e}", path.display()) })
+    }
+
+    /// As [`Recording::load`], of bytes.
+    ///
+    /// # Errors
+    /// What is wrong; the file is not named.
+    pub fn parse(bytes: &[u8]) -> Result<Self, throng_runtime::base::Error> {
+        let read: Self = KIND.read_all(bytes)?;
+        SECONDS.check("seconds", None, read.seconds)?;
+        STEP_HZ.check("step_hz", None, read.step_hz)?;
+        Ok(read)
     }
 
     /// The scene that ran.

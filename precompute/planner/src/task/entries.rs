@@ -220,7 +220,7 @@ pub(super) enum ShapeEntry {
     Mesh {
         /// OBJ, glTF or GLB, from the task's folder.
         file: PathBuf,
-        /// Metres that a unit of the file is (> 0).
+        /// Metres that a unit of the file is (0.000001 to 1000000).
         #[serde(default = "one")]
         unit_m: f64,
         /// False refuses surfaces with holes, which let nothing through but have no inside.
@@ -311,7 +311,7 @@ pub(super) struct TaskEntry {
     pub at_s: Option<f64>,
     /// From when to when the limb leaves the clip; of `correct`, where it is looked for collisions (s).
     pub window_s: Option<[f64; 2]>,
-    /// How long the limb keeps its pose then, as seen from the trunk (s).
+    /// How long the limb keeps its pose then, as seen from the trunk (s, 0 to 600).
     #[serde(default)]
     pub hold_s: f64,
     /// Where the hand holds the object: tried in this order.
@@ -397,7 +397,7 @@ impl Deed {
 pub(super) struct PlannerEntry {
     /// Same seed, same plans.
     pub seed: u64,
-    /// Most samples of a search.
+    /// Most samples of a search (0 to 1000000).
     pub draws: u32,
     /// Most time of a plan; results then depend on the machine (s).
     pub budget_s: Option<f64>,
@@ -407,7 +407,7 @@ pub(super) struct PlannerEntry {
     pub resolution_rad: Option<f64>,
     /// How far everything stays from obstacles (m).
     pub clearance_m: f64,
-    /// Tries to straighten a way.
+    /// Tries to straighten a way (0 to 10000).
     pub straighten: u32,
     /// Time over which corners are rounded (s).
     pub round_s: f64,

@@ -24,12 +24,12 @@ pub use super::entries::ClipEntry;
 
 const HELP: &str = "A task has `clip`, `[[characters]]`, `[[scene.obstacles]]`, `[[scene.objects]]`, `[[tasks]]` and \
                     `[planner]`; `throng schema --of task` lists every key.";
-/// How far from the middle somebody begins to walk (m).
-const MOST_M: f64 = 1e4;
-/// How long somebody goes on at most (s).
-const MOST_S: f64 = 600.0;
-/// Most characters, things or tasks of a file.
-const MOST: usize = 1000;
+/// How far everything is from the middle, or from what it is seen from (m).
+pub(super) const MOST_M: f64 = 1e4;
+/// How long somebody goes on, or a limb keeps its pose, at most (s).
+pub(super) const MOST_S: f64 = 600.0;
+/// Most entries of a list.
+pub(super) const MOST: usize = 1000;
 
 /// Somebody of a task.
 #[derive(Clone, Debug, PartialEq)]
@@ -243,6 +243,7 @@ fn walked(entry: &ClipEntry, walk: &WalkEntry, folder: &Path) -> std::result::Re
     if !(0.3..=4.0).contains(&walk.speed_mps) {
         return Err(format!("walk: speed_mps: expected 0.3 to 4, found {}", walk.speed_mps));
     }
+    not_many("walk: pace", walk.pace.len())?;
     let (times, speeds) = (walk.pace.iter().map(|p| p.t_s), walk.pace.iter().map(|p| p.speed_mps));
     let times: Vec<f64> = times.collect();
     let ascend = times.first().is_none_or(|t| *t == 0.0) && times.windows(2).all(|w| w[0] < w[1]);
@@ -260,6 +261,16 @@ fn walked(entry: &ClipEntry, walk: &WalkEntry, folder: &Path) -> std::result::Re
     Ok(ClipEntry { walk: Some(walk), ..entry.clone() })
 }
 
+/// Refuses lists that are too long.
+pub(super) fn not_many(list: &str, len: usize) -> std::result::Result<(), String> {
+    if len > MOST { Err(format!("{list}: expected {MOST} at most, found {len}")) } else { Ok(()) }
+}
+
+/// True for a place that is finite and within [`MOST_M`].
+pub(super) fn is_near(at: &Rigid) -> bool {
+    at.is_valid() && at.position.abs().max_element() <= MOST_M
+}
+
 pub(super) fn placed(at: [f64; 3], turn_deg: [f64; 3]) -> Rigid {
     Rigid { position: DVec3::from(at), rotation: exp(DVec3::from(turn_deg) * (std::f64::consts::PI / 180.0)) }
 }
@@ -267,8 +278,8 @@ pub(super) fn placed(at: [f64; 3], turn_deg: [f64; 3]) -> Rigid {
 impl CharacterEntry {
     fn character(&self, folder: &Path) -> std::result::Result<Character, String> {
         let placed = Rigid { position: DVec3::from(self.at), rotation: about(DVec3::Y, self.heading_deg.to_radians()) };
-        if !placed.is_valid() {
-            return Err("expected finite numbers".into());
+        if !is_near(&placed) {
+            return Err(format!("expected a finite `heading_deg`, and `at` within {MOST_M} m"));
         }
         let body = self.body.as_ref().map(|b| Body::read(&folder.join(b))).transpose()?;
         Ok(Character { name: self.name.clone(), clip: clip(&self.clip, folder)?, placed, body })
@@ -312,12 +323,9 @@ impl ThingEntry {
             (None, false) => Start::Path(Motion::keys(&keys)),
             (None, true) => Start::Path(Motion::Still(here)),
         };
-        let is_valid = match &start {
-            Start::Path(path) => path.is_valid(0.0, 0.0),
-            Start::On { offset, .. } => offset.is_valid(),
-        };
-        if !is_valid {
-            return Err("expected finite places, and keys whose times ascend".into());
+        let ascends = if let Start::Path(path) = &start { path.is_valid(0.0, 0.0) } else { true };
+        if !(ascends && is_near(&here) && keys.iter().all(|(_, at)| is_near(at))) {
+            return Err(format!("expected finite places within {MOST_M} m, and keys whose times ascend"));
         }
         Ok(Thing { name: self.name.clone(), shapes, start, is_object })
     }
@@ -362,10 +370,12 @@ impl Default for PlannerEntry {
 impl PlannerEntry {
     fn config(&self) -> std::result::Result<CorrectConfig<'static>, (&'static str, String)> {
         let ranges = [
+            ("draws", f64::from(self.draws), 0.0, 1e6),
             ("budget_s", self.budget_s.unwrap_or(1.0), 0.0, 3600.0),
             ("epsilon_m", self.epsilon_m, 0.01, 10.0),
             ("resolution_rad", self.resolution_rad.unwrap_or(0.1), 1e-4, 1.0),
             ("clearance_m", self.clearance_m, 0.0, 0.5),
+            ("straighten", f64::from(self.straighten), 0.0, 1e4),
             ("round_s", self.round_s, 0.0, 10.0),
             ("blend_s", self.blend_s, 0.0, 10.0),
             ("margin_s", self.margin_s, 0.03, 10.0),

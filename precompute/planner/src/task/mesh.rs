@@ -27,8 +27,8 @@ pub(super) fn read(path: &Path, unit_m: f64, open: bool) -> Result<Shape, String
     } else {
         return Err(format!("{}: expected a mesh as OBJ, glTF or GLB; export it as one of them", path.display()));
     };
-    if !(unit_m > 0.0 && unit_m.is_finite()) {
-        return Err(format!("{}: expected a positive `unit_m`, found {unit_m}", path.display()));
+    if !(1e-6..=1e6).contains(&unit_m) {
+        return Err(format!("{}: expected a positive `unit_m`, 0.000001 to 1000000, found {unit_m}", path.display()));
     }
     for corner in triangles.iter_mut().flatten() {
         *corner *= unit_m as f32;

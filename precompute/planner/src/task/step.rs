@@ -1,7 +1,7 @@
 //! One thing to do, checked.
 
 use super::entries::{Deed, GripEntry, PlaceEntry, SecondEntry, StyleEntry, TaskEntry};
-use super::file::{Character, Thing, joint_of, placed};
+use super::file::{Character, MOST_M, MOST_S, Thing, is_near, joint_of, not_many, placed};
 use crate::limits::{Interval, Style};
 use crate::linkage::{Limb, Linkage};
 use crate::rotation::Rigid;
@@ -130,6 +130,10 @@ impl Names<'_> {
         } else if t.grips.is_empty() {
             return Err("expected `grips`, where the hand is as seen from the object".into());
         }
+        if !(0.0..=MOST_S).contains(&t.hold_s) {
+            return Err(format!("hold_s: expected 0 to {MOST_S}, found {}", t.hold_s));
+        }
+        not_many("contacts", t.contacts.len())?;
         let walks = self.walks_up(t.character.as_deref())?;
         let contacts = t.contacts.iter().map(|c| self.contact(c)).collect::<Result<_, _>>()?;
         let receiver = t.receiver.as_ref().map(|r| {
@@ -192,8 +196,8 @@ impl Names<'_> {
 
     fn place(&self, p: &PlaceEntry) -> Result<Place, String> {
         let offset = placed(p.at, p.turn_deg.unwrap_or_default());
-        if !offset.is_valid() {
-            return Err("to: expected finite numbers".into());
+        if !is_near(&offset) {
+            return Err(format!("to: expected a finite place within {MOST_M} m"));
         }
         let on = match &p.on {
             None => Anchor::World,
@@ -235,6 +239,7 @@ fn level(t: &TaskEntry) -> Result<Option<f64>, String> {
 }
 
 fn grips(entries: &[GripEntry]) -> Result<Vec<Grip>, String> {
+    not_many("grips", entries.len())?;
     let one = |g: &GripEntry| match g.turn_deg {
         Some(turn) => Grip::Turned(placed(g.at, turn)),
         None => Grip::Any(DVec3::from(g.at)),

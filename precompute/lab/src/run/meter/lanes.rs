@@ -19,7 +19,9 @@ pub struct LaneMeter {
 impl LaneMeter {
     /// Nothing seen yet.
     pub fn new(config: &LanesConfig) -> Self {
-        let along = Vec2::from(config.along).normalize();
+        let along = Vec2::from(config.along);
+        // Lengths whose squares are no numbers any more, too.
+        let along = along.try_normalize().unwrap_or_else(|| (along / along.abs().max_element()).normalize());
         Self { along, width_m: config.width_m, reach_m: config.reach_m, order: Vec::new() }
     }
 
@@ -114,6 +116,14 @@ mod tests {
         assert!(two > 0.9, "{two}");
         let four = order(&field(|at, _| (at.x / 2.0) as i32 % 2 == 0)).unwrap();
         assert!(four > 0.7 && four < two, "{four}");
+    }
+
+    #[test]
+    fn a_direction_may_have_any_length() {
+        for length in [1e-40, 1e-30, 1.0, 1e30] {
+            let meter = LaneMeter::new(&LanesConfig { along: [0.0, length], width_m: 1.0, reach_m: 5.0 });
+            assert_eq!(meter.along, Vec2::Y, "{length}");
+        }
     }
 
     #[test]

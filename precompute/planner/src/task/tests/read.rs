@@ -12,10 +12,16 @@ fn faults_name_their_line() {
         ("radius = 0.06", "radius = -0.06", "positive sizes"),
         ("radius = 0.06", "radius = nan", "positive sizes"),
         ("t_s = 3.8", "t_s = 3.1", "times ascend"),
+        ("at = [0.1, 1.35, 0.42]", "at = [1e7, 1.35, 0.42]", "places within 10000 m"),
+        ("name = \"cup\"\n", "name = \"cup\"\nat = [0.0, nan, 0.0]\n", "places within 10000 m"),
+        ("at_s = 1.4", "at_s = 1.4\nhold_s = 1e12", "hold_s: expected 0 to 600, found 1000000000000"),
+        ("at_s = 1.4", "at_s = 1.4\nhold_s = nan", "hold_s: expected 0 to 600, found NaN"),
         ("name = \"ball\"", "name = \"cup\"", "two of `cup`"),
         ("{ ball = { radius = 0.06 } }", "{ mesh = { file = \"a.obj\" } }", "a.obj"),
         ("{ ball = { radius = 0.06 } }", "{ mesh = { file = \"a.stl\" } }", "expected a mesh as OBJ, glTF or GLB"),
         ("seed = 3", "epsilon_m = 0.0", "planner.epsilon_m: expected 0.01 to 10"),
+        ("seed = 3", "draws = 4294967295", "planner.draws: expected 0 to 1000000"),
+        ("seed = 3", "straighten = 4294967295", "planner.straighten: expected 0 to 10000"),
         ("seed = 3", "sed = 3", "Did you mean `seed`?"),
         ("clip = \"stand.bvh\"", "clip = {}", "expected `file`, or `synth`"),
         ("clip = \"stand.bvh\"", "clip = { synth = \"walk\", from_s = 2.0, to_s = 1.0 }", "0 <= from_s < to_s"),
@@ -34,6 +40,21 @@ fn faults_name_their_line() {
     for (from, to, why) in cases {
         let e = parse(&TASK.replacen(from, to, 1)).expect_err(why);
         assert!(e.contains("t.toml:") && e.contains(why), "{why}: {e}");
+    }
+    let dropped = TASK.replacen("do = \"grab\"", "do = \"drop\"\nto = { at = [0.0, -2e4, 0.0] }", 1);
+    let e = parse(&dropped.replace("grips = [", "level_deg = 9.0 # [")).expect_err("far down");
+    assert!(e.contains("to: expected a finite place within 10000 m"), "{e}");
+    let lists = [
+        ("grips = [", format!("grips = [{}", "{}, ".repeat(1000)), "grips: expected 1000 at most, found 1001"),
+        (
+            "at_s = 1.4",
+            format!("at_s = 1.4\ncontacts = [{}]", "\"cup\", ".repeat(1001)),
+            "contacts: expected 1000 at most, found 1001",
+        ),
+    ];
+    for (from, to, why) in lists {
+        let e = parse(&TASK.replacen(from, &to, 1)).expect_err(why);
+        assert!(e.contains(why), "{why}: {e}");
     }
 }
 
@@ -82,6 +103,7 @@ fn meshes_are_closed_or_said_to_be_open() {
         ("", 1.0, "no triangles"),
         (CUBE, 0.0, "positive `unit_m`"),
         (CUBE, f64::NAN, "positive `unit_m`"),
+        (CUBE, 1e-50, "0.000001 to 1000000, found"),
         ("v 0 0 nan\n", 1.0, "cube.obj:1: expected `v x y z`"),
     ] {
         let e = read(text, unit_m, true).unwrap_err();

@@ -25,6 +25,10 @@ const STAY_S: f64 = 0.35;
 const REST_S: f64 = 0.5;
 /// How often places to stand are changed because a limb found no way.
 const MOST_TRIES: usize = 12;
+/// How far somebody walks to one thing to do at most (m).
+const FARTHEST_M: f64 = 200.0;
+/// Nobody sets out for more after so long (s).
+const LONGEST_S: f64 = 3600.0;
 
 /// How a character moves.
 #[derive(Clone, Debug)]
@@ -189,6 +193,13 @@ fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize
     let mut wanted = Wanted::new(Stage::new(task, clips), step, gait);
     let (from, heading) = gait.place();
     let stands = wanted.stands(speed_mps);
+    let nowhere = |why: String| Err(NoWalk::Nowhere { task: step.name.clone(), why });
+    if let Some(far_m) = stands.iter().map(|s| s.at.distance(from)).find(|m| *m > FARTHEST_M) {
+        return nowhere(format!("it is {far_m:.0} m away, expected {FARTHEST_M} m at most; begin nearer"));
+    }
+    if gait.time_s() > LONGEST_S {
+        return nowhere(format!("it begins after {LONGEST_S} s; do the rest in another task file"));
+    }
     // Who need not bend, does not.
     let upright = stands.iter().map(|stand| (stand, false));
     let leaning = stands.iter().map(|stand| (stand, true)).filter(|_| task.lean && step.limb.is_arm());
@@ -223,5 +234,5 @@ fn go(task: &Task, clips: &[ActorClip], i: usize, gait: &Gait, mut passed: usize
         }
         return Ok(([from_s, at_s, held_s + BACK_S], after));
     }
-    Err(NoWalk::Nowhere { task: step.name.clone(), why: wanted.why() })
+    nowhere(wanted.why())
 }
