@@ -7,7 +7,7 @@ use throng_precompute::stitch;
 use throng_runtime::Bundle;
 use throng_runtime::format::{AlignedBytes, Header};
 use throng_runtime::patch::NONE;
-use throng_runtime::world::{PathCosts, WORLD_VERSION, World, WorldData, WorldError, WorldGraph};
+use throng_runtime::world::{PathCosts, WORLD_MAGIC, WORLD_VERSION, World, WorldData, WorldError, WorldGraph};
 
 fn world(tables: &Bundle) -> WorldData {
     made_up_world::world(tables, &["####", "#b##", "###."])
@@ -61,8 +61,12 @@ fn a_world_of_another_file_is_not_replaced() {
     let e = stitch::check_replaced(&other, &out).unwrap_err().to_string();
     assert!(e.contains("was stitched from ../square.toml") && e.contains("more/square.toml"), "{e}");
     assert!(e.contains("another `name`") && e.contains("--out"), "{e}");
-    std::fs::write(&out, "no world").unwrap();
+    // What is damaged is nobody's; what is no world may be somebody's.
+    std::fs::write(&out, WORLD_MAGIC).unwrap();
     stitch::check_replaced(&other, &out).unwrap();
+    std::fs::write(&out, "no world").unwrap();
+    let e = stitch::check_replaced(&other, &out).unwrap_err().to_string();
+    assert!(e.contains("square.world: it is there and is not a world"), "{e}");
 }
 
 #[test]

@@ -17,10 +17,6 @@ use throng_core::stops::BODY_RADIUS_M;
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_core::{Cast, Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
-/// Most heights along a side of the ground, which take 64 MiB: those of a wider one lie farther apart.
-const GROUND_KNOTS: f32 = 4000.0;
-/// Least distance between two heights of the ground (m).
-const GROUND_SPACING_M: f32 = 0.5;
 /// Length of a hill (m).
 const HILL_M: f32 = 24.0;
 
@@ -199,24 +195,12 @@ fn root_of(control: &Control) -> Planar {
     Planar { x: at.x, z: at.y, heading: control.heading.unwrap_or(0.0) }
 }
 
-/// Half a side of the ground under a square of paths, and the distance of its knots (m).
-fn grid(paths: &crate::scene::PathsConfig) -> (f32, f32) {
-    let half = 0.5 * paths.area_m + 20.0;
-    (half, (2.0 * half / GROUND_KNOTS).max(GROUND_SPACING_M))
-}
-
-/// Knots of that ground along a side.
-pub(crate) fn side_knots(paths: &crate::scene::PathsConfig) -> usize {
-    let (half, spacing) = grid(paths);
-    (2.0 * half / spacing).ceil() as usize + 1
-}
-
 /// Hills under a square of paths; level ground where they have no height.
 fn ground(hills_m: f32, paths: &crate::scene::PathsConfig) -> Result<HeightField> {
     if hills_m == 0.0 {
         return Ok(HeightField::flat());
     }
-    let ((half, spacing), n) = (grid(paths), side_knots(paths));
+    let (half, spacing, n) = paths.ground();
     let wave = |v: f32| maths::sin(v * std::f32::consts::TAU / HILL_M);
     let at = |i: usize| i as f32 * spacing - half;
     let height = |k: usize| 0.25 * hills_m * (2.0 + wave(at(k % n)) + wave(0.7 * at(k / n) + 1.0));

@@ -462,7 +462,7 @@ mod tests {
     fn tiles_with_more_edges_than_a_set_has_bits_are_refused() {
         let with = |num: u32| {
             refused(|p| {
-                let step = |e: u32| [4.0 + (e / 2) as f32, 0.0, 1.0].map(|v| if e % 2 == 0 { v } else { -v });
+                let step = |e: u32| [4.0 + (e / 2) as f32, 0.0, 1.0].map(|v| if e.is_multiple_of(2) { v } else { -v });
                 p.edges.extend((4..num).map(|e| EdgeRecord { step: step(e), opposite: e ^ 1 }));
             })
         };

@@ -7,10 +7,8 @@
 use super::block::Block;
 use super::motion_set::MotionSet;
 use crate::planar::Planar;
+use crate::stops::PIECE_FRAMES;
 use glam::Vec2;
-
-/// Pieces are no longer (frames).
-pub(crate) const PIECE_FRAMES: u32 = 4;
 
 /// Where a piece begins, and how it is turned.
 #[derive(Clone, Copy, Debug)]

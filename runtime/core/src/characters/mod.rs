@@ -36,7 +36,6 @@ use crate::skeleton::{Joint, NUM_JOINTS};
 pub use anatomy::head_centre;
 pub use avoid::AvoidConfig;
 use avoid::Avoiding;
-pub(crate) use bent::PIECE_FRAMES;
 use block::{Block, Body};
 pub use blow::{Blow, MAX_BLOWS};
 use blow::{Blows, PassedHits};

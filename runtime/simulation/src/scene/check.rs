@@ -150,7 +150,7 @@ fn check_totals(scene: &Scene) -> Result<(), Fault> {
         }
         let has_hills = group.motion == Motion::Blend && scene.environment.hills_m > 0.0;
         if let Some(paths) = group.paths.as_ref().filter(|_| has_hills) {
-            knots += crate::wander::side_knots(paths).pow(2);
+            knots += paths.ground().2.pow(2);
             if knots > MAX_KNOTS {
                 let why = "expected less ground for all groups: take smaller areas, fewer groups, or `environment.hills_m = 0.0`";
                 return fault(&format!("groups[{g}].paths.area_m"), why);

@@ -226,6 +226,18 @@ pub struct PathsConfig {
     pub centre: [f32; 2],
 }
 
+impl PathsConfig {
+    /// Half a side of the ground under the square, the distance of its heights (m), and their number along a side.
+    pub(crate) fn ground(&self) -> (f32, f32, usize) {
+        // As many take 64 MiB: those of a wider ground lie farther apart.
+        const MOST_KNOTS: f32 = 4000.0;
+        const LEAST_SPACING_M: f32 = 0.5;
+        let half = 0.5 * self.area_m + 20.0;
+        let spacing = (2.0 * half / MOST_KNOTS).max(LEAST_SPACING_M);
+        (half, spacing, (2.0 * half / spacing).ceil() as usize + 1)
+    }
+}
+
 impl Default for PathsConfig {
     fn default() -> Self {
         Self {

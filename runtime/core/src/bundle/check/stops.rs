@@ -2,9 +2,8 @@
 
 use super::{ASTRAY, LEAP, is_near, seen};
 use crate::bundle::{Bundle, tags};
-use crate::characters::PIECE_FRAMES;
 use crate::format::FormatError;
-use crate::stops::{BODY_RADIUS_M, REST, SLOW_DOWN, SweepNode, WALK_ON};
+use crate::stops::{BODY_RADIUS_M, PIECE_FRAMES, REST, SLOW_DOWN, SweepNode, WALK_ON};
 use throng_base::maths;
 
 /// Most nodes of a segment, with those that bending adds, and of all segments on the way to a stand: characters that make way

@@ -20,7 +20,7 @@ const CHANGE_S: f32 = 0.3;
 /// Most nodes of the path of an action and the stop after it.
 pub fn most_nodes(motion_set: &MotionSet) -> usize {
     let (graph, stops) = (&motion_set.graph, &motion_set.stops);
-    let bent = |s: &crate::graph::MotionSegment| (s.num_frames / bent::PIECE_FRAMES) as usize;
+    let bent = |s: &crate::graph::MotionSegment| (s.num_frames / crate::stops::PIECE_FRAMES) as usize;
     let longest = stops.sweeps.iter().map(|s| s.num_nodes as usize).max().unwrap_or(0);
     let longest = longest + graph.segments.iter().map(bent).max().unwrap_or(0);
     longest + stops.most_nodes(&graph.segments) + 2 * (PACE_NODES + 2) + 1
