@@ -90,7 +90,7 @@ pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &Cached<'_>) ->
             Ok(_) => return Ok(bundle.clone()),
             Err(e) => (with.tell)(News::Making(format!("{e}"))),
         }
-        // It may have been another file that was put there; nobody else has it.
+        // A build takes the place of bundles alone, and what is damaged may not look like one.
         _ = std::fs::remove_file(bundle);
     }
     let bundle = kept.clone().unwrap_or_else(|| otherwise.to_path_buf());

@@ -80,7 +80,7 @@ pub fn copy_file(path: &Path, what: &str, max_bytes: u64, out: &mut dyn Write) -
         let help = "Write the archive anew, with ordinary compression and without a password";
         content_error(path, format!("it cannot be read from its archive: {e}"), help)
     })?;
-    // What an archive says of lengths need not be true. Motion takes a tenth of its room when it is packed, numbers that repeat a hundredth.
+    // The length that an archive names need not be true. Motion is packed to about a tenth, numbers that repeat to a hundredth.
     let packed = found.compressed_size();
     let most = max_bytes.min(packed.saturating_mul(MOST_PACKED).saturating_add(64 << 20));
     let copied = std::io::copy(&mut found.take(most + 1), out).map_err(failed)?;
@@ -132,8 +132,7 @@ impl Seek for Shared {
     }
 }
 
-/// The archive that was opened last. Thousands of files of one are looked at one after the other, and each time its whole list
-/// would be read.
+/// The archive that was opened last. A build looks at all files of one, and would read its whole list each time.
 struct Last {
     path: PathBuf,
     /// Of the file: another one may have its place by now.
