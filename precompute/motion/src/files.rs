@@ -185,13 +185,13 @@ pub fn check_target(path: &Path) -> Result<(), BuildError> {
     }
 }
 
-/// As [`check_target`], where what stands at the path has to be of the same kind, or empty: nobody means a config or a motion file to
-/// become a bundle.
+/// As [`check_target`], and a file that stands at the path has to be of the same kind, or empty, so that no config and no motion file
+/// is overwritten.
 ///
-/// - `magic`: what files of the kind begin with; `what`: the kind, with its article.
+/// - `magic`: first bytes of files of the kind; `what`: the kind, with its article.
 ///
 /// # Errors
-/// As [`check_target`]; [`BuildError::Io`] where another file stands there.
+/// As [`check_target`]; [`BuildError::Config`] where a file of another kind stands there.
 pub fn check_replaced(path: &Path, magic: &[u8], what: &str) -> Result<(), BuildError> {
     check_target(path)?;
     let mut found = Vec::new();

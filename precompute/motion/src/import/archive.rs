@@ -143,9 +143,9 @@ struct Last {
     zip: ZipArchive<Shared>,
 }
 
-/// Most bytes that one packed byte may become.
+/// Most bytes that a file of an archive may have for each byte that it takes there, beyond 64 MiB.
 const MOST_PACKED: u64 = 200;
-/// Bytes of an archive's end that tell it from another one.
+/// Length of the end of an archive that is compared (bytes).
 const TAIL: u64 = 32 << 10;
 /// Most files of an archive.
 const MAX_MEMBERS: usize = 100_000;
