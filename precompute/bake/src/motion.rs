@@ -166,6 +166,9 @@ fn settle(
         None => retarget::lend(&sources),
     };
     let mut plan = retarget::Plan::new(&sources, &*lender, &cfg.retarget, warnings)?;
+    if cfg.resample.mirror {
+        retarget::tell_from_mirrored(&mut plan.names, warnings);
+    }
     for p in 0..plan.performers.len() {
         let telling = &plan.performers[p].telling;
         let find = || plan.find_slope(p, &*lender);

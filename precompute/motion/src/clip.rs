@@ -200,7 +200,12 @@ impl Clip {
 
     /// The longest runs of usable frames, in order.
     pub fn usable_ranges(&self) -> Vec<FrameRange> {
-        runs(0..self.num_frames(), |f| self.is_usable(f))
+        let mut usable = vec![true; self.num_frames()];
+        for Exclusion { range, .. } in &self.excluded {
+            let end = range.end.min(usable.len());
+            usable[range.start.min(end)..end].fill(false);
+        }
+        runs(0..self.num_frames(), |f| usable[f])
     }
 }
 

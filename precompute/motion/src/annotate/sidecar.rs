@@ -36,6 +36,9 @@ use std::path::{Path, PathBuf};
 use throng_base::file::MAX_TEXT_BYTES;
 use throng_base::text::{Source, did_you_mean};
 
+/// Most entries of each list of a sidecar.
+const MOST_ENTRIES: usize = 10_000;
+
 /// Ranges, names and hits for one clip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -164,13 +167,19 @@ impl Sidecar {
         Ok(sidecar)
     }
 
-    /// Refuses ranges that end before they start, names without letters, and joints that do not exist.
+    /// Refuses ranges that end before they start, names without letters, joints that do not exist, and lists of more than
+    /// 10 000 entries.
     ///
     /// # Errors
     /// [`BuildError::Key`] for the first of them.
     pub fn check(&self) -> Result<(), BuildError> {
         let fault = |list: &str, i: usize, what: String| Err(BuildError::key(format!("{list}[{i}]"), what));
         let sound = |start: f64, end: f64| start >= 0.0 && start.is_finite() && end > start;
+        let lists = [("exclude", self.exclude.len()), ("tags", self.tags.len()), ("hits", self.hits.len())];
+        if let Some((list, num)) = lists.into_iter().find(|(_, num)| *num > MOST_ENTRIES) {
+            let why = format!("expected at most {MOST_ENTRIES} entries, found {num}. Cut the clip into several files.");
+            return Err(BuildError::key(list, why));
+        }
         for (i, [start, end]) in self.exclude.iter().enumerate() {
             if !sound(*start, *end) {
                 return fault(

@@ -157,6 +157,8 @@ struct Search {
     found: Vec<PathBuf>,
     /// Folders that were searched, with links resolved: links may lead back.
     searched: BTreeSet<PathBuf>,
+    /// Folders in which that many parts of a pattern were looked for: several `**` lead there in many ways.
+    matched: BTreeSet<(PathBuf, usize)>,
 }
 
 impl Search {
@@ -192,6 +194,9 @@ impl Search {
     /// Finds what matches a pattern, part by part.
     fn matching(&mut self, folder: &Path, pattern: &[String], depth: usize) -> Result<(), ImportError> {
         let Some((part, rest)) = pattern.split_first() else { return Ok(()) };
+        if !self.matched.insert((folder.to_owned(), pattern.len())) {
+            return Ok(());
+        }
         if part == ANY_FOLDERS && rest.is_empty() {
             return self.everything(folder, depth);
         }

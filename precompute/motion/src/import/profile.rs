@@ -59,7 +59,7 @@ impl Profile {
     /// Reads a profile from TOML text; `path` is what errors name.
     ///
     /// # Errors
-    /// [`ImportError::Content`] for TOML faults and unknown roles. Roles that are missing are told of the first clip that it fits.
+    /// [`ImportError::Content`] for TOML faults, unknown roles, and none at all. Roles that are missing are told of the first clip that it fits.
     pub fn parse(toml_text: &str, path: &Path) -> Result<Self, ImportError> {
         Self::of(&Source::new(toml_text, path))
     }
@@ -67,6 +67,10 @@ impl Profile {
     fn of(source: &Source) -> Result<Self, ImportError> {
         let help = "See data/skeletons/README.md for how a profile is written.";
         let file: ProfileFile = source.parse(help)?;
+        if file.roles.is_empty() {
+            // It would fit every skeleton.
+            return Err(source.at("roles", format!("expected at least one role. {help}")).into());
+        }
         let mut roles = Vec::new();
         for (role, names) in file.roles {
             let Some(joint) = Joint::from_name(&role) else {
@@ -142,6 +146,12 @@ mod tests {
     fn an_unknown_role_is_refused_with_the_nearest_one() {
         let e = Profile::parse("name='a'\nsource='b'\n[roles]\nleft_shn='x'", Path::new("p.toml")).unwrap_err();
         assert!(e.to_string().contains("p.toml:4:1: unknown role `left_shn`. Did you mean `left_shin`?"), "{e}");
+    }
+
+    #[test]
+    fn a_profile_without_roles_is_refused() {
+        let e = Profile::parse("name='a'\nsource='b'\n[roles]\n", Path::new("p.toml")).unwrap_err();
+        assert!(e.to_string().contains("p.toml:3:2: expected at least one role"), "{e}");
     }
 
     #[test]

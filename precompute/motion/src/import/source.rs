@@ -4,6 +4,7 @@ use crate::error::{ImportError, Warnings};
 use crate::raw::{RawClip, RawJoint, SourceFormat};
 use glam::{DQuat, DVec3};
 use std::path::Path;
+use throng_base::text::brief;
 
 /// Joints a skeleton may have; more is a damaged file.
 pub(crate) const MAX_JOINTS: usize = 4096;
@@ -156,5 +157,5 @@ pub(crate) fn duplicate_names(joints: &[RawJoint], path: &Path) -> Warnings {
 
 /// An error about the content of a file.
 pub(crate) fn content_error(path: &Path, message: impl Into<String>, help: &str) -> ImportError {
-    ImportError::Content { path: path.to_owned(), message: message.into(), help: help.into() }
+    ImportError::Content { path: path.to_owned(), message: brief(message.into()), help: help.into() }
 }

@@ -22,6 +22,7 @@ use crate::raw::{RawClip, RawJoint};
 use body::Body;
 pub use body::{Roles, Source};
 use glam::Vec3;
+pub use names::tell_from_mirrored;
 pub use plan::{Lender, Performer, Plan, lend};
 use rayon::prelude::*;
 use schemars::JsonSchema;

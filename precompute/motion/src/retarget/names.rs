@@ -2,6 +2,7 @@
 
 use super::Source;
 use crate::error::Warnings;
+use crate::mirror;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Component;
 
@@ -46,4 +47,39 @@ pub fn unique_names(sources: &[Source], warnings: &mut Warnings) -> Vec<String> 
         warnings.push(format!("several files have the name `{name}`: their clips are called {}.", called.join(", ")));
     }
     names
+}
+
+/// Gives other names to clips that have that of another one's mirrored copy.
+pub fn tell_from_mirrored(names: &mut [String], warnings: &mut Warnings) {
+    let mut taken: BTreeSet<String> = names.iter().cloned().collect();
+    for i in 0..names.len() {
+        let original = names[i].strip_suffix(mirror::SUFFIX).filter(|original| taken.contains(*original));
+        let Some(original) = original.map(str::to_owned) else { continue };
+        let is_free = |name: &String| !taken.contains(name) && !taken.contains(&format!("{name}{}", mirror::SUFFIX));
+        let Some(name) = (1..).map(|n| format!("{original}~{n}")).find(is_free) else { continue };
+        warnings.push(format!(
+            "`{}` is what the mirrored copy of `{original}` is called: the clip of that file is called `{name}`. Rename the \
+             file, or leave mirrored files out.",
+            names[i]
+        ));
+        taken.insert(name.clone());
+        names[i] = name;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_clip_has_the_name_of_a_mirrored_copy() {
+        let mut names = ["walk~mirror", "walk", "walk~1", "run~mirror"].map(str::to_owned);
+        let mut warnings = Warnings::default();
+        tell_from_mirrored(&mut names, &mut warnings);
+        assert_eq!(names, ["walk~2", "walk", "walk~1", "run~mirror"]);
+        let mut all: Vec<String> = names.iter().flat_map(|n| [n.clone(), format!("{n}{}", mirror::SUFFIX)]).collect();
+        all.sort();
+        all.dedup();
+        assert_eq!(all.len(), 8);
+    }
 }

@@ -5,6 +5,7 @@ mod value;
 use crate::file::{MAX_TEXT_BYTES, read_file};
 use crate::{Error, Result};
 use serde::de::DeserializeOwned;
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -13,6 +14,19 @@ use value::{Fault, Value};
 
 /// Most brackets and braces of a text that stand in each other.
 const MOST_DEPTH: usize = 32;
+
+/// Most bytes of what is said of a text: a message may quote what stands there, however long it is.
+const MOST_SAID: usize = 2000;
+
+/// What is said of a text, with `...` in place of the middle of a long one.
+pub fn brief(said: String) -> String {
+    if said.len() <= MOST_SAID {
+        return said;
+    }
+    let half = MOST_SAID / 2;
+    let (begin, end) = (said.floor_char_boundary(half), said.ceil_char_boundary(said.len() - half));
+    format!("{} ... {}", &said[..begin], &said[end..])
+}
 
 /// A TOML text, and the file that it stands in.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,7 +88,7 @@ impl Source {
         let before = self.text.get(..span.start).unwrap_or_default();
         let line = before.matches('\n').count() + 1;
         let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
-        Error::Text { path: self.path.clone(), line, column, why }
+        Error::Text { path: self.path.clone(), line, column, why: brief(why) }
     }
 
     /// An error at a key such as `groups[0].place`, or at the last part of it that stands in the text.
@@ -159,11 +173,24 @@ fn string(text: &[u8]) -> usize {
     at + text[at..].iter().take(if is_long { 2 } else { 0 }).take_while(|&&b| b == quote).count()
 }
 
+/// The entry of a table that a key begins with, and what comes after its name. Names in quotes may have dots: the longest
+/// one that fits is it.
+fn entry<'t, 'k, 'a>(
+    table: &'t DeTable<'a>,
+    key: &'k str,
+) -> Option<(&'t Spanned<Cow<'a, str>>, &'t Spanned<DeValue<'a>>, &'k str)> {
+    let fits = table.iter().filter_map(|(name, value)| {
+        let more = key.strip_prefix(name.get_ref().as_ref())?;
+        (more.is_empty() || more.starts_with(['.', '['])).then_some((name, value, more))
+    });
+    fits.min_by_key(|(.., more)| more.len())
+}
+
 /// Bytes of a key, or of the last part of it that is there.
 fn find(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
-    let (first, rest) = key.split_once('.').unwrap_or((key, ""));
-    let (name, index) = first.split_once('[').unwrap_or((first, ""));
-    let (at, value) = table.iter().find(|(k, _)| k.get_ref() == name)?;
+    let (at, value, more) = entry(table, key)?;
+    let (first, rest) = more.split_once('.').unwrap_or((more, ""));
+    let index = first.trim_start_matches('[');
     let (mut span, mut value) = (at.span(), value);
     if let (Ok(index), DeValue::Array(items)) = (index.trim_end_matches(']').parse::<usize>(), value.get_ref())
         && let Some(item) = items.get(index)
@@ -178,11 +205,9 @@ fn find(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
 
 /// Bytes of the value of a key, if all of the key is there.
 fn value(table: &DeTable<'_>, key: &str) -> Option<Range<usize>> {
-    let (first, rest) = key.split_once('.').unwrap_or((key, ""));
-    let mut parts = first.split('[');
-    let name = parts.next()?;
-    let mut value = table.iter().find(|(k, _)| k.get_ref() == name)?.1;
-    for index in parts {
+    let (_, mut value, more) = entry(table, key)?;
+    let (first, rest) = more.split_once('.').unwrap_or((more, ""));
+    for index in first.split('[').skip(1) {
         let DeValue::Array(items) = value.get_ref() else { return None };
         value = items.get(index.trim_end_matches(']').parse::<usize>().ok()?)?;
     }

@@ -126,6 +126,11 @@ fn keys_are_found_as_deep_as_they_stand() {
     for (key, place) in [("a", "1:1"), ("groups[1].place.x", "5:13"), ("groups[1].place.y", "5:3"), ("b", "1:1")] {
         assert!(source.at(key, "wrong".into()).to_string().starts_with(&format!("s.toml:{place}: ")), "{key}");
     }
+    let dotted = Source::new("[clips.walk]\nx = 1\n[clips.\"walk.1\"]\ntags = [1, [2, 3]]\n", Path::new("s.toml"));
+    for (key, place) in [("clips.walk.1.tags[1]", "4:12"), ("clips.walk.x", "2:1"), ("clips.walk.1", "3:8")] {
+        assert!(dotted.at(key, "wrong".into()).to_string().starts_with(&format!("s.toml:{place}: ")), "{key}");
+    }
+    assert_eq!(dotted.value("clips.walk.1.tags[1][0]").map(|v| &dotted.text()[v]), Some("2"));
 }
 
 /// Keys of many parts in many braces: as deep as the product of both.
@@ -152,4 +157,15 @@ fn texts_too_deep_for_a_stack_are_refused_by_line_and_column() {
     for open in ["[", "a'[", "{]", "'\n{", "\"\\\n[", "'''''''['''[", "#\r["] {
         assert!(told(&open.repeat(33)).is_some(), "{open}");
     }
+}
+
+#[test]
+fn messages_quote_no_more_than_a_page() {
+    let long = format!("{} = 1", "ab".repeat(100_000));
+    let e = Source::new(&long, Path::new("s.toml")).parse::<Settings>("Help.").unwrap_err().to_string();
+    assert!(e.len() < 3000 && e.starts_with("s.toml:1:1: unknown field `abab") && e.contains(" ... "), "{e}");
+    let odd = "\u{1f600}".repeat(1000);
+    let short = brief(odd.clone());
+    assert!(short.len() < 2100 && short.starts_with('\u{1f600}') && short.ends_with('\u{1f600}'));
+    assert_eq!(brief("short".into()), "short");
 }

@@ -56,8 +56,31 @@ impl Outline {
     pub fn distance_of_line(&self, a: Vec2, b: Vec2) -> f32 {
         match self {
             Self::Wall { from, to, radius } => (line_to_line([a, b], [*from, *to]) - radius).max(0.0),
-            Self::Polygon(corners) if is_inside(corners, a) => 0.0,
+            Self::Polygon(_) if self.holds(a) => 0.0,
             Self::Polygon(corners) => edges(corners).map(|e| line_to_line([a, b], e)).fold(f32::INFINITY, f32::min),
+        }
+    }
+
+    /// Lines with a radius (m) that are its edge.
+    pub fn edges(&self) -> impl Iterator<Item = ([Vec2; 2], f32)> + '_ {
+        let (wall, polygon) = match self {
+            Self::Wall { from, to, radius } => (Some(([*from, *to], *radius)), None),
+            Self::Polygon(corners) => (None, Some(edges(corners).map(|e| (e, 0.0)))),
+        };
+        wall.into_iter().chain(polygon.into_iter().flatten())
+    }
+
+    /// True where a place is in a polygon.
+    pub fn holds(&self, p: Vec2) -> bool {
+        matches!(self, Self::Polygon(corners) if is_inside(corners, p))
+    }
+
+    /// Corners that ways may lead round (m): one of a disc, two of a wall.
+    pub fn corners(&self) -> Vec<Vec2> {
+        match self {
+            Self::Wall { from, to, .. } if from == to => vec![*from],
+            Self::Wall { from, to, .. } => vec![*from, *to],
+            Self::Polygon(corners) => corners.clone(),
         }
     }
 
@@ -74,16 +97,12 @@ impl Outline {
     /// Points to go around it by, each with its corner: on circles about its corners, which keep `clearance` from them, and
     /// so does the straight line between two neighbours of a circle.
     pub fn points_around(&self, clearance: f32) -> Vec<(Vec2, Vec2)> {
-        let (corners, radius): (&[Vec2], f32) = match self {
-            Self::Wall { from, to, radius } if from == to => (&[*from], *radius),
-            Self::Wall { from, to, radius } => (&[*from, *to], *radius),
-            Self::Polygon(corners) => (corners, 0.0),
-        };
+        let (corners, radius) = (self.corners(), if let Self::Wall { radius, .. } = self { *radius } else { 0.0 });
         // Larger circles need more points for the same detour.
         let num = if radius > clearance { 24 } else { 12 };
         let out = (radius + clearance) * 1.002 / maths::cos(0.5 * TAU / num as f32);
         let away = |i: i32| maths::at_angle(TAU * i as f32 / num as f32) * out;
-        corners.iter().flat_map(|&c| (0..num).map(move |i| (c + away(i), c))).collect()
+        corners.into_iter().flat_map(|c| (0..num).map(move |i| (c + away(i), c))).collect()
     }
 }
 
@@ -107,7 +126,7 @@ fn point_to_line(p: Vec2, [a, b]: [Vec2; 2]) -> f32 {
 }
 
 /// Smallest distance of two lines; 0 where they cross.
-fn line_to_line(one: [Vec2; 2], other: [Vec2; 2]) -> f32 {
+pub(crate) fn line_to_line(one: [Vec2; 2], other: [Vec2; 2]) -> f32 {
     let side = |[a, b]: [Vec2; 2], p: Vec2| (b - a).perp_dot(p - a);
     let apart = |l: [Vec2; 2], m: [Vec2; 2]| side(l, m[0]) * side(l, m[1]) < 0.0;
     if apart(one, other) && apart(other, one) {

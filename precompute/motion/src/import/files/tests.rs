@@ -150,3 +150,28 @@ fn files_in_archives_are_read_up_to_a_limit_and_find_their_skeleton() {
     // A folder is no worse for it: the archive is a file that cannot be read.
     assert_eq!(names(&dir, ""), ["deep/er/two", "deep/three", "more", "one"]);
 }
+
+/// 100 MB that repeat take a hundred kilobytes: more than two hundred times of that is refused before all of it is in memory.
+#[test]
+fn little_of_an_archive_does_not_become_all_of_memory() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("bomb.zip");
+    let mut zip = zip::ZipWriter::new(std::fs::File::create(&path).unwrap());
+    zip.start_file("a.bvh", zip::write::SimpleFileOptions::default()).unwrap();
+    std::io::copy(&mut std::io::Read::take(std::io::repeat(b' '), 100_000_000), &mut zip).unwrap();
+    zip.finish().unwrap();
+    let mut read = Vec::new();
+    let e = archive::copy_file(&path.join("a.bvh"), "motion", u64::MAX, &mut read).unwrap_err().to_string();
+    assert!(e.contains("a.bvh: 0.1 MB in the archive become more than the") && read.len() < 100_000_000, "{e}");
+}
+
+/// Each `**` may stand for any of the folders that lead to a place.
+#[test]
+fn patterns_of_many_folders_take_no_longer() {
+    let dir = tempfile::tempdir().unwrap();
+    let deep = (0..40).fold(dir.path().to_owned(), |at, _| at.join("a"));
+    std::fs::create_dir_all(&deep).unwrap();
+    std::fs::write(deep.join("one.bvh"), "").unwrap();
+    let pattern = "**/a/".repeat(12) + "*.bvh";
+    assert_eq!(names(&dir, &pattern), [format!("{}one", "a/".repeat(40))]);
+}

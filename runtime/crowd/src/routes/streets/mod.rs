@@ -1,13 +1,14 @@
 //! Ways on the ground round what stands: the shortest ones that keep a clearance.
 //!
 //! A visibility graph: around every corner stand points at a little more than the clearance; points that see each other
-//! are joined, and A* (Hart, Nilsson and Raphael 1968) finds the shortest way. Scenes have tens of corners: for these the
-//! graph is small and, unlike a mesh of triangles, gives the shortest ways themselves.
+//! are joined, and A* (Hart, Nilsson and Raphael 1968) finds the shortest way. Unlike a mesh of triangles, the graph gives the
+//! shortest ways themselves. It is small for tens of corners, and takes seconds to make for thousands.
 //!
 //! Doors are what was opened once. The graph leads through them too, and knows of each line between two points which doors it
 //! goes through: a door that closes makes no new graph. A closed one is as good as a very long way: none leads there where
 //! there is another.
 
+mod near;
 mod search;
 #[cfg(test)]
 mod tests;
@@ -15,6 +16,7 @@ mod tests;
 use crate::routes::outline::Outline;
 use crate::{AtEnd, NONE, Obstacle, Route};
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use near::Edges;
 pub(crate) use search::Open;
 use search::length;
 use serde::Serialize;
@@ -29,6 +31,7 @@ pub struct Streets {
     /// Obstacle that each outline is of.
     owners: Vec<usize>,
     bounds: Vec<(Vec2, Vec2)>,
+    edges: Edges,
     /// Lowest and highest that agents are (m).
     heights: Option<[f32; 2]>,
     clearance: f32,
@@ -115,6 +118,8 @@ const WIDEST_M: f32 = 12.0;
 const TAUT: f32 = 0.5;
 /// Way that is as bad as a closed door (m).
 const CLOSED_M: f32 = 1e4;
+/// Most corners that ways lead round: memory and time to make a graph grow with their square.
+const MOST_AROUND: usize = 4000;
 /// Most corners between which an agent chooses.
 pub(crate) const MOST_CORNERS: usize = 6;
 
@@ -136,7 +141,8 @@ impl Streets {
     ///   be as near as half of it.
     ///
     /// # Errors
-    /// [`Error::Value`] for a clearance out of range, or an obstacle that is not finite.
+    /// [`Error::Value`] for a clearance out of range, an obstacle that is not finite, and more than 4000 corners (a box has
+    /// four, a wall two, a ball one).
     pub fn new(obstacles: &[Obstacle], clearance_m: f32) -> Result<Self> {
         Self::with(obstacles, None, clearance_m, 0.5 * clearance_m)
     }
@@ -160,9 +166,12 @@ impl Streets {
         let odd = bounds.iter().position(|(low, high)| !low.is_finite() || !high.is_finite());
         let expected = "one with coordinates that are finite";
         check("number of an obstacle", None, odd.unwrap_or(0) as f64, odd.is_none(), expected)?;
+        let num = outlines.iter().map(|o| o.corners().len()).sum::<usize>();
+        check("number of corners of obstacles", None, num as f64, num <= MOST_AROUND, "at most 4000")?;
         let mut streets = Self {
             obstacles: obstacles.to_vec(),
             doors: vec![0; outlines.len()],
+            edges: Edges::new(&outlines, &bounds),
             outlines,
             owners,
             bounds,
@@ -323,8 +332,9 @@ impl Streets {
     fn join(&mut self, p: Vec2, out: Vec2, corner: u32, at_doors: [Doors; 2]) {
         let new = self.points.len();
         let is_taut = |n: usize, d: f32| corner == self.around[n].2 || (self.points[n] - p).dot(out).abs() <= TAUT * d;
-        let sees = (0..new).filter_map(|n| self.sees(p, n, self.clearance).map(|(d, doors)| (n as u32, d, doors)));
-        let sees: Vec<_> = sees.filter(|&(n, d, _)| is_taut(n as usize, d)).collect();
+        let taut = (0..new).filter(|&n| is_taut(n, p.distance(self.points[n])));
+        let sees: Vec<_> =
+            taut.filter_map(|n| self.sees(p, n, self.clearance).map(|(d, doors)| (n as u32, d, doors))).collect();
         for &(n, distance, doors) in &sees {
             self.seen[n as usize].push((new as u32, distance, doors));
         }
@@ -359,8 +369,15 @@ impl Streets {
         let mut way = 0.0;
         while way < WIDEST_M {
             let x = from + along * way;
-            let stands = self.outlines.iter().zip(&self.doors).filter(|(_, d)| **d == 0 || **d & self.closed != 0);
-            let nearest = stands.map(|(s, _)| s.distance(x)).fold(WIDEST_M, f32::min) - self.clearance;
+            let mut nearest = WIDEST_M;
+            for ((outline, &door), &(low, high)) in self.outlines.iter().zip(&self.doors).zip(&self.bounds) {
+                // A hair less, for rounding.
+                let is_near = || 0.999 * (low - x).max(x - high).max(Vec2::ZERO).length() < nearest;
+                if (door == 0 || door & self.closed != 0) && is_near() {
+                    nearest = nearest.min(outline.distance(x));
+                }
+            }
+            nearest -= self.clearance;
             if way > 0.0 && nearest < 0.02 {
                 break;
             }
@@ -390,10 +407,11 @@ impl Streets {
 
     /// Doors that are nearer to a straight line than a clearance; `None` if anything else is.
     fn doors_between(&self, a: Vec2, b: Vec2, clearance: f32) -> Option<Doors> {
-        let (low, high) = (a.min(b) - clearance, a.max(b) + clearance);
-        let is_near = |(l, h): &(Vec2, Vec2)| l.cmple(high).all() && h.cmpge(low).all();
-        let near = self.outlines.iter().zip(&self.doors).zip(&self.bounds).filter(|(_, b)| is_near(b));
-        let mut in_the_way = near.map(|(o, _)| o).filter(|(s, _)| s.distance_of_line(a, b) < clearance);
-        in_the_way.try_fold(0, |all, (_, &door)| (door != 0).then_some(all | door))
+        let mut all = 0;
+        let is_free = self.edges.near(&self.outlines, [a, b], clearance, |n| {
+            all |= self.doors[n];
+            self.doors[n] != 0
+        });
+        is_free.then_some(all)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::routes::streets::search::length;
+use proptest::prelude::*;
 use std::collections::BinaryHeap;
 use std::f32::consts::{FRAC_PI_2, SQRT_2};
 
@@ -136,6 +137,20 @@ fn routes_turn_at_corners_and_are_refused_through_blocks() {
     assert!(matches!(Streets::new(&[], 0.0), Err(Error::Value { what: "clearance_m", .. })));
 }
 
+#[test]
+fn more_corners_than_a_graph_has_room_for_are_refused() {
+    let balls = |num: usize| vec![Obstacle::Ball { centre: ground([3.0, 0.0]), radius: 1.0 }; num];
+    let e = Streets::new(&balls(4001), 0.4).unwrap_err().to_string();
+    assert!(e.contains("corners") && e.contains("4001") && e.contains("at most 4000"), "{e}");
+    let boxes: Vec<_> = (0..400).map(|n| ([(n % 20) as f32 * 9.0, (n / 20) as f32 * 9.0], 6.0)).collect();
+    let block =
+        |&([x, z], size): &([f32; 2], f32)| Obstacle::Box { min: ground([x, z]), max: ground([x + size, z + size]) };
+    let map = Streets::new(&boxes.iter().map(block).collect::<Vec<_>>(), 0.4).unwrap();
+    let way = map.corners(ground([-2.0, -2.0]), ground([180.0, 180.0])).unwrap();
+    let flat: Vec<Vec2> = way.iter().map(|p| p.xz()).collect();
+    assert!(length(&flat) < 182.0 * 2.0 && length(&flat) > 182.0 * SQRT_2, "{}", length(&flat));
+}
+
 /// Two rooms with a door between them, and a way round the wall or none.
 fn rooms(far: f32) -> Vec<Obstacle> {
     vec![wall([0.0, -far], [0.0, -0.6]), wall([0.0, 0.6], [0.0, far + 1.0]), wall([0.0, -0.6], [0.0, 0.6])]
@@ -195,4 +210,50 @@ fn ways_in_the_air_pass_above_what_is_low_and_rise_evenly() {
     assert!(way.len() > 2 && way[0] == from && way[way.len() - 1] == to, "{way:?}");
     assert!(way.windows(2).all(|w| w[0].y < w[1].y), "{way:?}");
     assert_eq!(streets.corners(from, Vec3::new(0.0, 9.0, 0.5)), Err(NoWay::Goal(1)));
+}
+
+fn many_outlines() -> impl Strategy<Value = Vec<Obstacle>> {
+    let place = || [-50.0f32..50.0, -20.0f32..20.0];
+    let one = prop_oneof![
+        (place(), place()).prop_map(|(a, b)| wall(a, b)),
+        (place(), 0.1f32..3.0).prop_map(|(c, radius)| Obstacle::Ball { centre: ground(c), radius }),
+        (place(), [0.1f32..9.0, 0.1f32..9.0])
+            .prop_map(|(a, size)| Obstacle::Box { min: ground(a), max: ground([a[0] + size[0], a[1] + size[1]]) }),
+        (place(), prop::collection::vec(0.5f32..8.0, 3..9)).prop_map(|(c, reach)| {
+            let turn = std::f32::consts::TAU / reach.len() as f32;
+            let corner = |(i, r): (usize, &f32)| (Vec2::from(c) + Vec2::from_angle(turn * i as f32) * *r).to_array();
+            Obstacle::Polygon { corners: reach.iter().enumerate().map(corner).map(ground).collect() }
+        }),
+    ];
+    prop::collection::vec(one, 0..60)
+}
+
+proptest! {
+    #[test]
+    fn lines_come_near_to_what_they_come_near_to_one_by_one(
+        obstacles in many_outlines(),
+        lines in prop::collection::vec(([-70.0f32..70.0, -40.0f32..40.0], [-70.0f32..70.0, -40.0f32..40.0], 0..5), 40),
+        clearance in prop_oneof![Just(0.0f32), 0.01f32..3.0],
+    ) {
+        let map = streets(obstacles, 0.4, 0.2);
+        for (from, to, kind) in lines {
+            let from = Vec2::from(from);
+            // Points, and lines along an axis, too.
+            let to = match kind {
+                0 => from,
+                1 => Vec2::new(from.x, to[1]),
+                2 => Vec2::new(to[0], from.y),
+                _ => Vec2::from(to),
+            };
+            let mut found = vec![false; map.outlines.len()];
+            map.edges.near(&map.outlines, [from, to], clearance, |n| {
+                found[n] = true;
+                true
+            });
+            let near: Vec<bool> = map.outlines.iter().map(|o| o.distance_of_line(from, to) < clearance).collect();
+            prop_assert_eq!(&found, &near, "{} {}", from, to);
+            let is_free = map.edges.near(&map.outlines, [from, to], clearance, |_| false);
+            prop_assert_eq!(is_free, !near.contains(&true));
+        }
+    }
 }

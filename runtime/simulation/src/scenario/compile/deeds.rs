@@ -7,6 +7,9 @@ use crate::scenario::verbs::{Operand, Verb, WORDS, Word};
 use crate::scene::{ActionConfig, DoConfig, WordConfig};
 use throng_base::text::did_you_mean;
 
+/// Most points of a list: each who follows it has a route of its own.
+const MOST_POINTS: usize = 1000;
+
 impl Compiler<'_> {
     pub(super) fn when(&mut self, when: Option<&str>, key: &str, trigger: u16) -> Compiled<Option<Program>> {
         when.map(|text| self.predicate(text, key, trigger)).transpose()
@@ -94,7 +97,7 @@ impl Compiler<'_> {
                     motion = Some(self.motion(tag));
                     Operand::Nothing
                 }
-                (Word::Points, WordConfig::Points(points)) if points.len() > 1 => {
+                (Word::Points, WordConfig::Points(points)) if (2..=MOST_POINTS).contains(&points.len()) => {
                     way = Some(self.out.ways.len() as u16);
                     let at = |(i, p): (usize, &Vec<f32>)| checked_point(p, &format!("{word_key}[{i}]"), dimensions);
                     self.out.ways.push(points.iter().enumerate().map(at).collect::<Compiled<_>>()?);
@@ -183,7 +186,7 @@ impl Compiler<'_> {
                 }
             },
             (Word::Motion, _) => return expected("a tag of motion, in quotes"),
-            (Word::Points, _) => return expected("two points or more"),
+            (Word::Points, _) => return expected("2 to 1000 points"),
             _ => return expected("a name in quotes"),
         })
     }

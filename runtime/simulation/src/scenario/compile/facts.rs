@@ -221,10 +221,9 @@ impl Compiler<'_> {
             Some(who) => Some(self.predicate(who, &format!("{key}.who"), trigger::EVENTS)?),
             None => None,
         };
-        let condition = match &event.when {
-            Some(when) => Some(self.predicate(when, &format!("{key}.when"), trigger::STARTS)?),
-            None => None,
-        };
+        self.out.names.is_of_all = true;
+        let condition = self.when(event.when.as_deref(), &format!("{key}.when"), trigger::STARTS)?;
+        self.out.names.is_of_all = false;
         let mut doors = Vec::new();
         for (names, open, word) in [(&event.opens, true, "opens"), (&event.closes, false, "closes")] {
             for (d, name) in names.iter().enumerate() {

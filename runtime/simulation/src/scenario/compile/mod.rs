@@ -119,6 +119,7 @@ impl<'a> Compiler<'a> {
             how: Names(How::NAMES.iter().map(|h| (*h).to_string()).collect()),
             has_other: false,
             has_place: false,
+            is_of_all: false,
         };
         let num_states = scene.graphs.values().map(|g| g.states.len()).sum();
         let num_edges = scene.graphs.values().map(|g| g.edges.len()).max().unwrap_or(0);

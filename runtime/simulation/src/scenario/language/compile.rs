@@ -60,6 +60,8 @@ pub struct Vocabulary {
     pub has_other: bool,
     /// The event has a place.
     pub has_place: bool,
+    /// The expression is about nobody in particular.
+    pub is_of_all: bool,
 }
 
 /// Words that stand alone, with what they mean to an author.
@@ -95,6 +97,9 @@ const ATTRIBUTES: &[(&str, Attribute, Type)] = &[
     ("busy", Attribute::Busy, Type::Truth),
     ("number", Attribute::Number, Type::Number),
 ];
+
+/// Why words of one agent have no meaning.
+const OF_ALL: &str = "what an event waits for is about nobody in particular, such as `count(\"a group\") > 9`";
 
 /// Functions, and how they are called.
 const CALLS: &[(&str, &str)] = &[
@@ -317,8 +322,12 @@ impl Compiler<'_> {
             return Ok(Type::Spot(spot));
         }
         if let Some(&(_, load, of)) = WORDS.iter().find(|w| w.0 == word) {
-            if let Load::Place(spot, _) = load {
-                self.check_there(spot, at)?;
+            match load {
+                Load::Place(spot, _) => self.check_there(spot, at)?,
+                Load::Random | Load::Board(true) if self.names.is_of_all => {
+                    return Fault::new(at, format!("there is no `{word}`: {OF_ALL}"));
+                }
+                _ => {}
             }
             return self.push(Op::Load(load), at).map(|()| of);
         }
@@ -328,11 +337,13 @@ impl Compiler<'_> {
             "other" => Who::Other,
             _ => return self.unknown(word, at),
         };
-        self.check_there(if who == Who::Me { Spot::Me } else { Spot::Other }, at)?;
         let value = self.names.values.find(name).map(|v| (Attribute::Value(v as u16), Type::Number));
         let own = || ATTRIBUTES.iter().find(|a| a.0 == name).map(|a| (a.1, a.2));
         match value.or_else(own) {
-            Some((attribute, of)) => self.push(Op::Load(Load::Of(who, attribute)), at).map(|()| of),
+            Some((attribute, of)) => {
+                self.check_there(if who == Who::Me { Spot::Me } else { Spot::Other }, at)?;
+                self.push(Op::Load(Load::Of(who, attribute)), at).map(|()| of)
+            }
             None => self.unknown(word, at),
         }
     }
@@ -349,6 +360,7 @@ impl Compiler<'_> {
     /// Somebody or somewhere that this event has.
     fn check_there(&self, spot: Spot, at: usize) -> Result<(), Fault> {
         match spot {
+            Spot::Me if self.names.is_of_all => Fault::new(at, format!("there is no `me`: {OF_ALL}")),
             Spot::Other if !self.names.has_other => {
                 Fault::new(at, "there is no `other`: only what is met, told, conveyed or read has one")
             }

@@ -323,6 +323,12 @@ fn what_is_wrong_is_told_with_its_place_and_the_way_out() {
             "[[events]]\nname = \"meets\"\n[[rules]]\non = \"meets\"\ndo = [{ stay = 1 }]".into(),
             vec!["give the event another name"],
         ),
+        ("[[events]]\nname = \"a\"\nwhen = \"random < 0.5\"".into(), vec!["events[0].when", "there is no `random`"]),
+        ("[[events]]\nname = \"a\"\nwhen = \"speed < 0.5\"".into(), vec!["events[0].when", "there is no `me`"]),
+        (
+            "[[events]]\nname = \"a\"\nwhen = \"distance(me, 'x') < 1\"".into(),
+            vec!["events[0].when", "there is no `me`: what an event waits for is about nobody in particular"],
+        ),
         ("[[events]]\nname = \"a\"\nat_s = 1.0\nperiod_s = 2.0".into(), vec!["expected one of `at_s`"]),
         (
             rule("on = \"bell\"\ndo = [{ go = [1.0] }]"),
@@ -331,6 +337,10 @@ fn what_is_wrong_is_told_with_its_place_and_the_way_out() {
         (
             rule("on = \"bell\"\ndo = [{ go = [nan, 1.0] }]"),
             vec!["rules[0].do[0].go", "-100000 to 100000 m, found NaN"],
+        ),
+        (
+            rule(&format!("on = \"bell\"\ndo = [{{ follow_route = {:?} }}]", vec![[1.0, 2.0]; 1001])),
+            vec!["rules[0].do[0].follow_route", "expected 2 to 1000 points"],
         ),
         (
             rule("on = \"bell\"\ndo = [{ follow_route = [[1.0, 2.0], [1.0, 2.0, 3.0]] }]"),
