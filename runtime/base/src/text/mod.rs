@@ -173,12 +173,12 @@ fn string(text: &[u8]) -> usize {
     at + text[at..].iter().take(if is_long { 2 } else { 0 }).take_while(|&&b| b == quote).count()
 }
 
+/// A name, its value, and what of a key comes after the name.
+type Entry<'t, 'k, 'a> = (&'t Spanned<Cow<'a, str>>, &'t Spanned<DeValue<'a>>, &'k str);
+
 /// The entry of a table that a key begins with, and what comes after its name. Names in quotes may have dots: the longest
 /// one that fits is it.
-fn entry<'t, 'k, 'a>(
-    table: &'t DeTable<'a>,
-    key: &'k str,
-) -> Option<(&'t Spanned<Cow<'a, str>>, &'t Spanned<DeValue<'a>>, &'k str)> {
+fn entry<'t, 'k, 'a>(table: &'t DeTable<'a>, key: &'k str) -> Option<Entry<'t, 'k, 'a>> {
     let fits = table.iter().filter_map(|(name, value)| {
         let more = key.strip_prefix(name.get_ref().as_ref())?;
         (more.is_empty() || more.starts_with(['.', '['])).then_some((name, value, more))
