@@ -157,7 +157,8 @@ struct Search {
     found: Vec<PathBuf>,
     /// Folders that were searched, with links resolved: links may lead back.
     searched: BTreeSet<PathBuf>,
-    /// Folders in which that many parts of a pattern were looked for: several `**` lead there in many ways.
+    /// Folders that were matched, each with the number of parts of the pattern that were left: several `**` lead to a folder with
+    /// the same parts left in many ways.
     matched: BTreeSet<(PathBuf, usize)>,
 }
 

@@ -59,7 +59,7 @@ impl Profile {
     /// Reads a profile from TOML text; `path` is what errors name.
     ///
     /// # Errors
-    /// [`ImportError::Content`] for TOML faults, unknown roles, and none at all. Roles that are missing are told of the first clip that it fits.
+    /// [`ImportError::Content`] for TOML faults, unknown roles, and a file without roles. Roles that are missing are told of the first clip that it fits.
     pub fn parse(toml_text: &str, path: &Path) -> Result<Self, ImportError> {
         Self::of(&Source::new(toml_text, path))
     }
