@@ -2,7 +2,7 @@
 
 use crate::problem::Solid;
 use crate::shape::Shape;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// A capsule in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,10 +56,34 @@ fn point_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     if s >= 0.0 && t >= 0.0 && s + t <= 1.0 { rim.min(p.distance(a + u * s + v * t)) } else { rim }
 }
 
+/// Triangles in one ball, at most.
+const BALL_TRIANGLES: usize = 32;
+
+/// A solid, and where its triangles are: a ball around every few of them, in their order.
+pub(super) struct Bounded<'a> {
+    pub solid: &'a Solid,
+    balls: Vec<(DVec3, f64)>,
+}
+
+impl<'a> Bounded<'a> {
+    pub fn new(solid: &'a Solid) -> Self {
+        let ball = |triangles: &[[Vec3; 3]]| {
+            let points = || triangles.as_flattened().iter().map(|p| p.as_dvec3());
+            let middle = points().sum::<DVec3>() / points().count() as f64;
+            (middle, points().map(|p| p.distance(middle)).fold(0.0, f64::max))
+        };
+        let balls = match &solid.shape {
+            Shape::Mesh(mesh) => mesh.corners().chunks(BALL_TRIANGLES).map(ball).collect(),
+            _ => Vec::new(),
+        };
+        Self { solid, balls }
+    }
+}
+
 /// Surface to surface; negative where they are in each other (m).
 ///
 /// - `far`: what is farther away may give infinity (m).
-pub(super) fn to_solid(c: &Core, solid: &Solid, time_s: f64, far: f64) -> f64 {
+pub(super) fn to_solid(c: &Core, Bounded { solid, balls }: &Bounded, time_s: f64, far: f64) -> f64 {
     let place = solid.path.at(time_s);
     let inverse = place.rotation.inverse();
     let [a, b] = [c.a, c.b].map(|p| inverse * (p - place.position));
@@ -73,10 +97,19 @@ pub(super) fn to_solid(c: &Core, solid: &Solid, time_s: f64, far: f64) -> f64 {
     let core = match &solid.shape {
         Shape::Round { core, radius } => within(limit + radius, &|p| point_segment(p, core.a, core.b)) - radius,
         Shape::Cuboid { half } => within(limit, &|p| p.distance(p.clamp(-*half, *half))),
-        Shape::Mesh(mesh) => mesh.corners().iter().fold(f64::INFINITY, |nearest, triangle| {
-            let corners = triangle.map(|p| p.as_dvec3());
-            nearest.min(within(nearest.min(limit), &|p| point_triangle(p, corners)))
-        }),
+        Shape::Mesh(mesh) => {
+            let mut nearest = f64::INFINITY;
+            for (triangles, (centre, radius)) in mesh.corners().chunks(BALL_TRIANGLES).zip(balls) {
+                if middle.distance(*centre) - radius - half_length > nearest.min(limit) {
+                    continue;
+                }
+                for triangle in triangles {
+                    let corners = triangle.map(|p| p.as_dvec3());
+                    nearest = nearest.min(within(nearest.min(limit), &|p| point_triangle(p, corners)));
+                }
+            }
+            nearest
+        }
     };
     core - c.radius
 }

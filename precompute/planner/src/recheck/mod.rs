@@ -1,7 +1,7 @@
 //! Checks results anew, by other means than the planner's.
 //!
 //! Nothing of the planner's mathematics is used: poses come from the clip's own kinematics in floats, distances from a search
-//! over every triangle, limits from angles of directions. Shared are only the data: shapes, paths, capsules and limits.
+//! over single triangles, limits from angles of directions. Shared are only the data: shapes, paths, capsules and limits.
 
 mod distance;
 mod limits;
@@ -13,7 +13,7 @@ use crate::limits::JointLimits;
 use crate::problem::Solid;
 use crate::rotation::Rigid;
 use crate::setup::{Allowed, Held};
-use distance::{Core, to_capsule, to_solid};
+use distance::{Bounded, Core, to_capsule, to_solid};
 use glam::{Quat, Vec3};
 pub(crate) use limits::outside;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
@@ -159,10 +159,11 @@ impl Recheck<'_> {
     /// Looks at the span alone; adds to a report.
     pub fn look_at_span(&self, report: &mut RecheckReport) {
         self.speeds(report);
+        let solids: Vec<Bounded> = self.solids.iter().map(Bounded::new).collect();
         let looks = ((self.span_s[1] - self.span_s[0]) * RATE_HZ).round() as usize;
         for look in 0..=looks {
             let time_s = self.span_s[0] + look as f64 / RATE_HZ;
-            self.look(time_s.min(self.span_s[1]), report);
+            self.look(time_s.min(self.span_s[1]), &solids, report);
         }
         report.looks += looks + 1;
     }
@@ -190,7 +191,7 @@ impl Recheck<'_> {
         }
     }
 
-    fn look(&self, time_s: f64, report: &mut RecheckReport) {
+    fn look(&self, time_s: f64, solids: &[Bounded], report: &mut RecheckReport) {
         let turns = turns_at(self.after, time_s);
         let joints = transforms_at(self.after, self.skeleton, time_s, &turns);
         for (joint, limits) in self.planned {
@@ -203,9 +204,9 @@ impl Recheck<'_> {
         }
         let parts = self.moved(&joints);
         for (name, core) in &parts {
-            for solid in self.solids.iter().filter(|s| !self.may_touch(name, &s.name, time_s)) {
-                let gap = to_solid(core, solid, time_s, report.clearance_min_m.max(0.01));
-                self.note(name, &solid.name, gap, time_s, report);
+            for bounded in solids.iter().filter(|b| !self.may_touch(name, &b.solid.name, time_s)) {
+                let gap = to_solid(core, bounded, time_s, report.clearance_min_m.max(0.01));
+                self.note(name, &bounded.solid.name, gap, time_s, report);
             }
             for other in self.others.iter().filter(|o| !self.may_touch(name, o.name, time_s)) {
                 let theirs = transforms_at(other.clip, other.skeleton, time_s, &turns_at(other.clip, time_s));

@@ -1,4 +1,4 @@
-use super::distance::{Core, to_capsule, to_solid};
+use super::distance::{Bounded, Core, to_capsule, to_solid};
 use super::*;
 use crate::clips::with_motion;
 use crate::driven::Driven;
@@ -130,7 +130,7 @@ proptest! {
         for shape in [Shape::ball(0.1), Shape::cuboid(DVec3::new(0.2, 0.3, 0.1)), hills] {
             let gap = shape.distance(&local, 9.0) - 0.04;
             let solid = Solid { name: String::new(), shape, path: crate::track::Path::Still(place) };
-            prop_assert!((to_solid(&core, &solid, 0.0, 9.0) - gap).abs() < 1e-5);
+            prop_assert!((to_solid(&core, &Bounded::new(&solid), 0.0, 9.0) - gap).abs() < 1e-5);
         }
     }
 }

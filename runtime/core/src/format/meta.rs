@@ -214,6 +214,7 @@ mod tests {
 
     /// An empty string is one byte that takes the memory of a string.
     #[test]
+    #[cfg_attr(miri, ignore = "Miri takes hours for 16 million strings")]
     fn more_names_than_a_bundle_may_have_are_neither_written_nor_read() {
         let with = |n| Meta { rate_hz: 30.0, hit_tags: vec![String::new(); n], ..Meta::default() };
         let e = with(MOST_META).encode().unwrap_err().to_string();
