@@ -108,6 +108,13 @@ pub fn dispatch<W: Work>(work: W) -> W::Output {
         // SAFETY: the processor has the one feature that `with_avx2` asks for.
         return unsafe { with_avx2(work) };
     }
+    with_arrays(work)
+}
+
+/// A function of its own where there is a choice: what it keeps on the stack, hundreds of kilobytes in builds that are not optimised, is
+/// not there beside that of the other.
+#[cfg_attr(target_arch = "x86_64", inline(never))]
+fn with_arrays<W: Work>(work: W) -> W::Output {
     work.run::<Array>()
 }
 
@@ -121,6 +128,28 @@ fn with_avx2<W: Work>(work: W) -> W::Output {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    /// Work that keeps a megabyte on the stack.
+    struct Large(usize);
+
+    impl Work for Large {
+        type Output = usize;
+
+        #[inline(always)]
+        fn run<F: Lanes>(self) -> usize {
+            let kept = [self.0 as u8; 1 << 20];
+            self.0 - std::hint::black_box(&kept).as_ptr() as usize
+        }
+    }
+
+    /// A thread has two megabytes of stack. Both kinds of vectors had their places there at once.
+    #[test]
+    #[cfg_attr(miri, ignore = "Miri has no stack with places")]
+    fn the_stack_holds_the_work_once() {
+        let here = 0u8;
+        let deep = dispatch(Large(std::hint::black_box(&here) as *const u8 as usize));
+        assert!((1 << 20..3 << 19).contains(&deep), "{deep} bytes");
+    }
 
     /// Results of everything [`Lanes`] can do.
     struct Everything {
