@@ -33,7 +33,7 @@ for part in "${parts[@]}"; do
         done ;;
     asan)
         host=$(rustc -vV | sed -n 's/^host: //p')
-        # Not optimised: with its checks, optimising a kernel takes ten minutes. Its locals then need more than a thread's usual stack.
+        # Unoptimised, as optimising a kernel with these checks takes ten minutes; its locals then need a larger stack than threads have.
         for crate in ${ASAN_CRATES:-throng-core throng-crowd}; do
             log=$(RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address CARGO_PROFILE_DEV_DEBUG=0 CARGO_PROFILE_DEV_OPT_LEVEL=0 \
                 RUST_MIN_STACK=67108864 ASAN_OPTIONS=detect_leaks=0 \

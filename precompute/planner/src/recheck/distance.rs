@@ -56,12 +56,13 @@ fn point_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     if s >= 0.0 && t >= 0.0 && s + t <= 1.0 { rim.min(p.distance(a + u * s + v * t)) } else { rim }
 }
 
-/// Triangles in one ball, at most.
+/// Triangles in one bounding ball, at most.
 const BALL_TRIANGLES: usize = 32;
 
-/// A solid, and where its triangles are: a ball around every few of them, in their order.
+/// A solid, with bounds of its triangles.
 pub(super) struct Bounded<'a> {
     pub solid: &'a Solid,
+    /// Middle and radius of a ball around each run of triangles, as [`to_solid`] goes through them; none but of a mesh (m).
     balls: Vec<(DVec3, f64)>,
 }
 

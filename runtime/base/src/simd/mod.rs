@@ -111,8 +111,8 @@ pub fn dispatch<W: Work>(work: W) -> W::Output {
     with_arrays(work)
 }
 
-/// A function of its own where there is a choice: what it keeps on the stack, hundreds of kilobytes in builds that are not optimised, is
-/// not there beside that of the other.
+/// Not inlined into [`dispatch`], whose stack frame would then hold its locals while [`with_avx2`] runs: in unoptimised builds, hundreds
+/// of kilobytes.
 #[cfg_attr(target_arch = "x86_64", inline(never))]
 fn with_arrays<W: Work>(work: W) -> W::Output {
     work.run::<Array>()
@@ -142,9 +142,9 @@ mod tests {
         }
     }
 
-    /// A thread has two megabytes of stack. Both kinds of vectors had their places there at once.
+    /// A thread has two megabytes of stack. Locals for registers and for arrays were there at once.
     #[test]
-    #[cfg_attr(miri, ignore = "Miri has no stack with places")]
+    #[cfg_attr(miri, ignore = "Miri does not lay out a stack")]
     fn the_stack_holds_the_work_once() {
         let here = 0u8;
         let deep = dispatch(Large(std::hint::black_box(&here) as *const u8 as usize));
