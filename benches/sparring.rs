@@ -12,7 +12,7 @@ use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
 use throng_precompute::progress::Silent;
 use throng_runtime::characters::{
-    Characters, CharactersConfig, Choice, Goal, MotionSet, Order, ReactionConfig, Spawn, Start,
+    Characters, CharactersConfig, Choice, MotionSet, Order, ReactionConfig, Spawn, Start,
 };
 use throng_runtime::sparring::{Sparring, SparringConfig};
 use throng_runtime::{Bundle, Cast, Inline, Planar};
@@ -60,10 +60,11 @@ fn report(tables: &Bundle, characters: usize, steps: usize) -> Result<(), Box<dy
     let (motion_set, starts) = (&MotionSet::new(tables), starts(tables, characters));
     let config = SparringConfig { characters: moving, ..SparringConfig::default() };
     let mut sparring = Sparring::with_capacity(tables, starts.len() / 2, config)?;
+    let all = (0..3).fold(Order::IDLE, |order, policy| order.and(policy, 1.0));
     for pair in starts.as_chunks::<2>().0 {
         let first = sparring.spawn(pair.map(|Start { root, state }| Spawn { root, state: Some(state) }))?;
         for id in [first, sparring.opponent(first)?] {
-            sparring.order(id, (0..3).fold(Order::IDLE, |order, policy| order.and(policy, 1.0)))?;
+            sparring.order(id, all)?;
         }
     }
     // Until everybody has come to blows.
@@ -73,16 +74,15 @@ fn report(tables: &Bundle, characters: usize, steps: usize) -> Result<(), Box<dy
     let plain = CharactersConfig { reaction: ReactionConfig { enabled: false, ..moving.reaction }, ..moving };
     let mut alone = Characters::new(motion_set, plain, &starts)?;
     alone.restore(motion_set, &sparring.characters().snapshot())?;
-    let (heads, threats) = (sparring.heads().to_vec(), sparring.threats().to_vec());
+    let places = sparring.heads().iter().zip(sparring.threats());
+    let orders: Vec<Order> = places.map(|(head, threat)| all.around(*head).threatened(*threat)).collect();
     let mut copy = sparring.characters().model_matrices().to_vec();
 
     // Taking turns, so that whatever else the machine does meets all three alike.
     let mut times = [Vec::new(), Vec::new(), Vec::new()];
     for _ in 0..steps {
         times[0].push(timed(|| sparring.step(DT, &Inline))?);
-        let goal = |policy, targets| Goal { policy, weight: 1.0, targets };
-        let goals: [Goal<'_>; 3] = [goal(0, &heads), goal(1, &heads), goal(2, &threats)];
-        times[1].push(timed(|| alone.step(motion_set, DT, &goals))?);
+        times[1].push(timed(|| alone.step(motion_set, DT, &orders))?);
         times[2].push(timed(|| {
             copy.copy_from_slice(black_box(sparring.characters().model_matrices()));
             Ok::<_, std::convert::Infallible>(())

@@ -6,7 +6,7 @@ use glam::Vec3;
 use std::path::Path;
 use throng_precompute::cache::{Cache, content_hash};
 use throng_precompute::trial::{self, TrialConfig};
-use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet};
+use throng_runtime::characters::{Characters, CharactersConfig, Choice, MotionSet, Order};
 use throng_runtime::sparring::Sparring;
 use throng_runtime::{Bundle, Cast, Inline, Rayon};
 
@@ -75,21 +75,21 @@ fn crowd(
     tables: &Bundle,
     config: CharactersConfig,
     num_steps: usize,
-    step: impl Fn(&mut Characters, &MotionSet, &[Goal<'_>]),
+    step: impl Fn(&mut Characters, &MotionSet, &[Order]),
 ) -> Vec<u128> {
     let motion_set = MotionSet::new(tables);
-    let mut targets: Vec<Vec3> = common::targets(N);
+    let mut orders = common::orders(N);
     let mut characters = Characters::new(&motion_set, config, &common::starts(tables, N)).expect("characters");
     let one_step = |k: usize| {
-        targets.iter_mut().for_each(|t| t.x += 0.01 * (k % 7) as f32);
-        step(&mut characters, &motion_set, &[Goal { policy: 0, weight: 1.0, targets: &targets }]);
+        orders.iter_mut().for_each(|o| *o = o.around(o.target() + Vec3::X * (0.01 * (k % 7) as f32)));
+        step(&mut characters, &motion_set, &orders);
         content_hash(&bytes_of(&characters))
     };
     (0..num_steps).map(one_step).collect()
 }
 
-fn on_this_thread(characters: &mut Characters, motion_set: &MotionSet, goals: &[Goal<'_>]) {
-    characters.step(motion_set, 1.0 / 30.0, goals).expect("a step");
+fn on_this_thread(characters: &mut Characters, motion_set: &MotionSet, orders: &[Order]) {
+    characters.step(motion_set, 1.0 / 30.0, orders).expect("a step");
 }
 
 fn config(choice: Choice) -> CharactersConfig {
@@ -103,8 +103,8 @@ fn steps_give_the_same_bytes_on_any_number_of_threads() {
         let alone = crowd(&tables, config(choice), 120, on_this_thread);
         for num_threads in [1, 2, 8] {
             let together = on_threads(num_threads, || {
-                crowd(&tables, config(choice), 120, |characters, motion_set, goals| {
-                    characters.par_step(motion_set, 1.0 / 30.0, goals).expect("a step");
+                crowd(&tables, config(choice), 120, |characters, motion_set, orders| {
+                    characters.step_on(motion_set, 1.0 / 30.0, orders, &Rayon).expect("a step");
                 })
             });
             let differs = (0..alone.len()).find(|&k| alone[k] != together[k]);
@@ -156,14 +156,13 @@ fn the_same_seed_gives_the_same_crowd_and_another_seed_another() {
 fn a_character_does_not_depend_on_its_neighbours() {
     let tables = common::tables();
     let motion_set = MotionSet::new(&tables);
-    let (starts, targets) = (common::starts(&tables, N), common::targets(N));
+    let (starts, orders) = (common::starts(&tables, N), common::orders(N));
     let mut all = Characters::new(&motion_set, CharactersConfig::default(), &starts).expect("characters");
     let some = 0..5;
     let mut few = Characters::new(&motion_set, CharactersConfig::default(), &starts[some.clone()]).expect("characters");
     for _ in 0..60 {
-        let goal = |targets| [Goal { policy: 0, weight: 1.0, targets }];
-        all.step(&motion_set, 0.05, &goal(&targets)).expect("a step");
-        few.step(&motion_set, 0.05, &goal(&targets[some.clone()])).expect("a step");
+        all.step(&motion_set, 0.05, &orders).expect("a step");
+        few.step(&motion_set, 0.05, &orders[some.clone()]).expect("a step");
         for c in some.clone() {
             assert_eq!((all.root(c), all.segment(c)), (few.root(c), few.segment(c)), "character {c}");
             assert_eq!(all.pose(c), few.pose(c), "character {c}");

@@ -3,7 +3,7 @@
 //! `data/golden/` keeps the tables of every version for ever; `examples/make_golden.rs` says how they are made.
 
 use std::path::PathBuf;
-use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet, SampleJob, Start};
+use throng_runtime::characters::{Characters, CharactersConfig, Choice, MotionSet, Order, SampleJob, Start};
 use throng_runtime::format::{AlignedBytes, FormatError, Header, VERSION};
 use throng_runtime::{Bundle, Joint, Mat3x4, NUM_JOINTS, Planar};
 
@@ -58,10 +58,9 @@ fn a_golden_character_takes_the_way_it_always_took() {
     let start = Start { root: Planar::new(0.0, 0.0, 0.0), state: 0 };
     let config = CharactersConfig { choice: Choice::BestAction, ..CharactersConfig::default() };
     let mut characters = Characters::new(&motion_set, config, &[start]).expect("characters");
-    let targets = [glam::Vec3::new(2.0, 0.0, 3.0)];
+    let orders = [Order::aim(0, glam::Vec3::new(2.0, 0.0, 3.0))];
     for _ in 0..40 {
-        let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
-        characters.step(&motion_set, 0.05, &goals).expect("a step");
+        characters.step(&motion_set, 0.05, &orders).expect("a step");
     }
     let root = characters.root(0);
     assert!(root.translation().distance(PLACE_AFTER_2_S.into()) < 1e-2, "{root:?}");

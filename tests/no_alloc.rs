@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 use std::hint::black_box;
 use throng_runtime::blend::{HeightField, MAX_AXES, Posture};
 use throng_runtime::characters::{
-    AvoidConfig, Characters, CharactersConfig, Choice, Goal, MotionSet, Order, PolicyCharacters, SampleJob, Spawn,
+    AvoidConfig, Characters, CharactersConfig, Choice, MotionSet, Order, PolicyCharacters, SampleJob, Spawn,
 };
 use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, Go, Obstacle, Route, Scheme, Setup, Streets};
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
@@ -43,19 +43,18 @@ fn steps_allocate_nothing() {
     const N: usize = 100;
     let tables = common::tables();
     let motion_set = MotionSet::new(&tables);
-    let (starts, targets) = (common::starts(&tables, N), common::targets(N));
+    let (starts, orders) = (common::starts(&tables, N), common::orders(N));
     for choice in [Choice::BestAction, Choice::LookAhead { temperature: 0.0 }, Choice::LookAhead { temperature: 0.05 }]
     {
         for (local_transforms, bend_rad_per_m) in [(false, 0.0), (true, 0.2)] {
             let config = CharactersConfig { choice, local_transforms, bend_rad_per_m, ..CharactersConfig::default() };
             let mut characters = Characters::new(&motion_set, config, &starts).expect("characters");
-            let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
-            characters.step(&motion_set, 0.0, &goals).expect("a first step");
+            characters.step(&motion_set, 0.0, &orders).expect("a first step");
             let chosen = |t: &Characters| (0..N).map(|c| t.num_choices(c)).sum::<u32>();
             let before = chosen(&characters);
             let n = allocations(|| {
                 for _ in 0..300 {
-                    characters.step(&motion_set, 1.0 / 60.0, &goals).expect("a step");
+                    characters.step(&motion_set, 1.0 / 60.0, &orders).expect("a step");
                 }
             });
             let made = chosen(&characters) - before;
@@ -86,12 +85,11 @@ fn a_step_towards_two_goals_allocates_nothing() {
     const N: usize = 9;
     let tables = common::tables();
     let motion_set = MotionSet::new(&tables);
-    let (starts, targets) = (common::starts(&tables, N), common::targets(N));
+    let (starts, orders) = (common::starts(&tables, N), common::orders(N));
     let mut characters = Characters::new(&motion_set, CharactersConfig::default(), &starts).expect("characters");
-    let goal = |weight| Goal { policy: 0, weight, targets: &targets };
-    let goals = [goal(1.0), goal(0.5)];
-    characters.step(&motion_set, 0.0, &goals).expect("a first step");
-    let n = allocations(|| (0..100).for_each(|_| characters.step(&motion_set, 0.05, &goals).expect("a step")));
+    let orders: Vec<Order> = orders.into_iter().map(|order| order.and(0, 0.5)).collect();
+    characters.step(&motion_set, 0.0, &orders).expect("a first step");
+    let n = allocations(|| (0..100).for_each(|_| characters.step(&motion_set, 0.05, &orders).expect("a step")));
     assert_eq!(n, 0);
 }
 

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{build, mocap, small_config, starts, targets, write_clips};
+use common::{build, mocap, orders, small_config, starts, write_clips};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use throng_precompute::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
@@ -18,7 +18,7 @@ use throng_precompute::retarget::{RetargetConfig, onto};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::trial::{self, TrialConfig};
 use throng_precompute::{BuildError, Warnings};
-use throng_runtime::characters::{Characters, CharactersConfig, Goal, MotionSet, SampleJob};
+use throng_runtime::characters::{Characters, CharactersConfig, MotionSet, Order, SampleJob};
 use throng_runtime::policy::{MAX_ACTIONS, PATH_POINTS, PolicyTable};
 use throng_runtime::{Bundle, Joint, Mat3x4, NUM_JOINTS, Planar};
 
@@ -217,16 +217,16 @@ fn an_adaptive_policy_goes_from_the_config_to_queries() {
         assert!((a - b).abs() <= 2.0 * figures.adaptive.max_error as f32, "{a} {b}, {figures:?}");
     }
     // Characters follow it like any other.
-    let (motion_set, targets) = (MotionSet::new(&tables), targets(8));
+    let motion_set = MotionSet::new(&tables);
+    let orders: Vec<Order> = orders(8).iter().map(|order| Order::aim(1, order.target())).collect();
     let mut characters =
         Characters::new(&motion_set, CharactersConfig::default(), &starts(&tables, 8)).expect("characters");
     let far = |characters: &Characters| -> f32 {
-        (0..8).map(|c| characters.root(c).translation().distance(targets[c])).sum::<f32>()
+        (0..8).map(|c| characters.root(c).translation().distance(orders[c].target())).sum::<f32>()
     };
     let before = far(&characters);
     for _ in 0..300 {
-        let goals = [Goal { policy: 1, weight: 1.0, targets: &targets }];
-        characters.step(&motion_set, 1.0 / 30.0, &goals).expect("a step");
+        characters.step(&motion_set, 1.0 / 30.0, &orders).expect("a step");
     }
     assert!(far(&characters) < 0.5 * before, "{} of {before} m", far(&characters));
 }
@@ -453,18 +453,17 @@ fn a_behaviour_of_ones_own_needs_the_config_alone() {
     let tables = Bundle::open(&out).expect("a bundle");
     let motion_set = MotionSet::new(&tables);
     let n = 40;
-    let (starts, mut targets) = (common::starts(&tables, n), Vec::new());
+    let (starts, mut orders) = (common::starts(&tables, n), Vec::new());
     // Half of them stand too near, half too far.
     for (i, s) in starts.iter().enumerate() {
         let distance = if i % 2 == 0 { 0.3 } else { 4.0 };
-        targets.push(s.root.translation() + glam::Vec3::new(distance, 0.0, 0.0));
+        orders.push(Order::aim(0, s.root.translation() + glam::Vec3::new(distance, 0.0, 0.0)));
     }
     let mut characters = Characters::new(&motion_set, CharactersConfig::default(), &starts).expect("characters");
     for _ in 0..15 * 30 {
-        let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
-        characters.step(&motion_set, 1.0 / 30.0, &goals).expect("a step");
+        characters.step(&motion_set, 1.0 / 30.0, &orders).expect("a step");
     }
-    let off = |c: usize| (characters.root(c).translation().distance(targets[c]) - 2.0).abs();
+    let off = |c: usize| (characters.root(c).translation().distance(orders[c].target()) - 2.0).abs();
     let near = (0..n).filter(|&c| off(c) < 0.7).count();
     assert!(near > n * 8 / 10, "{near} of {n} keep their distance");
 }

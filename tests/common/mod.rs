@@ -114,9 +114,10 @@ pub fn starts(tables: &Bundle, n: usize) -> Vec<Start> {
     (0..n).map(start).collect()
 }
 
-/// A target for each of [`starts`], some metres away (m).
-pub fn targets(n: usize) -> Vec<Vec3> {
-    (0..n).map(|i| Vec3::new(1.5 * i as f32 + 3.0 * (i as f32).sin(), 0.0, 4.0 * (i as f32).cos())).collect()
+/// An order for each of [`starts`], to a place some metres away.
+pub fn orders(n: usize) -> Vec<Order> {
+    let target = |i: f32| Vec3::new(1.5 * i + 3.0 * i.sin(), 0.0, 4.0 * i.cos());
+    (0..n).map(|i| Order::aim(0, target(i as f32))).collect()
 }
 
 /// The folder of real recordings, or `None` with a word on standard error where it is absent.

@@ -1,11 +1,11 @@
 //! Damaged content with valid checksums: it is refused, or characters move through it with finite poses.
 
 use super::patch::{Frame, Parts, open_unverified};
-use crate::common::{bundle, starts, targets};
+use crate::common::{bundle, orders, starts};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use throng_runtime::Bundle;
-use throng_runtime::characters::{Characters, CharactersConfig, Choice, Goal, MotionSet};
+use throng_runtime::characters::{Characters, CharactersConfig, Choice, MotionSet};
 use throng_runtime::format::Section;
 use throng_runtime::policy::MAX_ACTIONS;
 
@@ -15,13 +15,12 @@ const N: usize = 8;
 /// Steps some characters with every way to choose, and looks at everything that is left to be read.
 fn stays_steppable(tables: &Bundle, what: &str) {
     let motion_set = MotionSet::new(tables);
-    let (starts, targets) = (starts(tables, N), targets(N));
+    let (starts, orders) = (starts(tables, N), orders(N));
     for choice in [Choice::LookAhead { temperature: 0.1 }, Choice::BestAction] {
         let config = CharactersConfig { choice, local_transforms: true, ..CharactersConfig::default() };
         let mut characters = Characters::new(&motion_set, config, &starts).expect("states exist");
-        let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
         for step in 0..15 {
-            characters.step(&motion_set, 0.1, &goals).expect("a step");
+            characters.step(&motion_set, 0.1, &orders).expect("a step");
             let finite =
                 characters.model_matrices().iter().all(|m| m.rows.as_flattened().iter().all(|v| v.is_finite()));
             assert!(finite, "{what}: step {step}, {choice:?}: a matrix is not finite");
@@ -34,7 +33,7 @@ fn stays_steppable(tables: &Bundle, what: &str) {
         }
     }
     let mut scores = [0.0; MAX_ACTIONS];
-    let n = tables.policies()[0].action_scores(0, targets[0], &mut scores).expect("state 0 exists");
+    let n = tables.policies()[0].action_scores(0, orders[0].target(), &mut scores).expect("state 0 exists");
     assert!(scores[..n].iter().all(|s| s.is_finite()), "{what}: a score is not finite");
 }
 

@@ -12,9 +12,9 @@ use std::sync::Arc;
 use std::time::Instant;
 use throng_precompute::slip::SlipMeter;
 use throng_precompute::trial;
-use throng_runtime::characters::{Characters, CharactersSnapshot, Detail, Goal, Start};
+use throng_runtime::characters::{Characters, CharactersSnapshot, Detail, Order, Start};
 use throng_runtime::world::inhabitants::Wish;
-use throng_runtime::{Planar, Result};
+use throng_runtime::{Inline, Planar, Rayon, Result, Run};
 
 /// Characters from which on a step is split over threads.
 const PARALLEL_FROM: usize = 1000;
@@ -198,15 +198,13 @@ impl Simulation {
         if self.characters.num_characters() > MOST_POSED {
             self.characters.set_detail(Some(Detail { eye: self.eye, full_m: FULL_M, posed_m: POSED_M }))?;
         }
-        let weighed = self.goals.iter().zip(a.weights.iter());
-        let all = weighed.map(|(g, &weight)| Goal { policy: g.policy, weight, targets: &a.targets });
         // One behaviour alone can be loaded without looking ahead; those switched off do not count.
         let none_counts = a.weights.iter().all(|&w| w == 0.0);
-        let goals: Vec<Goal<'_>> = all.filter(|g| g.weight != 0.0 || none_counts).collect();
-        match self.characters.num_characters() >= PARALLEL_FROM {
-            true => self.characters.par_step(motion_set, dt, &goals),
-            false => self.characters.step(motion_set, dt, &goals),
-        }
+        let weighed = self.goals.iter().zip(a.weights.iter()).filter(|(_, weight)| **weight != 0.0 || none_counts);
+        let order = weighed.fold(Order::IDLE, |order, (g, &weight)| order.and(g.policy, weight));
+        let orders: Vec<Order> = a.targets.iter().map(|&target| order.around(target)).collect();
+        let run: &dyn Run = if orders.len() >= PARALLEL_FROM { &Rayon } else { &Inline };
+        self.characters.step_on(motion_set, dt, &orders, run)
     }
 
     fn measure(&mut self, dt: f32) -> StepFigures {

@@ -13,7 +13,7 @@ use std::hint::black_box;
 use throng_bake::policy::made_up::MadeUp;
 use throng_motion::error::BuildError;
 use throng_runtime::base::limits::{CHARACTERS, MEASURING_S, THREADS};
-use throng_runtime::characters::{AvoidConfig, Characters, CharactersConfig, Goal, MotionSet, Order, SampleJob, Start};
+use throng_runtime::characters::{AvoidConfig, Characters, CharactersConfig, MotionSet, Order, SampleJob, Start};
 use throng_runtime::policy::PolicyTable;
 use throng_runtime::{Bundle, Cast, Error, Inline, Mat3x4, NUM_JOINTS, Planar, Rayon, Run};
 
@@ -168,21 +168,16 @@ impl Bench<'_> {
             })
             .collect();
         let mut characters = Characters::new(self.motion_set, config, &starts).map_err(|e| fail(e.to_string()))?;
-        let mut targets = vec![Vec3::ZERO; self.characters];
-        let one_thread = rayon::current_num_threads() == 1;
+        let mut orders = vec![Order::IDLE; self.characters];
+        let run: &dyn Run = if rayon::current_num_threads() == 1 { &Inline } else { &Rayon };
         let mut failed = None;
         let ns = median_ns(self.seconds.max(0.5), || {
             // Targets move every second, so that no character comes to rest.
-            for t in &mut targets {
-                *t = Vec3::new(rng.random_range(-50.0..50.0), 0.0, rng.random_range(-50.0..50.0));
+            for order in &mut orders {
+                *order = Order::aim(0, Vec3::new(rng.random_range(-50.0..50.0), 0.0, rng.random_range(-50.0..50.0)));
             }
             for _ in 0..STEPS {
-                let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
-                let done = if one_thread {
-                    characters.step(self.motion_set, 1.0 / STEPS as f32, &goals)
-                } else {
-                    characters.par_step(self.motion_set, 1.0 / STEPS as f32, &goals)
-                };
+                let done = characters.step_on(self.motion_set, 1.0 / STEPS as f32, &orders, run);
                 failed = failed.take().or(done.err());
             }
         });

@@ -11,7 +11,7 @@ use std::f32::consts::TAU;
 use std::time::Instant;
 use throng_motion::error::BuildError;
 use throng_runtime::base::limits::{CHARACTERS, MEASURING_S};
-use throng_runtime::characters::{Characters, CharactersConfig, Detail, Goal, MotionSet, Start};
+use throng_runtime::characters::{Characters, CharactersConfig, Detail, MotionSet, Order, Start};
 use throng_runtime::{Bundle, Error, Planar};
 
 /// Steps of a round, a second of simulated time.
@@ -55,7 +55,7 @@ pub fn levels(tables: &Bundle, config: &MeasureConfig) -> Result<Vec<LevelFigure
 struct People<'a> {
     motion_set: &'a MotionSet,
     characters: Characters,
-    targets: Vec<Vec3>,
+    orders: Vec<Order>,
     rng: Pcg64Mcg,
     record_bytes: Option<f64>,
 }
@@ -71,11 +71,11 @@ impl<'a> People<'a> {
             Start { root, state: rng.random_range(0..num_states) }
         };
         let starts: Vec<Start> = (0..n).map(start).collect();
-        let targets = vec![Vec3::ZERO; n];
+        let orders = vec![Order::IDLE; n];
         let config = CharactersConfig { instances: true, ..CharactersConfig::default() };
         let before = resident_bytes();
         let characters = Characters::new(motion_set, config, &starts).map_err(|e| fail(e.to_string()))?;
-        let mut out = Self { motion_set, characters, targets, rng, record_bytes: None };
+        let mut out = Self { motion_set, characters, orders, rng, record_bytes: None };
         out.round(Some(Detail::RECORDS))?;
         if let (Some(before), Some(now), true) = (before, resident_bytes(), n >= SEEN) {
             out.record_bytes = Some(now.saturating_sub(before) as f64 / n as f64);
@@ -86,18 +86,18 @@ impl<'a> People<'a> {
     /// Time of a round (ns a character and step).
     fn round(&mut self, detail: Option<Detail>) -> Result<f64, BuildError> {
         let wrong = |e: Error| fail(e.to_string());
-        for t in &mut self.targets {
-            *t = Vec3::new(self.rng.random_range(-50.0..50.0), 0.0, self.rng.random_range(-50.0..50.0));
+        for order in &mut self.orders {
+            let target = Vec3::new(self.rng.random_range(-50.0..50.0), 0.0, self.rng.random_range(-50.0..50.0));
+            *order = Order::aim(0, target);
         }
         self.characters.set_detail(detail).map_err(wrong)?;
-        let goals = [Goal { policy: 0, weight: 1.0, targets: &self.targets }];
         // Bodies that wake are not counted.
-        self.characters.step(self.motion_set, 0.0, &goals).map_err(wrong)?;
+        self.characters.step(self.motion_set, 0.0, &self.orders).map_err(wrong)?;
         let begin = Instant::now();
         for _ in 0..STEPS {
-            self.characters.step(self.motion_set, 1.0 / STEPS as f32, &goals).map_err(wrong)?;
+            self.characters.step(self.motion_set, 1.0 / STEPS as f32, &self.orders).map_err(wrong)?;
         }
-        Ok(begin.elapsed().as_secs_f64() * 1e9 / (STEPS * self.targets.len()) as f64)
+        Ok(begin.elapsed().as_secs_f64() * 1e9 / (STEPS * self.orders.len()) as f64)
     }
 
     fn measure(mut self, seconds: f64) -> Result<LevelFigures, BuildError> {
@@ -113,7 +113,7 @@ impl<'a> People<'a> {
             t.sort_by(f64::total_cmp);
             t[t.len() / 2]
         });
-        let (characters, record_bytes) = (self.targets.len(), self.record_bytes);
+        let (characters, record_bytes) = (self.orders.len(), self.record_bytes);
         Ok(LevelFigures { characters, full_ns, free_feet_ns, record_ns, record_bytes })
     }
 }

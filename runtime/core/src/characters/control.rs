@@ -8,7 +8,7 @@ use super::motion_set::MotionSet;
 use super::order::Order;
 use super::scheduled_clip::to_root;
 use super::transition::{self, Change};
-use super::{CharactersConfig, Choice, Goal, pace};
+use super::{CharactersConfig, Choice, pace};
 use crate::planar::{Planar, wrap_angle};
 use crate::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use crate::pose::set;
@@ -21,15 +21,6 @@ pub(crate) const BATCH: usize = 64;
 /// Behaviours that may be weighed against each other.
 pub(crate) const MAX_GOALS: usize = 4;
 
-/// What characters are asked to do.
-#[derive(Clone, Copy)]
-pub(crate) enum Asked<'a> {
-    /// The same behaviours of all.
-    All(&'a [Goal<'a>]),
-    /// Each has an order of its own.
-    Each(&'a [Order]),
-}
-
 /// A behaviour that one character is asked.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct OwnGoal {
@@ -39,27 +30,14 @@ pub(crate) struct OwnGoal {
     pub target: Vec3,
 }
 
-impl Asked<'_> {
-    /// The number of behaviours that one character is asked, and those.
-    pub(crate) fn of(&self, character: usize, motion_set: &MotionSet) -> (usize, [OwnGoal; MAX_GOALS]) {
-        let mut own = [OwnGoal::default(); MAX_GOALS];
-        match self {
-            Self::All(goals) => {
-                for (own, g) in own.iter_mut().zip(*goals) {
-                    *own = OwnGoal { policy: g.policy, weight: g.weight, target: g.targets[character] };
-                }
-                (goals.len(), own)
-            }
-            Self::Each(orders) => {
-                let order = &orders[character];
-                for (own, (&policy, &weight)) in own.iter_mut().zip(order.policies().iter().zip(order.weights())) {
-                    let policy = policy as usize;
-                    *own = OwnGoal { policy, weight, target: order.about(&motion_set.policies[policy]) };
-                }
-                (order.policies().len(), own)
-            }
-        }
+/// The number of behaviours that one character is asked, and those.
+pub(crate) fn asked(order: &Order, motion_set: &MotionSet) -> (usize, [OwnGoal; MAX_GOALS]) {
+    let mut own = [OwnGoal::default(); MAX_GOALS];
+    for (own, (&policy, &weight)) in own.iter_mut().zip(order.policies().iter().zip(order.weights())) {
+        let policy = policy as usize;
+        *own = OwnGoal { policy, weight, target: order.about(&motion_set.policies[policy]) };
     }
+    (order.policies().len(), own)
 }
 
 /// The characters of one range that wait for a choice.
@@ -80,7 +58,7 @@ struct Pending {
 ///
 /// - `first`: number of the range's first character, which random choices depend on.
 /// - `passed`: takes the hits that new segments begin with.
-/// - `asked`: of all characters.
+/// - `orders`: of all characters.
 pub(crate) fn choose(
     (blocks, bodies): (&mut [Block], &mut [Body]),
     passed: &mut PassedHits,
@@ -88,7 +66,7 @@ pub(crate) fn choose(
     count: usize,
     motion_set: &MotionSet,
     config: &CharactersConfig,
-    asked: Asked<'_>,
+    orders: &[Order],
 ) {
     let mut pending = Pending {
         len: 0,
@@ -107,7 +85,7 @@ pub(crate) fn choose(
         pending.len = 0;
         let mut next = from;
         while next < count && pending.len < BATCH {
-            collect(&mut pending, blocks, next, first, motion_set, asked);
+            collect(&mut pending, blocks, next, first, motion_set, orders);
             next += 1;
         }
         if pending.len == 0 {
@@ -126,13 +104,13 @@ fn collect(
     character: usize,
     first: usize,
     motion_set: &MotionSet,
-    asked: Asked<'_>,
+    orders: &[Order],
 ) {
     let (b, lane) = (&blocks[character / LANES], character % LANES);
     if b.time[lane] < b.length[lane] as f32 || b.segment[lane] == LAID {
         return;
     }
-    let (num_goals, goals) = asked.of(first + character, motion_set);
+    let (num_goals, goals) = asked(&orders[first + character], motion_set);
     let policies = goals.map(|g| g.policy);
     if pending.len == 0 {
         (pending.num_goals, pending.policies) = (num_goals, policies);

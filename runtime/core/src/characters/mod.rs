@@ -41,7 +41,6 @@ pub use blow::{Blow, MAX_BLOWS};
 use blow::{Blows, PassedHits};
 use bytemuck::zeroed_vec;
 pub use config::{CharactersConfig, Choice};
-pub(crate) use control::Asked;
 pub use control::uniform;
 pub use detail::{Detail, Instance, Level};
 use glam::{Vec2, Vec3};
@@ -70,19 +69,6 @@ pub struct Start {
     pub root: Planar,
     /// State of the motion graph (< number of states).
     pub state: u32,
-}
-
-/// A behaviour and where it is aimed.
-#[derive(Clone, Copy, Debug)]
-pub struct Goal<'a> {
-    /// Number of the policy.
-    pub policy: usize,
-    /// What its values count in the sum over goals; 0 switches it off, as does a target outside the policy's region.
-    /// A character all of whose goals are off takes the first action of its state.
-    pub weight: f32,
-    /// Target of every character in the world, for a space-time grid with the time left as y (m, s).
-    /// (number of characters)
-    pub targets: &'a [Vec3],
 }
 
 /// The engine beneath [`PolicyCharacters`], which applications use: rows without ids or orders.
@@ -134,59 +120,17 @@ impl Characters {
     /// [`Error::Index`] for a state that does not exist, [`Error::Value`] for a start that is not finite or a setting out
     /// of its range, [`Error::Occupied`] for characters that are to make way and start in each other's.
     pub fn new(motion_set: &MotionSet, config: CharactersConfig, starts: &[Start]) -> Result<Self> {
-        config.check()?;
-        let n = starts.len();
-        let mut blocks = vec![Block::ZERO; n.div_ceil(LANES)];
+        let mut out = Self::with_capacity(motion_set, config, starts.len())?;
         let arrivals = arrivals(motion_set);
         for (c, start) in starts.iter().enumerate() {
-            let (who, states) = (Some(Id::first(c)), &motion_set.graph.states);
-            check_index("state", who, start.state as usize, states.len())?;
-            let (r, state) = (start.root, &states[start.state as usize]);
-            for (what, got) in [("start x", r.x), ("start z", r.z), ("start heading", r.heading)] {
-                check(what, who, got, got.abs() < 1e6, "a finite number below 1e6")?;
-            }
-            blocks[c / LANES].start(c % LANES, motion_set, r, state.frame, arrivals[start.state as usize]);
+            let who = Some(Id::first(c));
+            check_index("state", who, start.state as usize, motion_set.graph.states.len())?;
+            check_root(who, start.root)?;
+            out.enter(motion_set, *start, &arrivals, c as u64);
         }
-        let mut out = Self::with_blocks(motion_set, config, blocks, n, n);
         match out.reserve_all(motion_set) {
             Some(at) => Err(in_the_way(Id::first(at))),
             None => Ok(out),
-        }
-    }
-
-    /// Memory for `n` characters beside their blocks.
-    fn with_blocks(
-        motion_set: &MotionSet,
-        config: CharactersConfig,
-        mut blocks: Vec<Block>,
-        n: usize,
-        num_choosers: usize,
-    ) -> Self {
-        const RANGE: usize = RANGE_BLOCKS * LANES;
-        let ranges = (0..n).step_by(RANGE).map(|first| RANGE.min(n - first));
-        let passed: Vec<_> = ranges.map(|count| PassedHits::new(count, motion_set)).collect();
-        let locals = if config.local_transforms { n * NUM_JOINTS } else { 0 };
-        for (c, name) in blocks.iter_mut().flat_map(|b| &mut b.name).enumerate() {
-            *name = c as u64;
-        }
-        Self {
-            config,
-            num_characters: n,
-            num_choosers,
-            num_segments: motion_set.graph.segments.len(),
-            fingerprint: motion_set.fingerprint,
-            // Memory that nobody is posed in is never written, and takes no room.
-            bodies: zeroed_vec(blocks.len()),
-            levels: vec![Level::Full; blocks.len()],
-            detail: None,
-            blocks,
-            blows: Blows::new(&passed),
-            passed,
-            matrices: zeroed_vec(n * NUM_JOINTS),
-            locals: vec![LocalTransform::default(); locals],
-            instances: zeroed_vec(if config.instances { n } else { 0 }),
-            avoiding: config.avoid.map(|avoid| Box::new(Avoiding::new(motion_set, &avoid, n))),
-            times: StepTimes::default(),
         }
     }
 
@@ -195,12 +139,31 @@ impl Characters {
     /// # Errors
     /// [`Error::Value`] for a setting or capacity out of its range.
     pub fn with_capacity(motion_set: &MotionSet, config: CharactersConfig, capacity: usize) -> Result<Self> {
+        const RANGE: usize = RANGE_BLOCKS * LANES;
         config.check()?;
         CAPACITY.check_count("capacity", capacity)?;
-        let blocks = vec![Block::ZERO; capacity.div_ceil(LANES)];
-        let mut out = Self::with_blocks(motion_set, config, blocks, capacity, 0);
-        out.num_characters = 0;
-        Ok(out)
+        let ranges = (0..capacity).step_by(RANGE).map(|first| RANGE.min(capacity - first));
+        let passed: Vec<_> = ranges.map(|count| PassedHits::new(count, motion_set)).collect();
+        let num_blocks = capacity.div_ceil(LANES);
+        Ok(Self {
+            config,
+            num_characters: 0,
+            num_choosers: 0,
+            num_segments: motion_set.graph.segments.len(),
+            fingerprint: motion_set.fingerprint,
+            blocks: vec![Block::ZERO; num_blocks],
+            // Memory that nobody is posed in is never written, and takes no room.
+            bodies: zeroed_vec(num_blocks),
+            levels: vec![Level::Full; num_blocks],
+            detail: None,
+            blows: Blows::new(&passed),
+            passed,
+            matrices: zeroed_vec(capacity * NUM_JOINTS),
+            locals: vec![LocalTransform::default(); if config.local_transforms { capacity * NUM_JOINTS } else { 0 }],
+            instances: zeroed_vec(if config.instances { capacity } else { 0 }),
+            avoiding: config.avoid.map(|avoid| Box::new(Avoiding::new(motion_set, &avoid, capacity))),
+            times: StepTimes::default(),
+        })
     }
 
     /// Number of characters.
@@ -210,37 +173,38 @@ impl Characters {
 
     /// Moves every character on by `dt_s` on this thread. Allocates nothing.
     ///
+    /// - `orders`: (num_characters, or none where all are laid on scheduled clips)
+    ///
     /// # Errors
-    /// [`Error`] where `dt_s` is not in `0..=1`, goals do not fit, or the motion set is another bundle's;
+    /// [`Error`] where `dt_s` is not in `0..=1`, orders do not fit, or the motion set is another bundle's;
     /// nothing has moved then.
-    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<()> {
-        self.step_on(motion_set, dt_s, goals, &Inline)
+    pub fn step(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[Order]) -> Result<()> {
+        self.step_on(motion_set, dt_s, orders, &Inline)
     }
 
     /// As [`Characters::step`], on threads of the caller's choice. The result is the same, bit by bit.
     ///
     /// # Errors
     /// As [`Characters::step`].
-    pub fn step_on(&mut self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>], run: &dyn Run) -> Result<()> {
-        self.validate(motion_set, dt_s, goals)?;
-        self.run(motion_set, dt_s, Asked::All(goals), run);
+    pub fn step_on(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[Order], run: &dyn Run) -> Result<()> {
+        self.check_bundle(motion_set)?;
+        STEP_S.check("dt_s", None, dt_s)?;
+        // Characters on scheduled clips choose nothing.
+        if self.num_choosers > 0 || !orders.is_empty() {
+            check_length("orders", orders.len(), self.num_characters)?;
+        }
+        for (character, order) in orders.iter().enumerate() {
+            order.check(Some(Id::first(character)), motion_set)?;
+        }
+        self.run(motion_set, dt_s, orders, run);
         Ok(())
     }
 
-    /// As [`Characters::step`], on the threads of the current rayon pool. The result is the same, bit by bit.
-    ///
-    /// # Errors
-    /// As [`Characters::step`].
-    #[cfg(feature = "rayon")]
-    pub fn par_step(&mut self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<()> {
-        self.step_on(motion_set, dt_s, goals, &throng_base::Rayon)
-    }
-
     /// One step of what was checked.
-    pub(super) fn run(&mut self, motion_set: &MotionSet, dt_s: f32, asked: Asked<'_>, run: &dyn Run) {
+    pub(super) fn run(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[Order], run: &dyn Run) {
         let clock = self.config.timed.then(Clock::default);
         let config = self.config;
-        let tick = Tick { dt_s, motion_set, config: &config, asked, clock: clock.as_ref() };
+        let tick = Tick { dt_s, motion_set, config: &config, orders, clock: clock.as_ref() };
         let n = self.num_characters;
         let num_ranges = n.div_ceil(RANGE_BLOCKS * LANES);
         if let Some(detail) = &self.detail {
@@ -258,7 +222,7 @@ impl Characters {
                     step::advance_all(blocks, passed, first, count, &tick);
                 });
                 let mut laps = Laps::start(tick.clock);
-                let choices = avoid::Step { motion_set, config: &config, avoid, asked, num_characters: n };
+                let choices = avoid::Step { motion_set, config: &config, avoid, orders, num_characters: n };
                 avoid::choose(avoiding, (&mut self.blocks, &mut self.bodies), &mut self.passed, &choices);
                 laps.end(Phase::Control);
                 run_each(run, self.ranges(), |range| step::pose_all(range, &tick));
@@ -477,24 +441,6 @@ impl Characters {
         std::array::from_fn(|j| maths::rotate(turn, pose[j].translation()) + move_by)
     }
 
-    fn validate(&self, motion_set: &MotionSet, dt_s: f32, goals: &[Goal<'_>]) -> Result<()> {
-        self.check_bundle(motion_set)?;
-        STEP_S.check("dt_s", None, dt_s)?;
-        // Characters on scheduled clips choose nothing.
-        let (n, fewest) = (goals.len(), usize::from(self.num_choosers > 0));
-        check("the number of goals", None, n as f64, (fewest..=MAX_GOALS).contains(&n), "1 to 4")?;
-        for g in goals {
-            check_length("targets", g.targets.len(), self.num_characters)?;
-            check_index("policy", None, g.policy, motion_set.policies.len())?;
-            check("weight", None, g.weight, g.weight.abs() < 1e6, "a finite number below 1e6")?;
-            for (character, t) in g.targets.iter().enumerate() {
-                let (who, largest) = (Some(Id::first(character)), t.abs().max_element());
-                check("target", who, largest, largest < 1e6 && !t.is_nan(), "finite coordinates below 1e6")?;
-            }
-        }
-        Ok(())
-    }
-
     fn check_bundle(&self, motion_set: &MotionSet) -> Result<()> {
         let [expected, got] = [self.fingerprint, motion_set.fingerprint].map(u128::from);
         if got == expected { Ok(()) } else { Err(Error::OtherBundle { expected, got }) }
@@ -504,6 +450,13 @@ impl Characters {
 /// A place whose ground, or that of the stop from there, is another's.
 fn in_the_way(who: Id) -> Error {
     Error::Occupied { who, by: "another character, who is there or on the way there, or a wall".into() }
+}
+
+fn check_root(who: Option<Id>, root: Planar) -> Result<()> {
+    for (what, got) in [("x", root.x), ("z", root.z), ("heading", root.heading)] {
+        check(what, who, got, got.abs() < 1e6, "a finite number below 1e6")?;
+    }
+    Ok(())
 }
 
 /// A segment that ends in each state (number of states).

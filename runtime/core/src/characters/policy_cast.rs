@@ -4,7 +4,7 @@ use super::block::{Block, Body, LAID};
 use super::motion_set::MotionSet;
 use super::order::Order;
 use super::snapshot::is_sound;
-use super::{Asked, Blow, Characters, CharactersConfig, Detail, Instance, Start, arrivals, in_the_way};
+use super::{Blow, Characters, CharactersConfig, Detail, Instance, Start, arrivals, check_root, in_the_way};
 use crate::bundle::Bundle;
 use crate::cast::{Adopted, Bodies, Cast, Status};
 use crate::contacts::Contacts;
@@ -291,13 +291,6 @@ pub(super) fn no_graph() -> Error {
     Error::Unknown { what: "motion graph", name: "of the bundle".into(), known: Vec::new() }
 }
 
-fn check_root(who: Option<Id>, root: Planar) -> Result<()> {
-    for (what, got) in [("x", root.x), ("z", root.z), ("heading", root.heading)] {
-        check(what, who, got, got.abs() < 1e6, "a finite number below 1e6")?;
-    }
-    Ok(())
-}
-
 impl Cast for PolicyCharacters {
     type Start = Spawn;
     type Order = Order;
@@ -364,7 +357,7 @@ impl Cast for PolicyCharacters {
 
     fn step(&mut self, dt_s: f32, run: &dyn Run) -> Result<()> {
         STEP_S.check("dt_s", None, dt_s)?;
-        self.characters.run(&self.motion_set, dt_s, Asked::Each(&self.orders), run);
+        self.characters.run(&self.motion_set, dt_s, &self.orders, run);
         self.update_roots();
         self.events.clear();
         let ids = self.roster.ids();

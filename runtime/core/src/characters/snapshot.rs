@@ -1,11 +1,11 @@
 //! Saves the state of characters and restores it.
 
+use super::Characters;
 use super::block::{Block, Body, LAID, NO_STATE};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::pace;
 use super::step::{self, Tick};
-use super::{Asked, Characters};
 use crate::pose::Mat3x4;
 use crate::skeleton::NUM_JOINTS;
 use serde::{Deserialize, Serialize};
@@ -130,7 +130,7 @@ impl Characters {
         let kept = (self.blocks.clone(), self.bodies.clone());
         self.matrices.fill(Mat3x4::default());
         let config = self.config;
-        let tick = Tick { dt_s: 0.0, motion_set, config: &config, asked: Asked::All(&[]), clock: None };
+        let tick = Tick { dt_s: 0.0, motion_set, config: &config, orders: &[], clock: None };
         self.ranges().for_each(|range| step::pose_all(range, &tick));
         (self.blocks, self.bodies) = kept;
         self.blows.gather(&[], motion_set);

@@ -13,7 +13,7 @@ use super::motion_set::MotionSet;
 use super::pace;
 use super::reaction;
 use super::times::{Clock, Laps, Phase};
-use super::{Asked, CharactersConfig};
+use super::{CharactersConfig, Order};
 use crate::contacts::Contacts;
 use crate::pose::{
     Cursor, LocalTransform, LockStep, Mat3x4, Placement, Spot, lock_foot, sample, shared, to_model, write_locals,
@@ -30,7 +30,7 @@ pub(crate) struct Tick<'a> {
     pub dt_s: f32,
     pub motion_set: &'a MotionSet,
     pub config: &'a CharactersConfig,
-    pub asked: Asked<'a>,
+    pub orders: &'a [Order],
     /// Where times are added up, if they are wanted.
     pub clock: Option<&'a Clock>,
 }
@@ -61,7 +61,7 @@ pub(crate) fn step(range: Range<'_>, tick: &Tick<'_>) {
     advance_all(range.blocks, range.passed, range.first, range.count, tick);
     let mut laps = Laps::start(tick.clock);
     let state = (&mut *range.blocks, &mut *range.bodies);
-    control::choose(state, range.passed, range.first, range.count, tick.motion_set, tick.config, tick.asked);
+    control::choose(state, range.passed, range.first, range.count, tick.motion_set, tick.config, tick.orders);
     range.passed.sort();
     laps.end(Phase::Control);
     pose_all(range, tick);

@@ -14,8 +14,20 @@ pub(crate) fn starts(n: usize) -> Vec<Start> {
     (0..n).map(|i| Start { root: Planar::new(i as f32, -2.0, 0.5 * i as f32), state: i as u32 % 4 }).collect()
 }
 
-pub(crate) fn targets(n: usize) -> Vec<Vec3> {
-    (0..n).map(|i| Vec3::new(3.0 - i as f32, 0.0, 1.0 + 0.3 * i as f32)).collect()
+pub(crate) fn orders(n: usize) -> Vec<Order> {
+    (0..n).map(|i| Order::aim(0, Vec3::new(3.0 - i as f32, 0.0, 1.0 + 0.3 * i as f32))).collect()
+}
+
+/// Two threads that take parts from both ends.
+pub(crate) struct TwoThreads;
+
+impl Run for TwoThreads {
+    fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
+        std::thread::scope(|scope| {
+            scope.spawn(|| (num_parts / 3..num_parts).rev().for_each(part));
+            (0..num_parts / 3).rev().for_each(part);
+        });
+    }
 }
 
 /// World positions of all joints, straight from the rows.
@@ -56,9 +68,9 @@ fn poses_are_those_of_the_rows_once_a_transition_has_settled() {
     let r = MotionSet::new(&tables);
     let config = CharactersConfig { half_life_s: 0.005, ..plain() };
     let mut characters = Characters::new(&r, config, &starts(7)).unwrap();
-    let targets = targets(7);
+    let orders = orders(7);
     for _ in 0..14 {
-        characters.step(&r, 1.0 / 25.0, &[Goal { policy: 0, weight: 1.0, targets: &targets }]).unwrap();
+        characters.step(&r, 1.0 / 25.0, &orders).unwrap();
     }
     for c in 0..7 {
         assert!(characters.segment(c).1 > 2.0, "the transition has settled");
@@ -90,15 +102,14 @@ fn nothing_jumps_where_segments_change() {
     let tables = tables();
     let r = MotionSet::new(&tables);
     let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
-    let targets = targets(9);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
-    characters.step(&r, 0.0, &goals).unwrap();
+    let orders = orders(9);
+    characters.step(&r, 0.0, &orders).unwrap();
     let dt = 1.0 / 240.0;
     let mut before: Vec<_> = (0..9).map(|c| characters.joint_positions(c)).collect();
     let mut changes = 0;
     for _ in 0..480 {
         let old: Vec<_> = (0..9).map(|c| characters.segment(c).0).collect();
-        characters.step(&r, dt, &goals).unwrap();
+        characters.step(&r, dt, &orders).unwrap();
         for c in 0..9 {
             changes += usize::from(characters.segment(c).0 != old[c]);
             let now = characters.joint_positions(c);
@@ -116,9 +127,8 @@ fn roots_are_continuous_and_follow_the_segments() {
     let tables = tables();
     let r = MotionSet::new(&tables);
     let mut characters = Characters::new(&r, plain(), &starts(4)).unwrap();
-    let targets = targets(4);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
-    characters.step(&r, 0.0, &goals).unwrap();
+    let orders = orders(4);
+    characters.step(&r, 0.0, &orders).unwrap();
     let mut at: Vec<Planar> = (0..4).map(|c| characters.root(c)).collect();
     for (c, s) in starts(4).iter().enumerate() {
         assert!((at[c].x - s.root.x).abs() < 1e-5 && (at[c].z - s.root.z).abs() < 1e-5);
@@ -126,7 +136,7 @@ fn roots_are_continuous_and_follow_the_segments() {
     for _ in 0..5 {
         let segments: Vec<_> = (0..4).map(|c| characters.segment(c).0).collect();
         for _ in 0..20 {
-            characters.step(&r, 1.0 / 30.0, &goals).unwrap();
+            characters.step(&r, 1.0 / 30.0, &orders).unwrap();
         }
         for c in 0..4 {
             at[c] = at[c].compose(r.graph.segments[segments[c] as usize].displacement());
@@ -143,10 +153,9 @@ fn planted_feet_stay_where_they_are() {
     let foot_lock = FootLockConfig { max_correction_m: 0.3, ..FootLockConfig::default() };
     let mut characters =
         Characters::new(&r, CharactersConfig { foot_lock, ..CharactersConfig::default() }, &starts(5)).unwrap();
-    let targets = targets(5);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let orders = orders(5);
     for _ in 0..2 {
-        characters.step(&r, 1.0 / 60.0, &goals).unwrap();
+        characters.step(&r, 1.0 / 60.0, &orders).unwrap();
     }
     let feet = |t: &Characters, c| {
         let p = t.joint_positions(c);
@@ -154,7 +163,7 @@ fn planted_feet_stay_where_they_are() {
     };
     let before: Vec<_> = (0..5).map(|c| feet(&characters, c)).collect();
     for _ in 0..6 {
-        characters.step(&r, 1.0 / 60.0, &goals).unwrap();
+        characters.step(&r, 1.0 / 60.0, &orders).unwrap();
     }
     for (c, b) in before.iter().enumerate() {
         let moved = feet(&characters, c) - *b;
@@ -168,9 +177,9 @@ fn legs_keep_their_lengths_and_locals_rebuild_the_pose() {
     let r = MotionSet::new(&tables);
     let config = CharactersConfig { local_transforms: true, ..CharactersConfig::default() };
     let mut characters = Characters::new(&r, config, &starts(6)).unwrap();
-    let targets = targets(6);
+    let orders = orders(6);
     for _ in 0..50 {
-        characters.step(&r, 1.0 / 60.0, &[Goal { policy: 0, weight: 1.0, targets: &targets }]).unwrap();
+        characters.step(&r, 1.0 / 60.0, &orders).unwrap();
         for c in 0..6 {
             let (pose, locals) = (characters.pose(c), &characters.local_transforms()[c * NUM_JOINTS..][..NUM_JOINTS]);
             let mut built = [(Vec3::ZERO, Quat::IDENTITY); NUM_JOINTS];
@@ -190,45 +199,21 @@ fn legs_keep_their_lengths_and_locals_rebuild_the_pose() {
 }
 
 #[test]
-fn the_split_and_the_way_of_choosing_are_free() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
-    let n = 300;
-    let targets = targets(n);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
-    for choice in [Choice::BestAction, Choice::LookAhead { temperature: 0.3 }] {
-        let config = CharactersConfig { choice, ..CharactersConfig::default() };
-        let mut whole = Characters::new(&r, config, &starts(n)).unwrap();
-        let mut split = whole.clone();
-        for _ in 0..100 {
-            whole.step(&r, 1.0 / 40.0, &goals).unwrap();
-            #[cfg(feature = "rayon")]
-            split.par_step(&r, 1.0 / 40.0, &goals).unwrap();
-            #[cfg(not(feature = "rayon"))]
-            split.step(&r, 1.0 / 40.0, &goals).unwrap();
-        }
-        assert_eq!(whole.model_matrices(), split.model_matrices());
-        assert!(whole.num_choices(0) > 2);
-    }
-}
-
-#[test]
 fn refuses_what_does_not_fit() {
     let tables = tables();
     let r = MotionSet::new(&tables);
     let bad_state = [Start { root: Planar::IDENTITY, state: 4 }];
     assert!(matches!(Characters::new(&r, plain(), &bad_state), Err(Error::Index { .. })));
     let mut characters = Characters::new(&r, plain(), &starts(2)).unwrap();
-    let targets = targets(2);
-    let goal = |policy, targets| [Goal { policy, weight: 1.0, targets }];
-    assert!(matches!(characters.step(&r, 0.1, &goal(0, &targets[..1])), Err(Error::Length { .. })));
-    assert!(matches!(characters.step(&r, 0.1, &goal(1, &targets)), Err(Error::Index { .. })));
-    assert!(matches!(characters.step(&r, f32::NAN, &goal(0, &targets)), Err(Error::Value { .. })));
-    let far = [Vec3::NAN; 2];
-    assert!(matches!(characters.step(&r, 0.1, &goal(0, &far)), Err(Error::Value { .. })));
-    assert!(characters.step(&r, 0.1, &[]).unwrap_err().to_string().contains("1 to 4"));
+    let orders = orders(2);
+    for few in [&orders[..1], &[]] {
+        assert!(matches!(characters.step(&r, 0.1, few), Err(Error::Length { .. })));
+    }
+    assert!(matches!(characters.step(&r, 0.1, &[Order::aim(1, Vec3::ZERO); 2]), Err(Error::Index { .. })));
+    assert!(matches!(characters.step(&r, f32::NAN, &orders), Err(Error::Value { .. })));
+    assert!(matches!(characters.step(&r, 0.1, &[Order::aim(0, Vec3::NAN); 2]), Err(Error::Value { .. })));
     // As many frames and segments, other content.
     let mut other = r.clone();
     other.fingerprint = 7;
-    assert!(matches!(characters.step(&other, 0.1, &goal(0, &targets)), Err(Error::OtherBundle { got: 7, .. })));
+    assert!(matches!(characters.step(&other, 0.1, &orders), Err(Error::OtherBundle { got: 7, .. })));
 }

@@ -4,7 +4,7 @@ use crate::fixtures::golden_path;
 use crate::render::offscreen::read_back;
 use crate::render::{Emphasis, Rgba, Solids, device_descriptor};
 use glam::{Quat, Vec2, Vec3};
-use throng_runtime::characters::{Characters as People, CharactersConfig, FootLockConfig, Goal, Instance, Start};
+use throng_runtime::characters::{Characters as People, CharactersConfig, FootLockConfig, Instance, Order, Start};
 use throng_runtime::{Joint, NUM_JOINTS, Planar};
 
 const SIZE: [u32; 2] = [400, 300];
@@ -217,8 +217,7 @@ fn records_look_as_posed_characters_do() {
     let half_life_s = 0.1;
     let config = CharactersConfig { instances: true, foot_lock: free, half_life_s, ..CharactersConfig::default() };
     let mut people = People::new(motion_set, config, &starts).expect("starts exist");
-    let targets: Vec<Vec3> = (0..n).map(|i| place(i * 7 % n).translation()).collect();
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let orders: Vec<Order> = (0..n).map(|i| Order::aim(0, place(i * 7 % n).translation())).collect();
     let camera = Camera { distance: 12.0, pitch: 0.4, ..Camera::default() };
     let (shapes, solids, body) = (&Shapes::new(), &Solids::default(), Body::Mannequin);
     let colour = Rgba::hex(0xd0a020);
@@ -226,7 +225,7 @@ fn records_look_as_posed_characters_do() {
     let mut worst = [0.0f32; 2];
     for _ in 0..6 {
         // Half a second each, at no whole number of frames.
-        (0..17).for_each(|_| people.step(motion_set, 1.0 / 34.0, &goals).expect("a step"));
+        (0..17).for_each(|_| people.step(motion_set, 1.0 / 34.0, &orders).expect("a step"));
         let mut take = |palette: &[Mat3x4], instances: &[CharacterInstance], records: &[Record]| {
             let rows = Some(bundle.row_poses());
             let frame = SceneFrame { skeleton, body, worn: None, palette, instances, records, rows, shapes, solids };

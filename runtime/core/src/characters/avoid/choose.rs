@@ -2,11 +2,11 @@
 
 use super::super::block::{Block, Body, LAID};
 use super::super::blow::PassedHits;
-use super::super::control::{self, Asked, MAX_GOALS, OwnGoal};
+use super::super::control::{self, MAX_GOALS, OwnGoal};
 use super::super::motion_set::MotionSet;
 use super::super::step::RANGE_BLOCKS;
 use super::super::transition::{self, Change};
-use super::super::{CharactersConfig, Choice, pace};
+use super::super::{CharactersConfig, Choice, Order, pace};
 use super::path::{self, Plan};
 use super::steer::{self, Chooser, NUM_DIRECTIONS};
 use super::{AvoidConfig, Avoiding, elapsed_s};
@@ -36,7 +36,7 @@ pub(crate) struct Step<'a> {
     pub motion_set: &'a MotionSet,
     pub config: &'a CharactersConfig,
     pub avoid: &'a AvoidConfig,
-    pub asked: Asked<'a>,
+    pub orders: &'a [Order],
     pub num_characters: usize,
 }
 
@@ -92,7 +92,7 @@ fn one(
     let root = b.end(lane, motion_set);
     let is_held = b.pace[lane] == pace::HELD;
     let ago_s = ago / motion_set.rate_hz;
-    let (num_goals, goals) = step.asked.of(at, motion_set);
+    let (num_goals, goals) = control::asked(&step.orders[at], motion_set);
     let own =
         Own { at, state, root, is_held: is_held || b.pace[lane] == pace::SLOWING, ago_s, goals: &goals[..num_goals] };
     let found = own.clear_plan(avoiding, b, step);

@@ -1,6 +1,7 @@
 use crate::Bundle;
 use crate::cast::Cast;
 use crate::characters::made_up::{bytes, tables};
+use crate::characters::tests::TwoThreads;
 use crate::characters::{AvoidConfig, CharactersConfig, Choice, Order, PolicyCharacters, Spawn, uniform};
 use crate::format::{AlignedBytes, FormatError, FrameRow};
 use crate::planar::Planar;
@@ -134,15 +135,6 @@ proptest! {
     }
 }
 
-/// Calls parts from the last to the first, as threads might.
-struct Backwards;
-
-impl Run for Backwards {
-    fn run(&self, parts: usize, part: &(dyn Fn(usize) + Sync)) {
-        (0..parts).rev().for_each(part);
-    }
-}
-
 #[test]
 fn threads_change_nothing() {
     let crowd: Vec<_> =
@@ -156,7 +148,7 @@ fn threads_change_nothing() {
         assert!(least_room(&places(&cast)) > -1e-3);
         cast.hash()
     };
-    assert_eq!(run(&Inline), run(&Backwards));
+    assert_eq!(run(&Inline), run(&TwoThreads));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Records and levels against characters that are posed whole.
 
-use super::super::tests::{starts, tables, targets};
-use super::super::{AvoidConfig, Characters, CharactersConfig, Choice, Goal, MotionSet, Start};
+use super::super::tests::{orders, starts, tables};
+use super::super::{AvoidConfig, Characters, CharactersConfig, Choice, MotionSet, Start};
 use super::*;
 use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS};
@@ -57,9 +57,8 @@ fn farthest(r: &MotionSet, characters: &Characters, c: usize) -> f32 {
 
 #[test]
 fn people_go_where_they_would_go_whoever_looks() {
-    let (tables, targets) = (tables(), targets(N));
+    let (tables, orders) = (tables(), orders(N));
     let r = MotionSet::new(&tables);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
     for avoid in [false, true] {
         let (mut full, mut seen, mut records) = (people(&r, avoid), people(&r, avoid), people(&r, avoid));
         records.set_detail(Some(Detail::RECORDS)).unwrap();
@@ -68,7 +67,7 @@ fn people_go_where_they_would_go_whoever_looks() {
             let eye = Vec2::new(60.0 + 80.0 * (0.05 * step as f32).sin(), 0.0);
             seen.set_detail(Some(Detail { eye, full_m: 10.0, posed_m: 40.0 })).unwrap();
             for who in [&mut full, &mut seen, &mut records] {
-                who.step(&r, 1.0 / 30.0, &goals).unwrap();
+                who.step(&r, 1.0 / 30.0, &orders).unwrap();
             }
             for c in 0..N {
                 for who in [&seen, &records] {
@@ -87,9 +86,8 @@ fn people_go_where_they_would_go_whoever_looks() {
 
 #[test]
 fn a_record_is_the_pose_but_for_transitions_and_does_not_jump_there() {
-    let (tables, targets) = (tables(), targets(N));
+    let (tables, orders) = (tables(), orders(N));
     let r = MotionSet::new(&tables);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
     let free = crate::pose::FootLockConfig { enabled: false, ..Default::default() };
     let config = CharactersConfig { foot_lock: free, ..config(false) };
     let mut characters = Characters::new(&r, config, &starts(N)).unwrap();
@@ -97,7 +95,7 @@ fn a_record_is_the_pose_but_for_transitions_and_does_not_jump_there() {
     let (mut settled, mut fading) = (0.0f32, 0);
     let mut before: Option<Vec<[Vec3; NUM_JOINTS]>> = None;
     for _ in 0..720 {
-        characters.step(&r, dt, &goals).unwrap();
+        characters.step(&r, dt, &orders).unwrap();
         let records = characters.instances();
         for (c, i) in records.iter().enumerate() {
             assert!(r.left(i.row_a) > 0 && r.left(i.row_b) > 0, "the next row is of the same clip");
@@ -119,9 +117,8 @@ fn a_record_is_the_pose_but_for_transitions_and_does_not_jump_there() {
 
 #[test]
 fn who_comes_near_is_posed_as_if_always_seen() {
-    let (tables, targets) = (tables(), targets(N));
+    let (tables, orders) = (tables(), orders(N));
     let r = MotionSet::new(&tables);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
     let free = crate::pose::FootLockConfig { enabled: false, ..Default::default() };
     // Transitions settle before the next, so that the last one is all that counts.
     let config = CharactersConfig { foot_lock: free, half_life_s: 0.05, ..config(false) };
@@ -132,7 +129,7 @@ fn who_comes_near_is_posed_as_if_always_seen() {
             if step == 59 + woken_at {
                 far.set_detail(None).unwrap();
             }
-            [&mut full, &mut far].into_iter().for_each(|who| who.step(&r, 1.0 / 60.0, &goals).unwrap());
+            [&mut full, &mut far].into_iter().for_each(|who| who.step(&r, 1.0 / 60.0, &orders).unwrap());
         }
         let apart = (0..N).map(|c| {
             let pairs = full.joint_positions(c).into_iter().zip(far.joint_positions(c));

@@ -1,6 +1,7 @@
 use super::*;
+use crate::characters::Choice;
 use crate::characters::made_up::tables;
-use crate::characters::{Choice, Goal};
+use crate::characters::tests::TwoThreads;
 use throng_base::Inline;
 
 const DT: f32 = 1.0 / 40.0;
@@ -46,26 +47,14 @@ fn orders_of_each_are_those_of_all_where_they_are_the_same() {
     let mut cast = cast_of(n, 200);
     let motion_set = MotionSet::new(&tables());
     let starts: Vec<Start> = (0..n).map(|i| Start { root: root(i), state: i as u32 % 4 }).collect();
-    let targets: Vec<Vec3> = (0..n).map(target).collect();
+    let orders: Vec<Order> = (0..n).map(|i| Order::aim(0, target(i))).collect();
     let mut batch = Characters::new(&motion_set, config(), &starts).unwrap();
     for _ in 0..100 {
         cast.step(DT, &Inline).unwrap();
-        batch.step(&motion_set, DT, &[Goal { policy: 0, weight: 1.0, targets: &targets }]).unwrap();
+        batch.step(&motion_set, DT, &orders).unwrap();
     }
     assert!(cast.bodies().model.as_flattened() == batch.model_matrices());
     assert!((0..n).all(|c| cast.bodies().roots[c] == batch.root(c)) && batch.num_choices(0) > 2);
-}
-
-/// Two threads that take parts from both ends.
-struct TwoThreads;
-
-impl Run for TwoThreads {
-    fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
-        std::thread::scope(|scope| {
-            scope.spawn(|| (num_parts / 3..num_parts).rev().for_each(part));
-            (0..num_parts / 3).rev().for_each(part);
-        });
-    }
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Courses against the formula of their roots, and transitions between them.
 
 use super::*;
-use crate::characters::tests::{curve, starts, tables, targets};
-use crate::characters::{CharactersConfig, FootLockConfig, Goal};
+use crate::characters::tests::{curve, orders, starts, tables};
+use crate::characters::{CharactersConfig, FootLockConfig};
 use crate::skeleton::{Joint, NUM_JOINTS};
 use throng_base::Error;
 
@@ -157,10 +157,9 @@ fn ground_at_any_height_is_stood_on_as_the_ground_at_none() {
 fn laid_characters_may_play_segments_again_and_choosers_may_be_laid() {
     let tables = tables();
     let r = MotionSet::new(&tables);
-    let targets = targets(2);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let orders = orders(2);
     let mut characters = Characters::new(&r, CharactersConfig::default(), &starts(2)).unwrap();
-    characters.step(&r, 0.1, &goals).unwrap();
+    characters.step(&r, 0.1, &orders).unwrap();
     for c in 0..2 {
         assert!(characters.step(&r, 0.1, &[]).is_err(), "a character chooses");
         let root = characters.scheduled_end(&r, c);
@@ -171,7 +170,7 @@ fn laid_characters_may_play_segments_again_and_choosers_may_be_laid() {
     assert_eq!(characters.next_blow(&r, 0), None);
     characters.play(&r, 0, 1).unwrap();
     assert!(characters.step(&r, 0.1, &[]).is_err());
-    characters.step(&r, 1.0, &goals).unwrap();
+    characters.step(&r, 1.0, &orders).unwrap();
     assert!(characters.last_choice(0).is_some() && characters.lift(0) == 0.0);
     assert_eq!(characters.segment(1).0, u32::MAX);
 }

@@ -51,18 +51,17 @@ fn characters_strike_where_they_pass_the_frames_of_hits() {
     let tables = tables_with(&hits());
     let r = MotionSet::new(&tables);
     let n = 150;
-    let targets = targets(n);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let orders = orders(n);
     // 20 frames are no whole number of steps: segments change within steps and at their ends.
     for dt in [1.0 / 60.0, 1.0 / 37.0, 1.0 / 30.0, 0.2] {
         let mut characters = Characters::new(&r, plain(), &starts(n)).unwrap();
         let playing = |t: &Characters| (0..n).map(|c| t.segment(c)).collect::<Vec<_>>();
-        characters.step(&r, 0.0, &goals).unwrap();
+        characters.step(&r, 0.0, &orders).unwrap();
         assert!(characters.blows().is_empty());
         let mut struck = 0;
         for _ in 0..90 {
             let before = playing(&characters);
-            characters.step(&r, dt, &goals).unwrap();
+            characters.step(&r, dt, &orders).unwrap();
             let got: Vec<_> = characters.blows().iter().map(|b| (b.character, b.hit)).collect();
             assert_eq!(got, expected(&r, &before, &playing(&characters)), "{dt}");
             struck += got.len();
@@ -75,14 +74,13 @@ fn characters_strike_where_they_pass_the_frames_of_hits() {
 fn a_blow_is_where_the_clip_lies_in_the_world() {
     let tables = tables_with(&hits());
     let r = MotionSet::new(&tables);
-    let targets = targets(9);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let orders = orders(9);
     for bend_rad_per_m in [0.0, 0.5] {
         let mut characters = Characters::new(&r, CharactersConfig { bend_rad_per_m, ..plain() }, &starts(9)).unwrap();
         let mut seen = 0;
         for _ in 0..200 {
             // A step a frame: a blow lies where the root is, then.
-            characters.step(&r, 1.0 / 30.0, &goals).unwrap();
+            characters.step(&r, 1.0 / 30.0, &orders).unwrap();
             for b in characters.blows() {
                 let (root, h) = (characters.root(b.character as usize), &r.hits[b.hit as usize]);
                 let want = root.rotation() * h.position() + root.translation();
@@ -100,14 +98,13 @@ fn a_blow_is_where_the_clip_lies_in_the_world() {
 fn the_next_blow_is_the_one_that_comes_when_it_is_due() {
     let tables = tables_with(&[5, 12, 33, 66, 90].map(hit));
     let r = MotionSet::new(&tables);
-    let targets = targets(9);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let orders = orders(9);
     let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
     let dt = 1.0 / 60.0;
     let mut announced: Vec<Option<(Blow, f32)>> = vec![None; 9];
     let (mut came, mut none) = (0, 0);
     for _ in 0..300 {
-        characters.step(&r, dt, &goals).unwrap();
+        characters.step(&r, dt, &orders).unwrap();
         for c in 0..9 {
             let struck = characters.blows().iter().find(|b| b.character == c as u32);
             if let (Some((blow, due_s)), Some(struck)) = (announced[c], struck) {
@@ -126,20 +123,19 @@ fn the_next_blow_is_the_one_that_comes_when_it_is_due() {
 fn travel_is_where_the_motion_leads_until_its_action_ends() {
     let tables = tables();
     let r = MotionSet::new(&tables);
-    let targets = targets(9);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let orders = orders(9);
     let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
     // A frame of the database a step, so that poses are its own.
     let dt = 1.0 / r.rate_hz;
     let head = |characters: &Characters, c: usize| characters.joint_positions(c)[Joint::Head.index()];
     let mut checked = 0;
     for _ in 0..120 {
-        characters.step(&r, dt, &goals).unwrap();
+        characters.step(&r, dt, &orders).unwrap();
         let now = |c: usize| (characters.segment(c), head(&characters, c));
         let ahead: Vec<_> = (0..9).map(now).collect();
         let travel: Vec<_> = (0..9).map(|c| characters.travel(&r, c, Joint::Head, Vec3::ZERO, 3.0 * dt)).collect();
         let mut later = characters.clone();
-        (0..3).for_each(|_| later.step(&r, dt, &goals).unwrap());
+        (0..3).for_each(|_| later.step(&r, dt, &orders).unwrap());
         for (c, &((segment, time), at)) in ahead.iter().enumerate() {
             let settled = time > 15.0 && later.segment(c).0 == segment && later.segment(c).1 > time;
             if settled {
@@ -159,10 +155,10 @@ fn no_more_blows_of_a_character_in_a_step_than_there_is_room_for() {
     let every: Vec<_> = (0..2 * FRAMES).map(hit).collect();
     let tables = tables_with(&every);
     let r = MotionSet::new(&tables);
-    let targets = targets(3);
+    let orders = orders(3);
     let mut characters = Characters::new(&r, plain(), &starts(3)).unwrap();
     for _ in 0..5 {
-        characters.step(&r, 1.0, &[Goal { policy: 0, weight: 1.0, targets: &targets }]).unwrap();
+        characters.step(&r, 1.0, &orders).unwrap();
         let of: Vec<_> = characters.blows().iter().map(|b| b.character).collect();
         assert_eq!(of, [[0; MAX_BLOWS], [1; MAX_BLOWS], [2; MAX_BLOWS]].concat());
     }
@@ -172,32 +168,33 @@ fn no_more_blows_of_a_character_in_a_step_than_there_is_room_for() {
 fn a_bundle_without_hits_has_no_blows() {
     let tables = tables();
     let r = MotionSet::new(&tables);
-    let targets = targets(3);
+    let orders = orders(3);
     let mut characters = Characters::new(&r, plain(), &starts(3)).unwrap();
     for _ in 0..50 {
-        characters.step(&r, 0.1, &[Goal { policy: 0, weight: 1.0, targets: &targets }]).unwrap();
+        characters.step(&r, 0.1, &orders).unwrap();
         assert!(characters.blows().is_empty() && characters.next_blow(&r, 0).is_none());
     }
 }
 
 #[test]
-#[cfg(feature = "rayon")]
-fn blows_are_the_same_on_several_threads() {
+fn motion_and_blows_are_the_same_on_several_threads() {
     let tables = tables_with(&hits());
     let r = MotionSet::new(&tables);
     let n = 300;
-    let targets = targets(n);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
-    let mut whole = Characters::new(&r, CharactersConfig::default(), &starts(n)).unwrap();
-    let mut split = whole.clone();
-    for step in 0..100 {
-        whole.step(&r, 1.0 / 40.0, &goals).unwrap();
-        split.par_step(&r, 1.0 / 40.0, &goals).unwrap();
-        assert_eq!(whole.blows(), split.blows());
-        let by = Vec3::new(0.0, 0.02, 0.05);
-        for t in [&mut whole, &mut split] {
-            t.push(step % n, Joint::Head, by).unwrap();
+    let orders = orders(n);
+    for choice in [Choice::BestAction, Choice::LookAhead { temperature: 0.3 }] {
+        let config = CharactersConfig { choice, ..CharactersConfig::default() };
+        let mut whole = Characters::new(&r, config, &starts(n)).unwrap();
+        let mut split = whole.clone();
+        for step in 0..100 {
+            whole.step(&r, 1.0 / 40.0, &orders).unwrap();
+            split.step_on(&r, 1.0 / 40.0, &orders, &TwoThreads).unwrap();
+            assert_eq!(whole.blows(), split.blows());
+            for t in [&mut whole, &mut split] {
+                t.push(step % n, Joint::Head, Vec3::new(0.0, 0.02, 0.05)).unwrap();
+            }
+            assert!(whole.model_matrices() == split.model_matrices());
         }
-        assert!(whole.model_matrices() == split.model_matrices());
+        assert!(whole.num_choices(0) > 2);
     }
 }

@@ -13,9 +13,9 @@ fn twins(r: &MotionSet, n: usize, foot_lock: bool) -> [Characters; 2] {
 }
 
 fn step(r: &MotionSet, twins: &mut [Characters; 2], dt: f32) {
-    let targets = targets(twins[0].num_characters());
+    let orders = orders(twins[0].num_characters());
     for t in twins {
-        t.step(r, dt, &[Goal { policy: 0, weight: 1.0, targets: &targets }]).unwrap();
+        t.step(r, dt, &orders).unwrap();
     }
 }
 

@@ -9,25 +9,24 @@ fn a_restored_characters_repeats_what_followed_bit_by_bit() {
     let tables = tables();
     let r = MotionSet::new(&tables);
     let n = 21;
-    let targets = targets(n);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let orders = orders(n);
     let config = CharactersConfig { choice: Choice::LookAhead { temperature: 0.5 }, ..CharactersConfig::default() };
     let mut characters = Characters::new(&r, config, &starts(n)).unwrap();
     for _ in 0..37 {
-        characters.step(&r, DT, &goals).unwrap();
+        characters.step(&r, DT, &orders).unwrap();
     }
     let kept = characters.snapshot();
     let seen = characters.model_matrices().to_vec();
     let mut record = Vec::new();
     for _ in 0..100 {
-        characters.step(&r, DT, &goals).unwrap();
+        characters.step(&r, DT, &orders).unwrap();
         record.push(characters.model_matrices().to_vec());
     }
     characters.restore(&r, &kept).unwrap();
     let moved = seen.iter().zip(characters.model_matrices()).map(|(a, b)| (a.translation() - b.translation()).length());
     assert!(moved.fold(0.0, f32::max) < 1e-5, "poses are there at once");
     for poses in &record {
-        characters.step(&r, DT, &goals).unwrap();
+        characters.step(&r, DT, &orders).unwrap();
         assert!(characters.model_matrices() == poses.as_slice());
     }
     let refused = |characters: &mut Characters, r: &MotionSet, kept: &CharactersSnapshot| {
@@ -77,12 +76,11 @@ fn a_restored_characters_repeats_what_followed_bit_by_bit() {
 fn the_last_choice_is_the_state_and_place_the_segment_began_at() {
     let tables = tables();
     let r = MotionSet::new(&tables);
-    let targets = targets(9);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let orders = orders(9);
     let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
     assert!((0..9).all(|c| characters.last_choice(c).is_none()));
     for _ in 0..200 {
-        characters.step(&r, DT, &goals).unwrap();
+        characters.step(&r, DT, &orders).unwrap();
         for c in 0..9 {
             let (segment, frames) = characters.segment(c);
             let choice = characters.last_choice(c).unwrap();
@@ -100,12 +98,11 @@ fn the_last_choice_is_the_state_and_place_the_segment_began_at() {
 fn a_played_segment_starts_at_once_and_without_a_jump() {
     let tables = tables();
     let r = MotionSet::new(&tables);
-    let targets = targets(3);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let orders = orders(3);
     let mut characters = Characters::new(&r, plain(), &starts(3)).unwrap();
     let dt = 1.0 / 240.0;
     for _ in 0..50 {
-        characters.step(&r, dt, &goals).unwrap();
+        characters.step(&r, dt, &orders).unwrap();
     }
     let others = [characters.segment(0).0, characters.segment(2).0];
     let new = (characters.segment(1).0 + 2) % 4;
@@ -114,12 +111,12 @@ fn a_played_segment_starts_at_once_and_without_a_jump() {
     assert_eq!(characters.segment(1), (new, 0.0));
     assert!(characters.last_choice(1).is_none());
     assert_eq!(others, [characters.segment(0).0, characters.segment(2).0]);
-    characters.step(&r, dt, &goals).unwrap();
+    characters.step(&r, dt, &orders).unwrap();
     for (a, b) in characters.joint_positions(1).iter().zip(&before) {
         assert!((*a - *b).length() < 6.0 * dt, "faster than 6 m/s");
     }
     for _ in 0..240 {
-        characters.step(&r, dt, &goals).unwrap();
+        characters.step(&r, dt, &orders).unwrap();
     }
     assert!(characters.last_choice(1).is_some(), "it chooses for itself again");
     assert!(matches!(characters.play(&r, 3, 0), Err(Error::Index { what: "character", .. })));
@@ -130,13 +127,12 @@ fn a_played_segment_starts_at_once_and_without_a_jump() {
 fn timing_a_step_changes_nothing_else() {
     let tables = tables();
     let r = MotionSet::new(&tables);
-    let targets = targets(40);
-    let goals = [Goal { policy: 0, weight: 1.0, targets: &targets }];
+    let orders = orders(40);
     let mut plain_one = Characters::new(&r, plain(), &starts(40)).unwrap();
     let mut timed = Characters::new(&r, CharactersConfig { timed: true, ..plain() }, &starts(40)).unwrap();
     for _ in 0..30 {
-        plain_one.step(&r, DT, &goals).unwrap();
-        timed.step(&r, DT, &goals).unwrap();
+        plain_one.step(&r, DT, &orders).unwrap();
+        timed.step(&r, DT, &orders).unwrap();
     }
     assert!(plain_one.model_matrices() == timed.model_matrices());
     assert_eq!(plain_one.times(), StepTimes::default());
