@@ -6,7 +6,7 @@ use super::leg::LegShape;
 use super::side::{Side, forward};
 use glam::{DQuat, DVec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
-use throng_motion::clip::Clip;
+use throng_motion::clip::{Clip, Tag};
 
 /// The rigs work at least this often, so that their filters do not depend on the clip's rate (Hz).
 const WORKING_RATE: f64 = 120.0;
@@ -78,6 +78,16 @@ pub fn empty_clip(name: String, set: &str, cfg: &SynthConfig) -> Clip {
         source: format!("throng synth {set}, seed {}", cfg.seed),
         ..Clip::new(name, cfg.rate_hz, Vec::new(), Vec::new())
     }
+}
+
+/// Adds tags to a clip, in order.
+///
+/// - `spans`: what each is called, and when it begins and ends (s).
+pub fn add_tags<'a>(clip: &mut Clip, spans: impl IntoIterator<Item = (&'a str, f64, f64)>) {
+    let (rate_hz, num_frames) = (clip.rate_hz, clip.num_frames());
+    let at = |t: f64| ((t * rate_hz).round().max(0.0) as usize).min(num_frames);
+    clip.tags.extend(spans.into_iter().map(|(name, from, to)| Tag { name: name.into(), range: at(from)..at(to) }));
+    clip.tags.sort_by(|a, b| (a.range.start, a.range.end, &a.name).cmp(&(b.range.start, b.range.end, &b.name)));
 }
 
 /// Adds a pose on both feet to a clip.

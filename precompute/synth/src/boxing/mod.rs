@@ -29,7 +29,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use script::Script;
 use throng_core::{Joint, Skeleton, planar::wrap_angle};
-use throng_motion::clip::{Clip, ClipSet, Tag};
+use throng_motion::clip::{Clip, ClipSet};
 
 /// How much earlier each channel of a hand moves than its keys: the elbow and the shoulder lead the fist (s).
 const HANDS_AHEAD: [f64; posture::HAND] = [0.0, 0.0, 0.0, 0.03, 0.03, 0.03, 0.0, 0.02, 0.03];
@@ -69,11 +69,7 @@ fn perform(name: String, script: &Script, skeleton: &Skeleton, cfg: &SynthConfig
     for i in samples.frames() {
         frame::push(&mut clip, &pose(&bodies[i], [&arms[0][i], &arms[1][i]], skeleton), skeleton);
     }
-    let at = |t: f64| ((t * cfg.rate_hz).round().max(0.0) as usize).min(clip.num_frames());
-    let mut tags: Vec<Tag> =
-        script.tags.iter().map(|(name, from, to)| Tag { name: (*name).into(), range: at(*from)..at(*to) }).collect();
-    tags.sort_by(|a, b| (a.range.start, a.range.end, &a.name).cmp(&(b.range.start, b.range.end, &b.name)));
-    clip.tags = tags;
+    frame::add_tags(&mut clip, script.tags.iter().copied());
     clip
 }
 

@@ -3,13 +3,10 @@
 use super::super::attitude::Attitude;
 use super::super::foot::FootShape;
 use super::super::frame::BodyPose;
-use super::super::leg::LegShape;
 use super::super::pendulum;
 use super::super::side::Side;
-use super::super::signal::interpolate;
 use super::super::walk::arms::{self, ArmInput};
 use super::super::walk::assemble::{drift, knees};
-use super::super::walk::balance::centre_of_mass;
 use super::super::walk::foot::FootTrack;
 use super::super::walk::footsteps::Footsteps;
 use super::super::walk::pelvis::{self, PelvisInput};
@@ -22,7 +19,6 @@ use super::scene::Scene;
 use super::still;
 use super::stride::Stride;
 use rand::Rng;
-use throng_core::Joint;
 
 /// How much of the wandering of gaze and arms a steady gait has.
 const CALM: f64 = 0.3;
@@ -59,28 +55,16 @@ pub fn stand(act: &Act, scene: &Scene, rng: &mut impl Rng) -> Vec<BodyPose> {
 
 fn poses(act: &Act, scene: &Scene, steps: &Footsteps, drift: &Drift) -> Vec<BodyPose> {
     let Scene { skeleton, times, dt, .. } = scene;
-    let feet: Vec<_> = times.iter().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect();
-    let load: Vec<f64> = times.iter().map(|&t| interpolate(&steps.load, t)).collect();
-    let mass = centre_of_mass(steps, &FootShape::of(skeleton), times, *dt);
+    let input = PelvisInput::new(steps, skeleton, times, *dt);
     let ahead = vec![act.drive.ahead; times.len()];
-    let joint = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
-    let mut pelvis = pelvis::follow(&PelvisInput {
-        feet: &feet,
-        load: &load,
-        mass: &mass,
-        speed: &ahead,
-        hips: [joint(Joint::LeftThigh), joint(Joint::RightThigh)],
-        leg: LegShape::of(skeleton),
-        dt: *dt,
-    });
+    let mut pelvis = pelvis::follow(&input, &ahead);
     let sway = act.manner.sway;
     pelvis.yaw.iter_mut().chain(&mut pelvis.list).for_each(|angle| *angle *= sway);
-    let trunk = trunk::balance(&pelvis, &ahead, &mass, drift, *dt);
-    let chest_pitch: Vec<f64> = trunk.iter().map(|t| t.upper_chest().pitch).collect();
+    let trunk = trunk::balance(&pelvis, &ahead, &input.mass, drift, *dt);
     let arms = arms::swing(&ArmInput {
         apart: &pelvis.apart,
         speed: &vec![act.drive.ahead.abs(); times.len()],
-        chest_pitch: &chest_pitch,
+        trunk: &trunk,
         drift,
         liveliness: [act.manner.arm_swing; 2],
         dt: *dt,
@@ -97,8 +81,8 @@ fn poses(act: &Act, scene: &Scene, steps: &Footsteps, drift: &Drift) -> Vec<Body
             hips,
             trunk: trunk[i].segments.map(Attitude::rotation),
             arms: arms[i],
-            feet: feet[i],
-            knees: knees(root, hips, &feet[i]),
+            feet: input.feet[i],
+            knees: knees(root, hips, &input.feet[i]),
         };
         carry(&mut pose, &manner);
         pose

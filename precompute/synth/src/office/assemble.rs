@@ -4,12 +4,9 @@ use super::super::SynthConfig;
 use super::super::attitude::Attitude;
 use super::super::foot::FootShape;
 use super::super::frame::{self, ArmPose, BodyPose, Samples};
-use super::super::leg::LegShape;
 use super::super::side::{Side, forward, leftward};
-use super::super::signal::interpolate;
 use super::super::walk::arms::{self, ArmInput};
 use super::super::walk::assemble::{drift, knees, speed};
-use super::super::walk::balance::centre_of_mass;
 use super::super::walk::footsteps::{self, Footsteps};
 use super::super::walk::pelvis::{self, Pelvis, PelvisInput};
 use super::super::walk::trunk::{self, TrunkPose};
@@ -20,8 +17,8 @@ use super::script::Script;
 use super::seat::Seated;
 use glam::{DQuat, DVec3};
 use rand::{Rng, RngExt};
-use throng_core::{Contacts, Joint, Skeleton};
-use throng_motion::clip::{Clip, Tag};
+use throng_core::{Contacts, Skeleton};
+use throng_motion::clip::Clip;
 
 /// What touches the seat, as seen from the hips joint (m).
 pub const BUTTOCKS: DVec3 = DVec3::new(0.0, -0.135, -0.03);
@@ -74,12 +71,8 @@ pub fn clip(
         let frame = clip.contacts.len() - 1;
         clip.contacts[frame].insert(contacts(script, samples.times[i]));
     }
-    let at = |t: f64| ((t * cfg.rate_hz).round().max(0.0) as usize).min(clip.num_frames());
-    let mut tags: Vec<Tag> =
-        script.tags.iter().map(|(name, from, to)| Tag { name: (*name).into(), range: at(*from)..at(*to) }).collect();
-    tags.retain(|t| !t.range.is_empty());
-    tags.sort_by(|a, b| (a.range.start, a.range.end, &a.name).cmp(&(b.range.start, b.range.end, &b.name)));
-    clip.tags = tags;
+    frame::add_tags(&mut clip, script.tags.iter().copied());
+    clip.tags.retain(|t| !t.range.is_empty());
     clip
 }
 
@@ -107,32 +100,25 @@ fn poses(
 ) -> Vec<BodyPose> {
     let (times, dt) = (&samples.times, samples.dt);
     let keyed = Keyed::of(script, samples);
-    let feet: Vec<_> = times.iter().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect();
-    let load: Vec<f64> = times.iter().map(|&t| interpolate(&steps.load, t)).collect();
-    let mass = centre_of_mass(steps, &FootShape::of(skeleton), times, dt);
-    let speed = speed(&mass, dt, samples.within(0.13));
-    let joint = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
-    let hips = [joint(Joint::LeftThigh), joint(Joint::RightThigh)];
-    let leg = LegShape::of(skeleton);
-    let input = PelvisInput { feet: &feet, load: &load, mass: &mass, speed: &speed, hips, leg, dt };
-    let mut pelvis = pelvis::follow(&input);
+    let input = PelvisInput::new(steps, skeleton, times, dt);
+    let speed = speed(&input.mass, dt);
+    let mut pelvis = pelvis::follow(&input, &speed);
     move_hips(&mut pelvis, &input, &keyed);
     let drift = drift(steps.duration, times, dt, &speed, variation, rng);
-    let mut trunk = trunk::balance(&pelvis, &speed, &mass, &drift, dt);
+    let mut trunk = trunk::balance(&pelvis, &speed, &input.mass, &drift, dt);
     for (i, pose) in trunk.iter_mut().enumerate() {
         bend(pose, &keyed.body[i], keyed.head[i], keyed.seated[i].lean);
     }
-    let chest_pitch: Vec<f64> = trunk.iter().map(|t| t.upper_chest().pitch).collect();
     let arms = arms::swing(&ArmInput {
         apart: &pelvis.apart,
         speed: &speed,
-        chest_pitch: &chest_pitch,
+        trunk: &trunk,
         drift: &drift,
         liveliness: [0, 1].map(|_| 1.0 + variation * rng.random_range(-0.08..0.08)),
         dt,
     });
-    let whole =
-        |i: usize| pose(&pelvis, &trunk[i], arms[i], feet[i], [&keyed.hands[0][i], &keyed.hands[1][i]], i, skeleton);
+    let keys = |i: usize| [&keyed.hands[0][i], &keyed.hands[1][i]];
+    let whole = |i: usize| pose(&pelvis, &trunk[i], arms[i], input.feet[i], keys(i), i, skeleton);
     (0..times.len()).map(whole).collect()
 }
 

@@ -153,11 +153,8 @@ fn clip(
         support = moment.support().unwrap_or(support);
         clip.support.push(support as f32);
     }
-    let at = |t: f64| ((t * cfg.rate_hz).round().max(0.0) as usize).min(clip.num_frames());
-    let mut tags: Vec<Tag> = marks.iter().map(|m| Tag { name: m.name.into(), range: at(m.from)..at(m.to) }).collect();
-    tags.extend(stands(&clip));
-    tags.sort_by(|a, b| (a.range.start, a.range.end, &a.name).cmp(&(b.range.start, b.range.end, &b.name)));
-    clip.tags = tags;
+    clip.tags = stands(&clip);
+    frame::add_tags(&mut clip, marks.iter().map(|m| (m.name, m.from, m.to)));
     clip
 }
 

@@ -3,7 +3,7 @@
 use super::super::frame::ArmPose;
 use super::super::side::Side;
 use super::super::signal::{shifted, smooth};
-use super::trunk::Drift;
+use super::trunk::{Drift, TrunkPose};
 use glam::DQuat;
 use std::f64::consts::FRAC_PI_2;
 
@@ -13,8 +13,8 @@ pub struct ArmInput<'a> {
     pub apart: &'a [f64],
     /// Speed (m/s).
     pub speed: &'a [f64],
-    /// Forward tilt of the upper chest (rad).
-    pub chest_pitch: &'a [f64],
+    /// What they hang from.
+    pub trunk: &'a [TrunkPose],
     /// Breathing and slow changes of posture.
     pub drift: &'a Drift,
     /// How far the arms swing and bend, 1 on average, left and right.
@@ -45,7 +45,7 @@ fn arm(input: &ArmInput, side: Side, i: usize, follow: f64, trail: f64) -> ArmPo
     let abduction = 0.21 + 0.03 * speed;
     let turn_in = 0.30 + 0.15 * swing;
     let angles = ArmAngles {
-        swing: swing + 0.02 + 0.75 * input.chest_pitch[i] * 0.6,
+        swing: swing + 0.02 + 0.75 * input.trunk[i].upper_chest().pitch * 0.6,
         abduction,
         turn_in,
         flexion,
@@ -116,7 +116,7 @@ mod tests {
         let arms = swing(&ArmInput {
             apart: &apart,
             speed: &speed,
-            chest_pitch: &still,
+            trunk: &[TrunkPose::default(); 60],
             drift: &drift,
             liveliness: [1.0; 2],
             dt: 1.0 / 120.0,

@@ -2,19 +2,17 @@
 
 use super::super::SynthConfig;
 use super::super::attitude::Attitude;
-use super::super::foot::{FootPose, FootShape};
+use super::super::foot::FootPose;
 use super::super::frame::{self, ArmPose, BodyPose, Samples};
-use super::super::leg::LegShape;
 use super::super::signal::{interpolate, smooth};
 use super::arms::{self, ArmInput};
-use super::balance::centre_of_mass;
 use super::footsteps::Footsteps;
 use super::pelvis::{self, Pelvis, PelvisInput};
 use super::trunk::{self, Drift, TrunkPose};
 use glam::{DQuat, DVec2, DVec3};
 use rand::{Rng, RngExt};
 use throng_core::planar::wrap_angle;
-use throng_core::{Joint, Planar, Skeleton};
+use throng_core::{Planar, Skeleton};
 use throng_motion::clip::Clip;
 
 /// All signals of a clip at the working rate.
@@ -56,37 +54,24 @@ fn signals(
     variation: f64,
     rng: &mut impl Rng,
 ) -> Signals {
-    let frames = |seconds: f64| (seconds / dt).round() as usize;
-    let feet: Vec<_> = times.iter().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect();
-    let load: Vec<f64> = times.iter().map(|&t| interpolate(&steps.load, t)).collect();
-    let mass = centre_of_mass(steps, &FootShape::of(skeleton), times, dt);
-    let speed = speed(&mass, dt, frames(0.13));
-    let joint = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
-    let pelvis = pelvis::follow(&PelvisInput {
-        feet: &feet,
-        load: &load,
-        mass: &mass,
-        speed: &speed,
-        hips: [joint(Joint::LeftThigh), joint(Joint::RightThigh)],
-        leg: LegShape::of(skeleton),
-        dt,
-    });
+    let input = PelvisInput::new(steps, skeleton, times, dt);
+    let speed = speed(&input.mass, dt);
+    let pelvis = pelvis::follow(&input, &speed);
     let drift = drift(steps.duration, times, dt, &speed, variation, rng);
-    let trunk = trunk::balance(&pelvis, &speed, &mass, &drift, dt);
-    let chest_pitch: Vec<f64> = trunk.iter().map(|t| t.upper_chest().pitch).collect();
+    let trunk = trunk::balance(&pelvis, &speed, &input.mass, &drift, dt);
     let arms = arms::swing(&ArmInput {
         apart: &pelvis.apart,
         speed: &speed,
-        chest_pitch: &chest_pitch,
+        trunk: &trunk,
         drift: &drift,
         liveliness: [0, 1].map(|_| 1.0 + variation * rng.random_range(-0.08..0.08)),
         dt,
     });
-    Signals { feet, pelvis, trunk, arms }
+    Signals { feet: input.feet, pelvis, trunk, arms }
 }
 
 /// Speed of the centre of mass, smoothed over about a step.
-pub fn speed(mass: &[DVec2], dt: f64, radius: usize) -> Vec<f64> {
+pub fn speed(mass: &[DVec2], dt: f64) -> Vec<f64> {
     let n = mass.len();
     let raw: Vec<f64> = (0..n)
         .map(|i| {
@@ -94,7 +79,7 @@ pub fn speed(mass: &[DVec2], dt: f64, radius: usize) -> Vec<f64> {
             (mass[b] - mass[a]).length() / ((b - a).max(1) as f64 * dt)
         })
         .collect();
-    smooth(&raw, radius)
+    smooth(&raw, (0.13 / dt).round() as usize)
 }
 
 /// Slow random changes of gaze, and breathing. Who walks looks around less.

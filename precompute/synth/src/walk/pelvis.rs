@@ -1,11 +1,14 @@
 //! The pelvis: heading from the feet, turning, listing and bobbing with the steps, as high as both legs allow.
 
 use super::super::attitude::Attitude;
-use super::super::foot::FootPose;
+use super::super::foot::{FootPose, FootShape};
 use super::super::leg::LegShape;
 use super::super::side::{Side, forward};
-use super::super::signal::{End, quintic, shifted, smooth, smooth_below};
+use super::super::signal::{End, interpolate, quintic, shifted, smooth, smooth_below};
+use super::balance::centre_of_mass;
+use super::footsteps::Footsteps;
 use glam::{DQuat, DVec2, DVec3};
+use throng_core::{Joint, Skeleton};
 
 /// The pelvis at every sample. All vectors have the same length.
 pub struct Pelvis {
@@ -41,21 +44,33 @@ impl Pelvis {
 }
 
 /// What the pelvis is made from.
-pub struct PelvisInput<'a> {
+pub struct PelvisInput {
     /// Both feet at every sample.
-    pub feet: &'a [[FootPose; 2]],
+    pub feet: Vec<[FootPose; 2]>,
     /// Share of weight on the left foot at every sample.
-    pub load: &'a [f64],
+    load: Vec<f64>,
     /// Centre of mass on the ground at every sample (m).
-    pub mass: &'a [DVec2],
-    /// Speed at every sample (m/s).
-    pub speed: &'a [f64],
+    pub mass: Vec<DVec2>,
     /// Hip joints as seen from the hips joint, left and right (m).
-    pub hips: [DVec3; 2],
+    hips: [DVec3; 2],
     /// Lengths of the legs.
-    pub leg: LegShape,
+    leg: LegShape,
     /// Time between samples (s).
-    pub dt: f64,
+    dt: f64,
+}
+
+impl PelvisInput {
+    /// Of steps, at times that are `dt` apart (s).
+    pub fn new(steps: &Footsteps, skeleton: &Skeleton, times: &[f64], dt: f64) -> Self {
+        Self {
+            feet: times.iter().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect(),
+            load: times.iter().map(|&t| interpolate(&steps.load, t)).collect(),
+            mass: centre_of_mass(steps, &FootShape::of(skeleton), times, dt),
+            hips: [Joint::LeftThigh, Joint::RightThigh].map(|j| skeleton.offsets[j.index()].as_dvec3()),
+            leg: LegShape::of(skeleton),
+            dt,
+        }
+    }
 }
 
 /// Largest upward acceleration of the hips (m/s^2).
@@ -73,7 +88,9 @@ const REACHING_FLEXION: f64 = 0.22;
 const HIPS_FORWARD: [f64; 2] = [-0.035, 0.026];
 
 /// Moves the pelvis over the feet.
-pub fn follow(input: &PelvisInput) -> Pelvis {
+///
+/// - `speed`: at every sample (m/s).
+pub fn follow(input: &PelvisInput, speed: &[f64]) -> Pelvis {
     let frames = |seconds: f64| (seconds / input.dt).round() as usize;
     let mean_heading: Vec<f64> = input.feet.iter().map(|f| 0.5 * (f[0].heading + f[1].heading)).collect();
     let heading = smooth(&shifted(&mean_heading, 0.06, input.dt), frames(0.09));
@@ -84,10 +101,10 @@ pub fn follow(input: &PelvisInput) -> Pelvis {
         .map(|(f, &h)| (f[0].ankle - f[1].ankle).dot(DVec3::new(forward(h).x, 0.0, forward(h).y)))
         .collect();
     let yaw: Vec<f64> = smooth(&apart, frames(0.03)).iter().map(|d| -0.21 * d).collect();
-    let list = list(input);
-    let pitch: Vec<f64> = input.speed.iter().map(|v| 0.04 + 0.02 * v).collect();
+    let list = list(input, speed);
+    let pitch: Vec<f64> = speed.iter().map(|v| 0.04 + 0.02 * v).collect();
     let position = (0..input.mass.len()).map(|i| {
-        let ahead = HIPS_FORWARD[0] + HIPS_FORWARD[1] * input.speed[i].min(1.4);
+        let ahead = HIPS_FORWARD[0] + HIPS_FORWARD[1] * speed[i].min(1.4);
         let p = input.mass[i] + forward(heading[i]) * ahead;
         DVec3::new(p.x, 0.0, p.y)
     });
@@ -98,14 +115,13 @@ pub fn follow(input: &PelvisInput) -> Pelvis {
 }
 
 /// The unloaded side drops, most soon after its foot has left the ground.
-fn list(input: &PelvisInput) -> Vec<f64> {
+fn list(input: &PelvisInput, speed: &[f64]) -> Vec<f64> {
     let frames = |seconds: f64| (seconds / input.dt).round() as usize;
-    let load = smooth(input.load, frames(0.035));
+    let load = smooth(&input.load, frames(0.035));
     let slow = smooth(&load, frames(0.12));
     let vigour = |v: f64| 0.17 + 0.1 * v.min(1.5);
-    let early: Vec<f64> = (0..load.len())
-        .map(|i| vigour(input.speed[i]) * (0.35 * (slow[i] - 0.5) + 0.75 * (load[i] - slow[i])))
-        .collect();
+    let early: Vec<f64> =
+        (0..load.len()).map(|i| vigour(speed[i]) * (0.35 * (slow[i] - 0.5) + 0.75 * (load[i] - slow[i]))).collect();
     smooth(&early, frames(0.02))
 }
 
