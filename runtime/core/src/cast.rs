@@ -5,7 +5,7 @@ use crate::planar::Planar;
 use crate::pose::Mat3x4;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Mat4, Vec3};
-use throng_base::{Error, Id, Result, Run, maths};
+use throng_base::{Error, Hash128, Id, Result, Run, maths};
 
 /// Characters of one kind of motion: characters, walkers, agents, inhabitants, sparring pairs.
 ///
@@ -70,7 +70,11 @@ pub trait Cast {
     fn load(&mut self, bytes: &[u8]) -> Result<()>;
 
     /// A hash of the state (64 bits): equal for equal motion of all.
-    fn hash(&self) -> u64;
+    fn hash(&self) -> u64 {
+        let mut bytes = Vec::new();
+        self.save(&mut bytes);
+        Hash128::of(&bytes) as u64
+    }
 
     /// Changes to another bundle: each takes the nearest pose in it, and eases over.
     ///

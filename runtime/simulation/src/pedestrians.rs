@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::error::check;
 use throng_base::limits::STEP_S;
-use throng_base::{Bytes, Error, Hash128, Result, Run, SnapshotKind};
+use throng_base::{Bytes, Error, Result, Run, SnapshotKind};
 use throng_core::blend::BlendSpace;
 use throng_core::walkers::{Walkers, WalkersConfig};
 use throng_core::{Adopted, Bodies, Bundle, Cast, Planar, Skeleton, Status};
@@ -219,12 +219,6 @@ impl Cast for Pedestrians {
         // Tried on a clone, so that nothing changes where a part is refused.
         self.clone().read(&saved)?;
         self.read(&saved)
-    }
-
-    fn hash(&self) -> u64 {
-        let mut bytes = Vec::new();
-        self.save(&mut bytes);
-        Hash128::of(&bytes) as u64
     }
 
     /// Takes the blend space of the same name, see [`Walkers`]; ways and places stay.

@@ -410,12 +410,6 @@ impl Cast for PolicyCharacters {
         Ok(())
     }
 
-    fn hash(&self) -> u64 {
-        let mut bytes = Vec::new();
-        self.save(&mut bytes);
-        Hash128::of(&bytes) as u64
-    }
-
     /// Everybody takes the state of the new motion graph whose pose is nearest to its own.
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
         super::adopt::adopt(self, new)

@@ -10,7 +10,7 @@ use crate::walkers::block::Block;
 use serde::{Deserialize, Serialize};
 use throng_base::limits::STEP_S;
 use throng_base::simd::LANES;
-use throng_base::{Error, Hash128, Id, Result, Run, SnapshotKind};
+use throng_base::{Error, Id, Result, Run, SnapshotKind};
 
 /// An event of a walker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -162,12 +162,6 @@ impl Cast for Walkers {
         self.events.clear();
         self.pose_again();
         Ok(())
-    }
-
-    fn hash(&self) -> u64 {
-        let mut bytes = Vec::new();
-        self.save(&mut bytes);
-        Hash128::of(&bytes) as u64
     }
 
     /// Takes the blend space of the same name. Feet ease over; joint angles, which follow the new examples, change at

@@ -11,7 +11,7 @@ use super::tally::{Outcome, Tally};
 use super::touch::{NUM_LIMBS, Touch, limb_shapes};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::{Error, Hash128, Id, Inline, Result, Run, SnapshotKind, maths, run_each};
+use throng_base::{Error, Id, Inline, Result, Run, SnapshotKind, maths, run_each};
 use throng_core::characters::{Blow, Characters, MAX_BLOWS, MotionSet, Order, PolicyCharacters, SampleJob, Spawn};
 use throng_core::{Adopted, Bodies, Bundle, Cast, Joint, Mat3x4, NUM_JOINTS, Planar, Status};
 
@@ -386,12 +386,6 @@ impl Cast for Sparring {
         self.touch(None, &Inline);
         self.events.clear();
         Ok(())
-    }
-
-    fn hash(&self) -> u64 {
-        let mut bytes = Vec::new();
-        self.save(&mut bytes);
-        Hash128::of(&bytes) as u64
     }
 
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {

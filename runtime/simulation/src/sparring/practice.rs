@@ -243,12 +243,6 @@ impl Cast for TargetPractice {
         Ok(())
     }
 
-    fn hash(&self) -> u64 {
-        let mut bytes = Vec::new();
-        self.save(&mut bytes);
-        Hash128::of(&bytes) as u64
-    }
-
     fn adopt(&mut self, new: &Bundle) -> Result<Adopted> {
         self.boxers.adopt(new)
     }

@@ -8,7 +8,7 @@ use crate::plan::Target;
 use crate::{Node, WorldGraph};
 use glam::{Vec2, Vec3};
 use throng_base::error::check;
-use throng_base::{Error, Hash128, Id, Result, Run};
+use throng_base::{Error, Id, Result, Run};
 use throng_core::characters::ScheduledClip;
 use throng_core::planar::wrap_angle;
 use throng_core::{Adopted, Bodies, Bundle, Cast, NUM_JOINTS, Planar, Status};
@@ -224,12 +224,6 @@ impl Cast for Inhabitants {
         self.events.clear();
         self.update_roots();
         Ok(())
-    }
-
-    fn hash(&self) -> u64 {
-        let mut bytes = Vec::new();
-        self.save(&mut bytes);
-        Hash128::of(&bytes) as u64
     }
 
     /// A world belongs to its bundle: there is no other one to go on with.
