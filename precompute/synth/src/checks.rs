@@ -90,14 +90,6 @@ pub fn assert_nothing_pops(clip: &Clip, most: impl Fn(Joint) -> f32) {
     }
 }
 
-/// The roots of two sets are the same, frame by frame and every second frame.
-pub fn assert_twice_as_many_frames(slow: &ClipSet, fast: &ClipSet) {
-    for f in 0..slow.clips[0].num_frames() {
-        let apart = slow.clips[0].root_positions[f].distance(fast.clips[0].root_positions[2 * f]);
-        assert!(apart < 1e-3, "frame {f}: {apart} m");
-    }
-}
-
 /// A file of unit objects, as far as the tests need it.
 #[derive(Deserialize)]
 pub struct UnitFile {

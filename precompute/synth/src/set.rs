@@ -124,6 +124,17 @@ mod tests {
     }
 
     #[test]
+    fn a_higher_rate_only_samples_the_same_motion_more_often() {
+        for (set, minutes) in [(SynthSet::Walk, 0.5), (SynthSet::Boxing, 0.3), (SynthSet::Playground, 0.2)] {
+            let of = |rate_hz| make(set, &SynthConfig { rate_hz, minutes, ..SynthConfig::default() }).unwrap();
+            let [slow, fast] = [of(30.0), of(60.0)].map(|mut set| set.clips.remove(0).root_positions);
+            for (f, slow) in slow.iter().enumerate() {
+                assert!(slow.distance(fast[2 * f]) < 1e-3, "{set:?} frame {f}: {slow} and {}", fast[2 * f]);
+            }
+        }
+    }
+
+    #[test]
     fn clips_may_be_as_short_as_the_limit_says() {
         for set in SynthSet::ALL {
             let made = make(set, &SynthConfig { clip_seconds: 3.0, minutes: 0.2, ..SynthConfig::default() }).unwrap();

@@ -53,25 +53,11 @@ fn more_minutes_are_further_takes_and_fewer_the_first_acts() {
 }
 
 #[test]
-fn what_carries_stands_still() {
+fn feet_stand_on_the_ground_knees_never_lock_and_nothing_pops() {
     assert_planted_feet_stand_still(&SET, 0.02);
-}
-
-#[test]
-fn soles_stay_above_the_ground() {
     assert_soles_stay_above(&SET, -0.006);
-}
-
-#[test]
-fn knees_bend_forward_and_never_lock() {
     for (act, clip) in acts(&SET) {
         assert_knees_bend(clip, &(3.0..if act.gait.flies() { 130.0 } else { 103.0 }));
-    }
-}
-
-#[test]
-fn nothing_pops() {
-    for (act, clip) in acts(&SET) {
         assert_nothing_pops(clip, |j| match (j >= Joint::LeftThigh, act.gait.flies()) {
             (true, true) => 1600.0,
             (true, false) => 800.0,

@@ -30,13 +30,6 @@ fn tagged<'a>(clip: &'a Clip, name: &'a str) -> impl Iterator<Item = &'a Tag> {
     clip.tags.iter().filter(move |t| t.name == name)
 }
 
-fn assert_joints_bend_the_right_way(set: &ClipSet) {
-    for clip in &set.clips {
-        assert_knees_bend(clip, &(1.0..115.0));
-        assert_elbows_bend(clip, &(5.0..150.0), f32::INFINITY);
-    }
-}
-
 /// Distance of what touches the seat from where it sits (m).
 fn off_the_seat(clip: &Clip, frame: usize) -> f32 {
     let buttocks = assemble::BUTTOCKS.as_vec3();
@@ -44,8 +37,12 @@ fn off_the_seat(clip: &Clip, frame: usize) -> f32 {
     at.distance(desk::SEAT.as_vec3())
 }
 
-fn assert_the_seat_stays_on_the_chair(set: &ClipSet) {
+/// Planted feet stand still, joints bend the right way, and who sits stays on the chair.
+fn assert_sound(set: &ClipSet) {
+    assert_planted_feet_stand_still(set, 0.02);
     for clip in &set.clips {
+        assert_knees_bend(clip, &(1.0..115.0));
+        assert_elbows_bend(clip, &(5.0..150.0), f32::INFINITY);
         for f in 0..clip.num_frames() {
             if clip.contacts[f].any(Contacts::SEAT) {
                 assert!(off_the_seat(clip, f) < 2e-3, "{} frame {f}: {} m", clip.name, off_the_seat(clip, f));
@@ -55,18 +52,8 @@ fn assert_the_seat_stays_on_the_chair(set: &ClipSet) {
 }
 
 #[test]
-fn planted_feet_stand_still() {
-    assert_planted_feet_stand_still(&SET, 0.02);
-}
-
-#[test]
-fn knees_and_elbows_bend_the_right_way() {
-    assert_joints_bend_the_right_way(&SET);
-}
-
-#[test]
-fn characters_sit_on_the_chair_and_nowhere_else() {
-    assert_the_seat_stays_on_the_chair(&SET);
+fn characters_stand_sit_on_the_chair_and_nowhere_else_and_bend_the_right_way() {
+    assert_sound(&SET);
     for clip in &SET.clips {
         for f in 0..clip.num_frames() {
             let low = clip.root_positions[f].y < 0.62;
@@ -82,9 +69,7 @@ proptest! {
     #[test]
     fn every_seed_and_variation_stands_sits_and_bends(seed in 0u64..10_000, variation in 0.0f64..2.0) {
         let set = short(seed, variation);
-        assert_planted_feet_stand_still(&set, 0.02);
-        assert_joints_bend_the_right_way(&set);
-        assert_the_seat_stays_on_the_chair(&set);
+        assert_sound(&set);
         for clip in &set.clips {
             prop_assert!(clip.root_positions.iter().all(|p| p.is_finite() && (0.5..1.0).contains(&p.y)));
         }
@@ -231,12 +216,10 @@ fn people_come_from_all_sides_and_leave_to_all_sides() {
         let sector = |f: usize| {
             let p = clip.root_positions[f];
             assert!((1.2..2.9).contains(&p.x.hypot(p.z)), "{} frame {f}: {p}", clip.name);
-            if p.x.abs() < 0.8 {
-                1
-            } else if p.x > 0.0 {
-                0
-            } else {
-                2
+            match p.x {
+                x if x.abs() < 0.8 => 1,
+                x if x > 0.0 => 0,
+                _ => 2,
             }
         };
         let stands: Vec<usize> = tagged(clip, "stand").map(|t| t.range.start + t.range.len() / 2).collect();
