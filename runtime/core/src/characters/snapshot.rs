@@ -202,8 +202,7 @@ mod tests {
 
     #[test]
     fn who_is_laid_far_beyond_what_it_plays_is_refused() {
-        let tables = tables();
-        let r = MotionSet::new(&tables);
+        let r = MotionSet::new(&tables());
         let missing = Placement::new(9e5, 0.0, 0.0, 0.0);
         let clip = ScheduledClip { num_frames: 30, from_offset: 5, missing, ..ScheduledClip::default() };
         let mut characters = Characters::new_laid(&r, CharactersConfig::default(), &[clip; 4]).unwrap();

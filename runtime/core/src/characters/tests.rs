@@ -3,6 +3,7 @@
 use super::made_up::FRAMES;
 pub(crate) use super::made_up::{curve, tables, tables_with};
 use super::*;
+use crate::bundle::Bundle;
 use crate::hits::HitRecord;
 use glam::Quat;
 
@@ -62,10 +63,16 @@ fn plain() -> CharactersConfig {
     CharactersConfig { foot_lock, ..CharactersConfig::default() }
 }
 
+/// The motion of a bundle, so many characters, and orders for them.
+fn moving(bundle: &Bundle, n: usize) -> (MotionSet, Characters, Vec<Order>) {
+    let r = MotionSet::new(bundle);
+    let characters = Characters::new(&r, plain(), &starts(n)).unwrap();
+    (r, characters, orders(n))
+}
+
 #[test]
 fn poses_are_those_of_the_rows_once_a_transition_has_settled() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let config = CharactersConfig { half_life_s: 0.005, ..plain() };
     let mut characters = Characters::new(&r, config, &starts(7)).unwrap();
     let orders = orders(7);
@@ -82,8 +89,7 @@ fn poses_are_those_of_the_rows_once_a_transition_has_settled() {
 
 #[test]
 fn sampled_frames_are_those_of_the_rows() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let (frames, ratios) = ([0, 33, 119, 60, 7], [0.0, 0.25, 0.0, 1.0, 0.5]);
     let mut matrices = vec![Mat3x4::default(); 5 * NUM_JOINTS];
     SampleJob { motion_set: &r, frames: &frames, ratios: &ratios, matrices: &mut matrices }.run().unwrap();
@@ -99,10 +105,7 @@ fn sampled_frames_are_those_of_the_rows() {
 
 #[test]
 fn nothing_jumps_where_segments_change() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
-    let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
-    let orders = orders(9);
+    let (r, mut characters, orders) = moving(&tables(), 9);
     characters.step(&r, 0.0, &orders).unwrap();
     let dt = 1.0 / 240.0;
     let mut before: Vec<_> = (0..9).map(|c| characters.joint_positions(c)).collect();
@@ -124,10 +127,7 @@ fn nothing_jumps_where_segments_change() {
 
 #[test]
 fn roots_are_continuous_and_follow_the_segments() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
-    let mut characters = Characters::new(&r, plain(), &starts(4)).unwrap();
-    let orders = orders(4);
+    let (r, mut characters, orders) = moving(&tables(), 4);
     characters.step(&r, 0.0, &orders).unwrap();
     let mut at: Vec<Planar> = (0..4).map(|c| characters.root(c)).collect();
     for (c, s) in starts(4).iter().enumerate() {
@@ -148,8 +148,7 @@ fn roots_are_continuous_and_follow_the_segments() {
 
 #[test]
 fn planted_feet_stay_where_they_are() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let foot_lock = FootLockConfig { max_correction_m: 0.3, ..FootLockConfig::default() };
     let mut characters =
         Characters::new(&r, CharactersConfig { foot_lock, ..CharactersConfig::default() }, &starts(5)).unwrap();
@@ -173,8 +172,7 @@ fn planted_feet_stay_where_they_are() {
 
 #[test]
 fn legs_keep_their_lengths_and_locals_rebuild_the_pose() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let config = CharactersConfig { local_transforms: true, ..CharactersConfig::default() };
     let mut characters = Characters::new(&r, config, &starts(6)).unwrap();
     let orders = orders(6);
@@ -200,8 +198,7 @@ fn legs_keep_their_lengths_and_locals_rebuild_the_pose() {
 
 #[test]
 fn refuses_what_does_not_fit() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let bad_state = [Start { root: Planar::IDENTITY, state: 4 }];
     assert!(matches!(Characters::new(&r, plain(), &bad_state), Err(Error::Index { .. })));
     let mut characters = Characters::new(&r, plain(), &starts(2)).unwrap();

@@ -57,8 +57,7 @@ fn farthest(r: &MotionSet, characters: &Characters, c: usize) -> f32 {
 
 #[test]
 fn people_go_where_they_would_go_whoever_looks() {
-    let (tables, orders) = (tables(), orders(N));
-    let r = MotionSet::new(&tables);
+    let (r, orders) = (MotionSet::new(&tables()), orders(N));
     for avoid in [false, true] {
         let (mut full, mut seen, mut records) = (people(&r, avoid), people(&r, avoid), people(&r, avoid));
         records.set_detail(Some(Detail::RECORDS)).unwrap();
@@ -86,8 +85,7 @@ fn people_go_where_they_would_go_whoever_looks() {
 
 #[test]
 fn a_record_is_the_pose_but_for_transitions_and_does_not_jump_there() {
-    let (tables, orders) = (tables(), orders(N));
-    let r = MotionSet::new(&tables);
+    let (r, orders) = (MotionSet::new(&tables()), orders(N));
     let free = crate::pose::FootLockConfig { enabled: false, ..Default::default() };
     let config = CharactersConfig { foot_lock: free, ..config(false) };
     let mut characters = Characters::new(&r, config, &starts(N)).unwrap();
@@ -117,8 +115,7 @@ fn a_record_is_the_pose_but_for_transitions_and_does_not_jump_there() {
 
 #[test]
 fn who_comes_near_is_posed_as_if_always_seen() {
-    let (tables, orders) = (tables(), orders(N));
-    let r = MotionSet::new(&tables);
+    let (r, orders) = (MotionSet::new(&tables()), orders(N));
     let free = crate::pose::FootLockConfig { enabled: false, ..Default::default() };
     // Transitions settle before the next, so that the last one is all that counts.
     let config = CharactersConfig { foot_lock: free, half_life_s: 0.05, ..config(false) };
@@ -142,8 +139,7 @@ fn who_comes_near_is_posed_as_if_always_seen() {
 
 #[test]
 fn distances_that_are_none_are_refused() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let mut people = people(&r, false);
     let good = Detail { eye: Vec2::ZERO, full_m: 5.0, posed_m: 20.0 };
     assert!(people.set_detail(Some(good)).is_ok());

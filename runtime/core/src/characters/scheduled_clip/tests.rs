@@ -32,8 +32,7 @@ fn near(a: Planar, b: Planar) -> bool {
 
 #[test]
 fn roots_are_those_of_the_clip_with_a_linear_share_of_what_is_missing() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let scheduled_clips = scheduled_clips(9);
     let mut characters = Characters::new_laid(&r, CharactersConfig::default(), &scheduled_clips).unwrap();
     characters.step(&r, 0.0, &[]).unwrap();
@@ -57,8 +56,7 @@ fn roots_are_those_of_the_clip_with_a_linear_share_of_what_is_missing() {
 
 #[test]
 fn without_another_course_a_character_stays_exactly_at_the_end() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let scheduled_clips = scheduled_clips(5);
     let mut characters = Characters::new_laid(&r, CharactersConfig::default(), &scheduled_clips).unwrap();
     for _ in 0..4 {
@@ -73,8 +71,7 @@ fn without_another_course_a_character_stays_exactly_at_the_end() {
 
 #[test]
 fn time_left_goes_to_the_next_scheduled_clip_even_within_a_tick() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let mut characters =
         Characters::new_laid(&r, CharactersConfig::default(), &[scheduled_clip(3, 4, Planar::IDENTITY)]).unwrap();
     // 2.5 frames, then 10 frames more: 1.5 end the first, 3 are the second, 5.5 are spent on the third.
@@ -94,8 +91,7 @@ fn time_left_goes_to_the_next_scheduled_clip_even_within_a_tick() {
 
 #[test]
 fn poses_do_not_jump_where_scheduled_clips_change() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let foot_lock = FootLockConfig { enabled: false, ..FootLockConfig::default() };
     let config = CharactersConfig { foot_lock, ..CharactersConfig::default() };
     let mut characters = Characters::new_laid(&r, config, &scheduled_clips(9)).unwrap();
@@ -136,8 +132,7 @@ fn poses_do_not_jump_where_scheduled_clips_change() {
 
 #[test]
 fn ground_at_any_height_is_stood_on_as_the_ground_at_none() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let low = [scheduled_clip(0, 40, Planar::new(1.0, 2.0, 0.3)), scheduled_clip(65, 40, Planar::IDENTITY)];
     let high = low.map(|c| ScheduledClip { lift: 3.0, ..c });
     let mut low = Characters::new_laid(&r, CharactersConfig::default(), &low).unwrap();
@@ -155,8 +150,7 @@ fn ground_at_any_height_is_stood_on_as_the_ground_at_none() {
 
 #[test]
 fn laid_characters_may_play_segments_again_and_choosers_may_be_laid() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let orders = orders(2);
     let mut characters = Characters::new(&r, CharactersConfig::default(), &starts(2)).unwrap();
     characters.step(&r, 0.1, &orders).unwrap();
@@ -177,8 +171,7 @@ fn laid_characters_may_play_segments_again_and_choosers_may_be_laid() {
 
 #[test]
 fn scheduled_clips_beyond_their_clip_or_not_finite_are_refused() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let good = scheduled_clip(0, 20, Planar::IDENTITY);
     let bad = [
         ScheduledClip { frame: 50, ..good },

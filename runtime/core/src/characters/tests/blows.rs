@@ -48,8 +48,7 @@ fn expected(r: &MotionSet, before: &[(u32, f32)], after: &[(u32, f32)]) -> Vec<(
 
 #[test]
 fn characters_strike_where_they_pass_the_frames_of_hits() {
-    let tables = tables_with(&hits());
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables_with(&hits()));
     let n = 150;
     let orders = orders(n);
     // 20 frames are no whole number of steps: segments change within steps and at their ends.
@@ -72,8 +71,7 @@ fn characters_strike_where_they_pass_the_frames_of_hits() {
 
 #[test]
 fn a_blow_is_where_the_clip_lies_in_the_world() {
-    let tables = tables_with(&hits());
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables_with(&hits()));
     let orders = orders(9);
     for bend_rad_per_m in [0.0, 0.5] {
         let mut characters = Characters::new(&r, CharactersConfig { bend_rad_per_m, ..plain() }, &starts(9)).unwrap();
@@ -96,10 +94,7 @@ fn a_blow_is_where_the_clip_lies_in_the_world() {
 
 #[test]
 fn the_next_blow_is_the_one_that_comes_when_it_is_due() {
-    let tables = tables_with(&[5, 12, 33, 66, 90].map(hit));
-    let r = MotionSet::new(&tables);
-    let orders = orders(9);
-    let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
+    let (r, mut characters, orders) = moving(&tables_with(&[5, 12, 33, 66, 90].map(hit)), 9);
     let dt = 1.0 / 60.0;
     let mut announced: Vec<Option<(Blow, f32)>> = vec![None; 9];
     let (mut came, mut none) = (0, 0);
@@ -121,10 +116,7 @@ fn the_next_blow_is_the_one_that_comes_when_it_is_due() {
 
 #[test]
 fn travel_is_where_the_motion_leads_until_its_action_ends() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
-    let orders = orders(9);
-    let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
+    let (r, mut characters, orders) = moving(&tables(), 9);
     // A frame of the database a step, so that poses are its own.
     let dt = 1.0 / r.rate_hz;
     let head = |characters: &Characters, c: usize| characters.joint_positions(c)[Joint::Head.index()];
@@ -153,10 +145,7 @@ fn travel_is_where_the_motion_leads_until_its_action_ends() {
 #[test]
 fn no_more_blows_of_a_character_in_a_step_than_there_is_room_for() {
     let every: Vec<_> = (0..2 * FRAMES).map(hit).collect();
-    let tables = tables_with(&every);
-    let r = MotionSet::new(&tables);
-    let orders = orders(3);
-    let mut characters = Characters::new(&r, plain(), &starts(3)).unwrap();
+    let (r, mut characters, orders) = moving(&tables_with(&every), 3);
     for _ in 0..5 {
         characters.step(&r, 1.0, &orders).unwrap();
         let of: Vec<_> = characters.blows().iter().map(|b| b.character).collect();
@@ -166,10 +155,7 @@ fn no_more_blows_of_a_character_in_a_step_than_there_is_room_for() {
 
 #[test]
 fn a_bundle_without_hits_has_no_blows() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
-    let orders = orders(3);
-    let mut characters = Characters::new(&r, plain(), &starts(3)).unwrap();
+    let (r, mut characters, orders) = moving(&tables(), 3);
     for _ in 0..50 {
         characters.step(&r, 0.1, &orders).unwrap();
         assert!(characters.blows().is_empty() && characters.next_blow(&r, 0).is_none());
@@ -178,8 +164,7 @@ fn a_bundle_without_hits_has_no_blows() {
 
 #[test]
 fn motion_and_blows_are_the_same_on_several_threads() {
-    let tables = tables_with(&hits());
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables_with(&hits()));
     let n = 300;
     let orders = orders(n);
     for choice in [Choice::BestAction, Choice::LookAhead { temperature: 0.3 }] {

@@ -19,6 +19,14 @@ fn step(r: &MotionSet, twins: &mut [Characters; 2], dt: f32) {
     }
 }
 
+/// Twins with locked feet that have walked for a while.
+fn walking_twins(n: usize) -> (MotionSet, [Characters; 2]) {
+    let r = MotionSet::new(&tables());
+    let mut t = twins(&r, n, true);
+    (0..30).for_each(|_| step(&r, &mut t, DT));
+    (r, t)
+}
+
 /// World position of the middle of the head (m).
 fn head(r: &MotionSet, t: &Characters, c: usize) -> Vec3 {
     let (root, m) = (t.root(c), &t.pose(c)[Joint::Head.index()]);
@@ -31,8 +39,7 @@ fn joint(t: &Characters, c: usize, j: Joint) -> Vec3 {
 
 #[test]
 fn what_is_struck_moves_as_far_as_asked_and_comes_back() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let half_life = ReactionConfig::default().half_life_s;
     let aside = |t: &[Characters; 2], c: usize, j: Joint| match j {
         Joint::Head => head(&r, &t[0], c) - head(&r, &t[1], c),
@@ -90,8 +97,7 @@ fn half_of_a_displacement_is_left_after_the_half_life() {
 
 #[test]
 fn feet_stay_while_the_body_gives_way() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     for foot_lock in [false, true] {
         let mut t = twins(&r, 4, foot_lock);
         (0..30).for_each(|_| step(&r, &mut t, DT));
@@ -113,10 +119,7 @@ fn feet_stay_while_the_body_gives_way() {
 
 #[test]
 fn joints_keep_their_lengths_and_nothing_jumps() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
-    let mut t = twins(&r, 3, true);
-    (0..30).for_each(|_| step(&r, &mut t, DT));
+    let (r, mut t) = walking_twins(3);
     let mut before: Vec<[Vec3; 2]> = vec![[Vec3::ZERO; 2]; 3 * NUM_JOINTS];
     for k in 0..300 {
         if k % 37 == 0 {
@@ -147,10 +150,7 @@ fn joints_keep_their_lengths_and_nothing_jumps() {
 
 #[test]
 fn pushes_add_up_to_the_limit_and_no_further() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
-    let mut t = twins(&r, 2, true);
-    (0..30).for_each(|_| step(&r, &mut t, DT));
+    let (r, mut t) = walking_twins(2);
     let most = ReactionConfig::default().max_displacement_m;
     let mut furthest = 0.0f32;
     for _ in 0..60 {
@@ -163,10 +163,7 @@ fn pushes_add_up_to_the_limit_and_no_further() {
 
 #[test]
 fn neighbours_of_who_is_struck_keep_their_pose_to_the_last_bit() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
-    let mut t = twins(&r, 9, true);
-    (0..30).for_each(|_| step(&r, &mut t, DT));
+    let (r, mut t) = walking_twins(9);
     t[0].push(3, Joint::Head, Vec3::new(0.1, 0.0, 0.0)).unwrap();
     for k in 0..100 {
         step(&r, &mut t, DT);
@@ -179,10 +176,7 @@ fn neighbours_of_who_is_struck_keep_their_pose_to_the_last_bit() {
 
 #[test]
 fn a_restored_characters_goes_on_giving_way() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
-    let mut t = twins(&r, 5, true);
-    (0..30).for_each(|_| step(&r, &mut t, DT));
+    let (r, mut t) = walking_twins(5);
     t[0].push(2, Joint::Head, Vec3::new(0.1, 0.0, -0.1)).unwrap();
     (0..7).for_each(|_| step(&r, &mut t, DT));
     let kept = t[0].snapshot();
@@ -195,8 +189,7 @@ fn a_restored_characters_goes_on_giving_way() {
 
 #[test]
 fn a_struck_arm_moves_the_trunk_a_little_and_config_switches_it_off() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let push = |config: ReactionConfig| {
         let config = CharactersConfig { reaction: config, ..CharactersConfig::default() };
         let characters = Characters::new(&r, config, &starts(1)).unwrap();
@@ -213,8 +206,7 @@ fn a_struck_arm_moves_the_trunk_a_little_and_config_switches_it_off() {
 
 #[test]
 fn refuses_pushes_that_cannot_be() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let mut t = Characters::new(&r, plain(), &starts(2)).unwrap();
     assert!(matches!(t.push(2, Joint::Head, Vec3::X), Err(Error::Index { what: "character", .. })));
     for by in [Vec3::NAN, Vec3::INFINITY, Vec3::X * 1e4] {

@@ -6,8 +6,7 @@ const DT: f32 = 1.0 / 60.0;
 
 #[test]
 fn a_restored_characters_repeats_what_followed_bit_by_bit() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let n = 21;
     let orders = orders(n);
     let config = CharactersConfig { choice: Choice::LookAhead { temperature: 0.5 }, ..CharactersConfig::default() };
@@ -74,10 +73,7 @@ fn a_restored_characters_repeats_what_followed_bit_by_bit() {
 
 #[test]
 fn the_last_choice_is_the_state_and_place_the_segment_began_at() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
-    let orders = orders(9);
-    let mut characters = Characters::new(&r, plain(), &starts(9)).unwrap();
+    let (r, mut characters, orders) = moving(&tables(), 9);
     assert!((0..9).all(|c| characters.last_choice(c).is_none()));
     for _ in 0..200 {
         characters.step(&r, DT, &orders).unwrap();
@@ -96,10 +92,7 @@ fn the_last_choice_is_the_state_and_place_the_segment_began_at() {
 
 #[test]
 fn a_played_segment_starts_at_once_and_without_a_jump() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
-    let orders = orders(3);
-    let mut characters = Characters::new(&r, plain(), &starts(3)).unwrap();
+    let (r, mut characters, orders) = moving(&tables(), 3);
     let dt = 1.0 / 240.0;
     for _ in 0..50 {
         characters.step(&r, dt, &orders).unwrap();
@@ -125,8 +118,7 @@ fn a_played_segment_starts_at_once_and_without_a_jump() {
 
 #[test]
 fn timing_a_step_changes_nothing_else() {
-    let tables = tables();
-    let r = MotionSet::new(&tables);
+    let r = MotionSet::new(&tables());
     let orders = orders(40);
     let mut plain_one = Characters::new(&r, plain(), &starts(40)).unwrap();
     let mut timed = Characters::new(&r, CharactersConfig { timed: true, ..plain() }, &starts(40)).unwrap();
