@@ -1,6 +1,6 @@
 //! Stop tables: the area that each segment sweeps, and the cheapest way to a stand from every state.
 
-use crate::graph::{MotionGraph, SegmentId};
+use crate::graph::{MotionGraph, SegmentId, StateId};
 use crate::share::{by_owners, owners};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
@@ -168,7 +168,12 @@ fn rests(graph: &MotionGraph, ways: &[Vec<Vec2>], is_slim: impl Fn(SegmentId) ->
         let fits = |a: &&crate::graph::Action| {
             is_rest[graph.segments[a.segment.0 as usize].end.0 as usize] && stays(a.segment)
         };
-        actions(graph, state).iter().filter(fits).min_by(|a, b| a.error.total_cmp(&b.error)).map(|a| a.segment)
+        graph
+            .actions_of(StateId(state as u32))
+            .iter()
+            .filter(fits)
+            .min_by(|a, b| a.error.total_cmp(&b.error))
+            .map(|a| a.segment)
     };
     loop {
         let gone: Vec<usize> = (0..is_rest.len()).filter(|&s| is_rest[s] && leads(s, &is_rest).is_none()).collect();
@@ -177,10 +182,6 @@ fn rests(graph: &MotionGraph, ways: &[Vec<Vec2>], is_slim: impl Fn(SegmentId) ->
         }
         gone.into_iter().for_each(|s| is_rest[s] = false);
     }
-}
-
-fn actions(graph: &MotionGraph, state: usize) -> &[crate::graph::Action] {
-    &graph.actions[graph.action_offsets[state] as usize..graph.action_offsets[state + 1] as usize]
 }
 
 /// True of states with both feet on the ground.
@@ -219,7 +220,7 @@ impl Found<'_> {
         for state in 0..n {
             let mut slow =
                 (f64::INFINITY, StopRecord { segment: 0, kind: SLOW_DOWN, frames: 0, ..StopRecord::zeroed() });
-            for a in actions(graph, state) {
+            for a in graph.actions_of(StateId(state as u32)) {
                 let s = &graph.segments[a.segment.0 as usize];
                 let end = s.end.0 as usize;
                 into[end].push((state as u32, a.segment));

@@ -132,12 +132,6 @@ impl CardinalBasis {
         }
     }
 
-    /// Slope of each example's hyperplane along an axis: what its weight gains per unit of the parameter.
-    pub fn slopes(&self, axis: usize) -> impl Iterator<Item = f64> {
-        let n = self.num_examples;
-        self.linear[(axis + 1) * n..(axis + 2) * n].iter().map(move |s| s * self.scale[axis])
-    }
-
     /// The examples' parameters, as they were given.
     pub fn examples(&self) -> impl Iterator<Item = Vec<f64>> {
         let raw = |i: usize, k: usize| self.low[k] + self.point(i)[k] / self.scale[k];

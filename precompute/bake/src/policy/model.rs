@@ -1,5 +1,6 @@
 //! The state-action model a policy is solved on: the motion graph without its poses (Lee and Lee 2004, section 3).
 
+use super::solve::stage_error;
 use crate::graph::MotionGraph;
 use glam::Vec2;
 use std::ops::Range;
@@ -63,17 +64,16 @@ impl ActionModel {
     /// # Errors
     /// [`BuildError::Stage`] where a state has more than 255 actions or clips have different frame rates.
     pub fn new(clips: &ClipSet, graph: &MotionGraph) -> Result<Self, BuildError> {
-        let fail = |message, help: &str| BuildError::Stage { stage: "policy", message, help: help.into() };
         let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         if let Some(c) = clips.clips.iter().find(|c| c.rate_hz != rate_hz) {
             let message = format!("clip {} has {} Hz, others {rate_hz} Hz", c.name, c.rate_hz);
-            return Err(fail(message, "Resample all clips to one rate."));
+            return Err(stage_error(message, "Resample all clips to one rate."));
         }
         for (s, pair) in graph.action_offsets.windows(2).enumerate() {
             let n = pair[1].saturating_sub(pair[0]) as usize;
             if n == 0 || n > MAX_ACTIONS {
                 let message = format!("state {s} has {n} actions, expected 1 to {MAX_ACTIONS}");
-                return Err(fail(message, "Lower the branching or the transition threshold of the graph."));
+                return Err(stage_error(message, "Lower the branching or the transition threshold of the graph."));
             }
         }
         let starts = clips.frame_starts();

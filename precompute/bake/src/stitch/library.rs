@@ -12,6 +12,12 @@ use throng_motion::error::BuildError;
 /// The name of the stage in messages.
 pub(super) const STAGE: &str = "stitch";
 
+/// Why a world cannot be made of an environment.
+pub(super) fn refused(environment: &Environment, why: String, help: &str) -> BuildError {
+    let message = format!("environment {}: {why}", environment.name);
+    BuildError::Stage { stage: STAGE, message, help: help.into() }
+}
+
 /// What is known from a bundle beside its patches.
 #[derive(Clone, Copy, Debug)]
 pub struct Library<'a> {

@@ -105,11 +105,11 @@ proptest! {
         };
         let mut least: Vec<f64> = (0..n).map(|s| match found.stops[s].kind {
             REST => 0.0,
-            _ => actions(&graph, s).iter().map(slow).fold(f64::INFINITY, f64::min),
+            _ => graph.actions_of(StateId(s as u32)).iter().map(slow).fold(f64::INFINITY, f64::min),
         }).collect();
         for _ in 0..n {
             for s in 0..n {
-                let on = actions(&graph, s).iter().map(|a| cost(a.segment) + least[segment(a.segment).end.0 as usize]);
+                let on = graph.actions_of(StateId(s as u32)).iter().map(|a| cost(a.segment) + least[segment(a.segment).end.0 as usize]);
                 least[s] = on.fold(least[s], f64::min);
             }
         }
@@ -118,7 +118,7 @@ proptest! {
             // Every way comes to its end.
             for _ in 0..=n {
                 let stop = found.stops[at];
-                prop_assert!(actions(&graph, at).iter().any(|a| a.segment.0 == stop.segment));
+                prop_assert!(graph.actions_of(StateId(at as u32)).iter().any(|a| a.segment.0 == stop.segment));
                 let a = SegmentId(stop.segment);
                 prop_assert!(stop.radius >= found.sweeps[a.0 as usize].radius);
                 match stop.kind {

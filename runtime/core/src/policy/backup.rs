@@ -18,16 +18,7 @@ pub(super) trait Motions<F>: Copy {
 impl<F: Lanes> Motions<F> for &[&SegmentRecord; LANES] {
     #[inline(always)]
     fn quarter(self, k: usize) -> [F; 4] {
-        F::columns([
-            &self[0].quarters()[k],
-            &self[1].quarters()[k],
-            &self[2].quarters()[k],
-            &self[3].quarters()[k],
-            &self[4].quarters()[k],
-            &self[5].quarters()[k],
-            &self[6].quarters()[k],
-            &self[7].quarters()[k],
-        ])
+        F::columns(self.map(|segment| &segment.quarters()[k]))
     }
 }
 

@@ -6,6 +6,7 @@
 
 use super::super::config::{BehaviourConfig, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
+use super::super::solve::stage_error;
 use super::{Behaviour, Spec};
 use crate::graph::MotionGraph;
 use crate::share::{by_owners, owners};
@@ -132,13 +133,8 @@ impl Behaviour for Evade {
         if values.iter().any(|&v| v != 0.0) {
             return Ok(());
         }
-        Err(BuildError::Stage {
-            stage: "policy",
-            message: format!(
-                "behaviour \"{}\": no blow in its grid ever comes near `{}`",
-                self.config.name, self.config.point
-            ),
-            help: "Raise `scale`, or set `height` to where blows land.".into(),
-        })
+        let (name, point) = (&self.config.name, &self.config.point);
+        let message = format!("behaviour \"{name}\": no blow in its grid ever comes near `{point}`");
+        Err(stage_error(message, "Raise `scale`, or set `height` to where blows land."))
     }
 }

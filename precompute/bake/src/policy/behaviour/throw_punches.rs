@@ -2,6 +2,7 @@
 
 use super::super::config::{BehaviourConfig, BehaviourKind, KernelConfig, RewardForm};
 use super::super::model::SegmentMotion;
+use super::super::solve::stage_error;
 use super::{Behaviour, Spec};
 use crate::graph::MotionGraph;
 use glam::Vec3;
@@ -211,16 +212,11 @@ impl Behaviour for ThrowPunches {
         let volume = |a: Vec3, b: Vec3| {
             format!("{:.2} to {:.2} rad, {:.2} to {:.2} m, {:.2} to {:.2} m high", a.x, b.x, a.y, b.y, a.z, b.z)
         };
-        Err(BuildError::Stage {
-            stage: "policy",
-            message: format!(
-                "behaviour \"{}\": no hit comes near any cell of its grid. The grid covers {}; hits land at {}",
-                self.config.name,
-                volume(first, last),
-                volume(low, high)
-            ),
-            help: "Change `grid.bounds` so that it covers the hits, or raise `scale`.".into(),
-        })
+        let (name, covered, hits) = (&self.config.name, volume(first, last), volume(low, high));
+        let message = format!(
+            "behaviour \"{name}\": no hit comes near any cell of its grid. The grid covers {covered}; hits land at {hits}"
+        );
+        Err(stage_error(message, "Change `grid.bounds` so that it covers the hits, or raise `scale`."))
     }
 }
 

@@ -6,7 +6,7 @@ use crate::environment::{Environment, PlacedUnit};
 use crate::stitch::config::StitchConfig;
 use crate::stitch::connect::made::Made;
 use crate::stitch::connect::prepare::Stitcher;
-use crate::stitch::library::{Library, STAGE};
+use crate::stitch::library::{Library, refused};
 use crate::stitch::place::change::Edit;
 use crate::stitch::place::lay::Placer;
 use crate::stitch::report::StitchReport;
@@ -175,15 +175,8 @@ impl<'a> Editor<'a> {
         if index < self.environment.units.len() {
             return Ok(());
         }
-        Err(BuildError::Stage {
-            stage: STAGE,
-            message: format!(
-                "environment {}: there is no place {index}, expected one below {}",
-                self.environment.name,
-                self.environment.units.len()
-            ),
-            help: "Name a unit that is there".into(),
-        })
+        let why = format!("there is no place {index}, expected one below {}", self.environment.units.len());
+        Err(refused(&self.environment, why, "Name a unit that is there"))
     }
 
     pub(in crate::stitch) fn stitcher(&self) -> &Stitcher<'a> {

@@ -12,7 +12,7 @@ use crate::stitch::connect::prepare::{Past, Stitcher};
 use crate::stitch::connect::remains::{Judged, remain};
 use crate::stitch::connect::resettle::Before;
 use crate::stitch::connect::settled::{Standing, settle};
-use crate::stitch::library::{Library, STAGE};
+use crate::stitch::library::{Library, STAGE, refused};
 use crate::stitch::place::change::Edit;
 use crate::stitch::place::lay::Laid;
 use crate::stitch::place::relay::Relaid;
@@ -91,16 +91,9 @@ fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, laid: &Laid) 
     let is_too_large: Vec<bool> = library.geometries.iter().map(|g| Field::is_too_large(g)).collect();
     let Some((_, unit, relation)) = laid.obstacles.iter().find(|o| is_too_large[o.2.b as usize]) else { return Ok(()) };
     let bounds = &library.geometries[relation.b as usize].bounds;
-    Err(BuildError::Stage {
-        stage: STAGE,
-        message: format!(
-            "environment {}: {} is in the way of motion, and too large to be measured: {:.0} m",
-            environment.name,
-            library.describe(environment, *unit as usize),
-            bounds.max - bounds.min
-        ),
-        help: "Make several smaller units of it".into(),
-    })
+    let (unit, size) = (library.describe(environment, *unit as usize), bounds.max - bounds.min);
+    let why = format!("{unit} is in the way of motion, and too large to be measured: {size:.0} m");
+    Err(refused(environment, why, "Make several smaller units of it"))
 }
 
 /// The number that each instance had before; [`NONE`] for those that are new or have something else around them.
@@ -112,14 +105,9 @@ fn same(before: &Joined, joined: &Joined, was: &[u32]) -> Vec<u32> {
 }
 
 fn no_component(stitcher: &Stitcher<'_>, environment: &Environment) -> BuildError {
-    BuildError::Stage {
-        stage: STAGE,
-        message: format!(
-            "environment {}: no motion leads on for ever in any of the blocks of bundle {} that fit it",
-            environment.name, stitcher.placer.library.bundle
-        ),
-        help: "Place more units, so that ways through them lead back to where they began".into(),
-    }
+    let bundle = stitcher.placer.library.bundle;
+    let why = format!("no motion leads on for ever in any of the blocks of bundle {bundle} that fit it");
+    refused(environment, why, "Place more units, so that ways through them lead back to where they began")
 }
 
 /// Every unit that is more than an obstacle must belong to an instance of which something is left.
@@ -148,16 +136,13 @@ fn check_reached(
         here().map(|(_, f)| stitcher.placer.library.names[f.patch as usize].name.as_str()).collect();
     let what = if leads_away { "no character can get there" } else { "no way leads out of it" };
     let more = if left.len() > 1 { format!(", as of {} more units", left.len() - 1) } else { String::new() };
-    Err(BuildError::Stage {
-        stage: STAGE,
-        message: format!(
-            "environment {}: {}: {what}{more} (blocks: {})",
-            environment.name,
-            stitcher.placer.library.describe(environment, unit),
-            patches.join(", ")
-        ),
-        help: "Connect it, take what is in the way away, or set `allow_unreachable` under [stitch]".into(),
-    })
+    let unit = stitcher.placer.library.describe(environment, unit);
+    let why = format!("{unit}: {what}{more} (blocks: {})", patches.join(", "));
+    Err(refused(
+        environment,
+        why,
+        "Connect it, take what is in the way away, or set `allow_unreachable` under [stitch]",
+    ))
 }
 
 fn report(stitcher: &Stitcher<'_>, laid: &Laid, counts: &Counts) -> StitchReport {

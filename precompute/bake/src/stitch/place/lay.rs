@@ -6,7 +6,7 @@ use super::relation::Relation;
 use super::solids;
 use crate::environment::{Bounds, Environment, PlacedUnit};
 use crate::stitch::config::StitchConfig;
-use crate::stitch::library::{Library, Pattern, STAGE};
+use crate::stitch::library::{Library, Pattern, STAGE, refused};
 use throng_core::patch::Patches;
 use throng_motion::error::BuildError;
 
@@ -131,31 +131,17 @@ impl<'a> Placer<'a> {
     /// Every unit must be one of the bundle's, in a place not too far away.
     fn check_units(&self, environment: &Environment) -> Result<(), BuildError> {
         let count = self.library.units.units.len();
-        let refuse = |message: String, help: &str| {
-            Err(BuildError::Stage {
-                stage: STAGE,
-                message: format!("environment {}: {message}", environment.name),
-                help: help.into(),
-            })
-        };
         if let Some(i) = environment.units.iter().position(|u| !self.is_known(u)) {
             let u = &environment.units[i];
-            return refuse(
-                format!("place {i} has unit number {} at {:?}, expected one of {count} units", u.unit, u.placement),
-                "Place units that the bundle describes",
-            );
+            let why =
+                format!("place {i} has unit number {} at {:?}, expected one of {count} units", u.unit, u.placement);
+            return Err(refused(environment, why, "Place units that the bundle describes"));
         }
         let known = |name: &&String| !self.library.units.units.iter().any(|u| u.name == **name);
-        match self.config.obstacles.iter().find(known) {
-            None => Ok(()),
-            Some(name) => refuse(
-                format!(
-                    "[stitch] obstacles names the unit {name}, which the bundle {} does not have",
-                    self.library.bundle
-                ),
-                "Correct the name",
-            ),
-        }
+        let Some(name) = self.config.obstacles.iter().find(known) else { return Ok(()) };
+        let bundle = self.library.bundle;
+        let why = format!("[stitch] obstacles names the unit {name}, which the bundle {bundle} does not have");
+        Err(refused(environment, why, "Correct the name"))
     }
 
     /// True for one of the bundle's units in a place not too far away.
@@ -180,28 +166,14 @@ impl<'a> Placer<'a> {
             "No patch of the bundle has such a unit: list it as `obstacles` under [stitch] if it is only in the way"
         };
         let more = if left.len() > 1 { format!(", nor {} more", left.len() - 1) } else { String::new() };
-        Err(BuildError::Stage {
-            stage: STAGE,
-            message: format!(
-                "environment {}: no block fits {}{more}",
-                environment.name,
-                self.library.describe(environment, first)
-            ),
-            help: help.into(),
-        })
+        let why = format!("no block fits {}{more}", self.library.describe(environment, first));
+        Err(refused(environment, why, help))
     }
 
     fn nothing_fits(&self, environment: &Environment) -> BuildError {
-        BuildError::Stage {
-            stage: STAGE,
-            message: format!(
-                "no block of bundle {} fits environment {}, which has {} units",
-                self.library.bundle,
-                environment.name,
-                environment.units.len()
-            ),
-            help: "Place units that its patches consist of".into(),
-        }
+        let (bundle, name, count) = (self.library.bundle, &environment.name, environment.units.len());
+        let message = format!("no block of bundle {bundle} fits environment {name}, which has {count} units");
+        BuildError::Stage { stage: STAGE, message, help: "Place units that its patches consist of".into() }
     }
 
     /// True for a unit that is only in the way.

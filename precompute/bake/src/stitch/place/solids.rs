@@ -2,7 +2,7 @@
 
 use super::near::overlapping;
 use crate::environment::{Bounds, Environment, Shape, Unit};
-use crate::stitch::library::{Library, STAGE, turned};
+use crate::stitch::library::{Library, refused, turned};
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::patch::Placement;
@@ -77,15 +77,9 @@ pub(in crate::stitch) fn check(
         .enumerate()
         .flat_map(|(i, u)| solids[u.unit].iter().map(move |s| (i as u32, s.placed(u.placement))))
         .collect();
-    let refuse = |a: u32, b: u32, how: String| BuildError::Stage {
-        stage: STAGE,
-        message: format!(
-            "environment {}: {} and {} {how}",
-            environment.name,
-            library.describe(environment, a as usize),
-            library.describe(environment, b as usize)
-        ),
-        help: "Move or remove one of them".into(),
+    let refuse = |a: u32, b: u32, how: String| {
+        let [a, b] = [a, b].map(|unit| library.describe(environment, unit as usize));
+        refused(environment, format!("{a} and {b} {how}"), "Move or remove one of them")
     };
     if let Some((a, b)) = same_place(library, environment) {
         return Err(refuse(a, b, "stand in the same place".into()));
