@@ -71,6 +71,15 @@ impl Default for MadeUp {
 }
 
 impl MadeUp {
+    /// The policy of a behaviour in it.
+    #[cfg(test)]
+    pub(crate) fn solved(&self, behaviour: &Approach) -> throng_core::policy::PolicyTable {
+        let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
+        let mut rng = Pcg64::seed_from_u64(1);
+        let tables = super::solve_behaviours(self.model(), &[behaviour], &cfg, &mut rng, &Silent);
+        tables.expect("it converges").table(0).expect("sound tables")
+    }
+
     /// The states and actions: random ends, 4 to 30 frames, 0.2 to 1.2 m along an arc of up to one radian.
     pub fn model(&self) -> ActionModel {
         let mut rng = Pcg64::seed_from_u64(self.seed);

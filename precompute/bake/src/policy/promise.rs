@@ -179,18 +179,13 @@ mod tests {
     use super::*;
     use crate::policy::config::{BehaviourConfig, GridConfig};
     use crate::policy::made_up::MadeUp;
-    use crate::policy::{PolicyConfig, solve_behaviours};
-    use throng_motion::progress::Silent;
 
     fn of(small: &MadeUp, edit: impl FnOnce(&mut BehaviourConfig)) -> Promise {
         let mut config = BehaviourConfig::default();
         config.grid = GridConfig { rings: Some(small.rings), angles: Some(small.angles), ..config.grid };
         edit(&mut config);
         let behaviour = crate::policy::Approach::new(&config, 30.0, None).expect("a valid behaviour");
-        let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
-        let mut rng = Pcg64::seed_from_u64(1);
-        let tables = solve_behaviours(small.model(), &[&behaviour], &cfg, &mut rng, &Silent).expect("it converges");
-        promise(&tables.table(0).expect("sound tables"), "approach")
+        promise(&small.solved(&behaviour), "approach")
     }
 
     #[test]
@@ -230,11 +225,7 @@ mod tests {
     #[test]
     fn directions_are_quarters() {
         let small = MadeUp { states: 3, actions: 2, rings: 4, angles: 5, seed: 1 };
-        let behaviour = small.behaviour().expect("a valid grid");
-        let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
-        let mut rng = Pcg64::seed_from_u64(1);
-        let tables = solve_behaviours(small.model(), &[&behaviour], &cfg, &mut rng, &Silent).expect("it converges");
-        let table = tables.table(0).expect("sound tables");
+        let table = small.solved(&small.behaviour().expect("a valid grid"));
         let direction = |x: f32, z: f32| DIRECTIONS[part_of(&table, Vec3::new(x, 0.0, z)).direction];
         assert_eq!(direction(0.1, 1.0), "ahead");
         assert_eq!(direction(1.0, 0.1), "left");

@@ -201,18 +201,12 @@ fn realise(table: &PolicyTable, pairs: &[Situation], found: &[Found], config: &Q
 mod tests {
     use super::*;
     use crate::policy::made_up::MadeUp;
-    use crate::policy::{PolicyConfig, solve_behaviours};
-    use throng_motion::progress::Silent;
 
     #[test]
     fn bounds_change_nothing_but_the_time() {
         let small = MadeUp { states: 6, actions: 5, rings: 12, angles: 9, seed: 4 };
-        let behaviour = small.behaviour().expect("a valid grid");
-        let mut rng = Pcg64::seed_from_u64(1);
-        let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
-        let tables = solve_behaviours(small.model(), &[&behaviour], &cfg, &mut rng, &Silent).expect("it converges");
-        let table = tables.table(0).expect("sound tables");
-        let pairs = random_pairs(&table, 40, &mut rng);
+        let table = small.solved(&small.behaviour().expect("a valid grid"));
+        let pairs = random_pairs(&table, 40, &mut Pcg64::seed_from_u64(1));
         let (plain, bounded) = (search_all(&table, &pairs, 4), search_with_bounds(&table, &pairs, 4));
         for (a, b) in plain.iter().zip(&bounded) {
             assert_eq!(a.score, b.score);
@@ -224,12 +218,9 @@ mod tests {
     #[test]
     fn ratios_of_nothing_are_no_numbers() {
         let small = MadeUp { states: 3, actions: 2, rings: 12, angles: 9, seed: 4 };
-        let behaviour = small.behaviour().expect("a valid grid");
-        let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
-        let mut rng = Pcg64::seed_from_u64(1);
-        let tables = solve_behaviours(small.model(), &[&behaviour], &cfg, &mut rng, &Silent).expect("it converges");
+        let table = small.solved(&small.behaviour().expect("a valid grid"));
         let config = QualityConfig { pairs: 5, least_best: 10.0, ..QualityConfig::default() };
-        let q = quality(&tables.table(0).expect("sound tables"), "approach", &config);
+        let q = quality(&table, "approach", &config);
         assert_eq!((q.asked, q.pairs), (5, 0));
         assert!(q.ratio_mean.is_nan() && q.near_best_fraction.is_nan() && q.regret_mean.is_finite());
         assert_eq!(serde_json::to_value(&q).expect("it serialises")["ratio_mean"], serde_json::Value::Null);

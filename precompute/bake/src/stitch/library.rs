@@ -158,6 +158,29 @@ pub(super) fn turned(a: f32, b: f32, period: f32) -> f32 {
 }
 
 #[cfg(test)]
+impl<'a> Library<'a> {
+    /// Of a bundle without motion.
+    pub(super) fn bare(units: &'a UnitSet, skeleton: &'a Skeleton) -> Self {
+        static REST: std::sync::LazyLock<RotationCode> = std::sync::LazyLock::new(RotationCode::rest);
+        let (names, frames, groups, contacts, geometries) = (&[], &[], &[], &[], &[]);
+        let (bundle, bundle_hash, rate_hz, rotation_code) = ("b", 0, 30.0, &*REST);
+        Self {
+            bundle,
+            bundle_hash,
+            rate_hz,
+            names,
+            units,
+            frames,
+            rotation_code,
+            groups,
+            contacts,
+            geometries,
+            skeleton,
+        }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use bytemuck::Zeroable;
@@ -181,19 +204,7 @@ mod tests {
             f.planar = [k as f32, 2.0 * k as f32, 0.1 * k as f32];
         }
         let (units, skeleton) = (UnitSet::default(), Skeleton::default());
-        let library = Library {
-            bundle: "b",
-            bundle_hash: 0,
-            rate_hz: 30.0,
-            names: &[],
-            units: &units,
-            frames: &frames,
-            rotation_code: &RotationCode::rest(),
-            groups: &[],
-            contacts: &[],
-            geometries: &[],
-            skeleton: &skeleton,
-        };
+        let library = Library { frames: &frames, ..Library::bare(&units, &skeleton) };
         let (start, end) = (Placement::new(1.0, 0.5, 2.0, 0.7), Placement::new(-1.0, 0.9, 3.0, 7.0));
         let link = LinkRecord { from: 0, to: 1, frame: 1, num_frames: 3, tag: 0, start, end };
         let roots: Vec<_> = library.link_roots(&link).collect();

@@ -283,7 +283,6 @@ mod tests {
     use crate::environment::{Solid, Triangles};
     use glam::Vec3;
     use throng_core::Skeleton;
-    use throng_core::format::RotationCode;
 
     fn load(text: &str) -> Result<WorldSource, String> {
         let folder = tempfile::tempdir().unwrap();
@@ -336,19 +335,7 @@ mod tests {
         let (one, other) = (mesh(1.0), mesh(2.0));
         let skeleton = Skeleton::default();
         let hash = |text: &str, bundle_hash, geometries: &[Arc<UnitGeometry>]| {
-            let library = Library {
-                bundle: "b",
-                bundle_hash,
-                rate_hz: 30.0,
-                names: &[],
-                units: &units,
-                frames: &[],
-                rotation_code: &RotationCode::rest(),
-                groups: &[],
-                contacts: &[],
-                geometries,
-                skeleton: &skeleton,
-            };
+            let library = Library { bundle_hash, geometries, ..Library::bare(&units, &skeleton) };
             load(text).unwrap().hash(&library, Path::new("square.toml")).unwrap()
         };
         let text = "bundle = \"b.throng\"\n[[place]]\nunit = \"wall\"\nat = [0, 0, 0]\n";

@@ -270,7 +270,7 @@ mod tests {
     use super::*;
     use crate::environment::UnitSet;
     use throng_core::Skeleton;
-    use throng_core::format::{FrameRow, RotationCode};
+    use throng_core::format::FrameRow;
     use throng_core::patch::{KIND_BLOCK, PatchRecord};
 
     #[test]
@@ -282,19 +282,7 @@ mod tests {
         };
         let frames: Vec<FrameRow> = (0..20).map(row).collect();
         let (units, skeleton, groups) = (UnitSet::default(), Skeleton::default(), [0; 20]);
-        let library = Library {
-            bundle: "b",
-            bundle_hash: 0,
-            rate_hz: 30.0,
-            names: &[],
-            units: &units,
-            frames: &frames,
-            rotation_code: &RotationCode::rest(),
-            groups: &groups,
-            contacts: &[],
-            geometries: &[],
-            skeleton: &skeleton,
-        };
+        let library = Library { frames: &frames, groups: &groups, ..Library::bare(&units, &skeleton) };
         let here = Placement::new(1.0, 0.0, -2.0, 0.4);
         let at = |k: u32| {
             let [x, z, heading] = frames[k as usize].planar;

@@ -67,17 +67,12 @@ impl Walks {
     fn with<T>(&self, look: impl FnOnce(&Paths, &Bodies, &[Field]) -> T) -> T {
         let geometries = geometries(&self.units).expect("shapes");
         let library = Library {
-            bundle: "walks",
-            bundle_hash: 0,
-            rate_hz: 30.0,
-            names: &[],
-            units: &self.units,
             frames: &self.frames,
             rotation_code: &self.rotation_code,
             groups: &[0; 130],
             contacts: &self.contacts,
             geometries: &geometries,
-            skeleton: &self.skeleton,
+            ..Library::bare(&self.units, &self.skeleton)
         };
         let record = PatchRecord { num_links: self.links.len() as u32, ..PatchRecord::zeroed() };
         let patches = Patches {

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::path::Path;
 use throng_core::Skeleton;
-use throng_core::format::{PatchMeta, RotationCode};
+use throng_core::format::PatchMeta;
 use throng_core::patch::{EdgeRecord, KIND_BLOCK, KIND_TILE, PatchRecord, Patches, Placement};
 
 const UNITS: &str = "[[units]]\nname = \"panel\"\nsymmetry = 4\nfloor = true\nshapes = [{ box = { at = [0.0, -0.05, 0.0], \
@@ -53,19 +53,7 @@ fn with<T>(look: impl FnOnce(&Placer<'_>) -> T) -> T {
     let edges =
         [edge([1.0, 0.0, 0.0], 1), edge([-1.0, 0.0, 0.0], 0), edge([0.0, 0.0, 1.0], 3), edge([0.0, 0.0, -1.0], 2)];
     let skeleton = Skeleton::default();
-    let library = Library {
-        bundle: "b",
-        bundle_hash: 0,
-        rate_hz: 30.0,
-        names: &names,
-        units: &units,
-        frames: &[],
-        rotation_code: &RotationCode::rest(),
-        groups: &[],
-        contacts: &[],
-        geometries: &geometries,
-        skeleton: &skeleton,
-    };
+    let library = Library { names: &names, geometries: &geometries, ..Library::bare(&units, &skeleton) };
     let patches = Patches {
         patches: (&records).into(),
         edges: (&edges).into(),
