@@ -58,7 +58,7 @@ fn model(r: &MotionSet, from: usize, ratio: f32) -> [Vec3; NUM_JOINTS] {
     out.map(|t| t.0)
 }
 
-fn plain() -> CharactersConfig {
+pub(crate) fn plain() -> CharactersConfig {
     let foot_lock = FootLockConfig { enabled: false, ..FootLockConfig::default() };
     CharactersConfig { foot_lock, ..CharactersConfig::default() }
 }

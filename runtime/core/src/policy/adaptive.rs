@@ -186,6 +186,7 @@ impl TargetGrid {
 #[cfg(test)]
 mod tests {
     use super::super::BestActionJob;
+    use super::super::grid::tests::{polar, sector};
     use super::super::look_ahead::{Goal, LookAheadJob};
     use super::super::ranked::RankedActions;
     use super::super::reward::{COMBINE_MAX, KERNEL_EXPONENTIAL, RewardRecord};
@@ -198,12 +199,7 @@ mod tests {
     const ACTIONS: usize = 11;
 
     fn grids() -> [TargetGrid; 3] {
-        let sector = (Vec3::new(-1.1, 0.3, 1.2), Vec3::new(1.3, 1.3, 1.6));
-        [
-            TargetGrid::polar(9, 16, 6.0, 0.25, 2.5).expect("a valid grid"),
-            TargetGrid::cylinder([8, 9, 6], sector.0, sector.1, 0.5).expect("a valid grid"),
-            TargetGrid::cylinder([8, 9, 1], sector.0, sector.1, 0.5).expect("a valid grid"),
-        ]
+        [polar([9, 16], 6.0, 0.25), sector([8, 9, 6], 0.5), sector([8, 9, 1], 0.5)]
     }
 
     /// Pseudo-random numbers in 0..1.

@@ -186,6 +186,7 @@ impl BackUpAll<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::grid::tests::{polar, sector};
     use super::super::reward::{
         COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_LINEAR, KERNEL_WITHIN, RewardRecord,
     };
@@ -195,11 +196,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn grids() -> [TargetGrid; 2] {
-        let sector = (Vec3::new(-1.1, 0.3, 1.2), Vec3::new(1.3, 1.3, 1.6));
-        [
-            TargetGrid::polar(16, 32, 8.0, 0.25, 2.5).expect("a valid grid"),
-            TargetGrid::cylinder([10, 9, 4], sector.0, sector.1, 0.5).expect("a valid grid"),
-        ]
+        [polar([16, 32], 8.0, 0.25), sector([10, 9, 4], 0.5)]
     }
 
     proptest! {

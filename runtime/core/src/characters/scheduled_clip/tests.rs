@@ -1,8 +1,8 @@
 //! Courses against the formula of their roots, and transitions between them.
 
 use super::*;
-use crate::characters::tests::{curve, orders, starts, tables};
-use crate::characters::{CharactersConfig, FootLockConfig};
+use crate::characters::CharactersConfig;
+use crate::characters::tests::{curve, orders, plain, starts, tables};
 use crate::skeleton::{Joint, NUM_JOINTS};
 use throng_base::Error;
 
@@ -92,9 +92,7 @@ fn time_left_goes_to_the_next_scheduled_clip_even_within_a_tick() {
 #[test]
 fn poses_do_not_jump_where_scheduled_clips_change() {
     let r = MotionSet::new(&tables());
-    let foot_lock = FootLockConfig { enabled: false, ..FootLockConfig::default() };
-    let config = CharactersConfig { foot_lock, ..CharactersConfig::default() };
-    let mut characters = Characters::new_laid(&r, config, &scheduled_clips(9)).unwrap();
+    let mut characters = Characters::new_laid(&r, plain(), &scheduled_clips(9)).unwrap();
     let dt = 1.0 / 240.0;
     characters.step(&r, 0.0, &[]).unwrap();
     let mut before: Vec<_> = (0..9).map(|c| characters.joint_positions(c)).collect();

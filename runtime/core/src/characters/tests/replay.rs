@@ -34,17 +34,7 @@ fn a_restored_characters_repeats_what_followed_bit_by_bit() {
         assert!(matches!(e, throng_base::Error::Snapshot { .. }) && characters.model_matrices() == before, "{e}");
     };
     refused(&mut Characters::new(&r, config, &starts(n - 1)).unwrap(), &r, &kept);
-    let hit = crate::HitRecord {
-        frame: 5,
-        kind: 0,
-        joint: 0,
-        force: 1.0,
-        position: [0.0, 1.5, 0.5],
-        speed_mps: 6.0,
-        direction: [0.0, 0.0, 1.0],
-        reserved: 0,
-    };
-    let other = MotionSet::new(&tables_with(&[hit]));
+    let other = MotionSet::new(&tables_with(&[blows::hit(5)]));
     refused(&mut Characters::new(&other, config, &starts(n)).unwrap(), &other, &kept);
     refused(&mut characters, &other, &kept);
     let bad: [fn(&mut block::Block, &mut block::Body); 15] = [

@@ -368,17 +368,22 @@ fn check_lengths(r: &GridRecord) -> Result<()> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    pub fn polar([rings, angles]: [u32; 2], radius: f32, inner_spacing: f32) -> TargetGrid {
+        TargetGrid::polar(rings, angles, radius, inner_spacing, 2.5).expect("a valid grid")
+    }
+
+    /// Ahead, between some distances and heights.
+    pub fn sector(counts: [u32; 3], falloff: f32) -> TargetGrid {
+        let [low, high] = [Vec3::new(-1.1, 0.3, 1.2), Vec3::new(1.3, 1.3, 1.6)];
+        TargetGrid::cylinder(counts, low, high, falloff).expect("a valid grid")
+    }
+
     fn grids() -> [TargetGrid; 3] {
-        let sector = (Vec3::new(-1.1, 0.3, 1.2), Vec3::new(1.3, 1.3, 1.6));
-        [
-            TargetGrid::polar(16, 32, 8.0, 0.25, 2.5).expect("a valid grid"),
-            TargetGrid::polar(5, 13, 2.0, 0.5, 2.5).expect("a valid grid"),
-            TargetGrid::cylinder([10, 10, 4], sector.0, sector.1, 0.1).expect("a valid grid"),
-        ]
+        [polar([16, 32], 8.0, 0.25), polar([5, 13], 2.0, 0.5), sector([10, 10, 4], 0.1)]
     }
 
     #[test]
