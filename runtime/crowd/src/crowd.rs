@@ -44,10 +44,11 @@ pub struct Crowd {
     pub(crate) engine: Either,
 }
 
+/// The engine of either space.
 #[derive(Clone, Debug)]
-pub(crate) enum Either {
-    Ground(Engine<Vec2>),
-    Air(Engine<Vec3>),
+pub(crate) enum Either<G = Engine<Vec2>, A = Engine<Vec3>> {
+    Ground(G),
+    Air(A),
 }
 
 /// Does the same with the engine of either space.
@@ -59,6 +60,7 @@ macro_rules! each {
         }
     };
 }
+pub(crate) use each;
 
 type Result<T> = std::result::Result<T, CrowdError>;
 

@@ -1,6 +1,6 @@
 //! A crowd that several processes move together.
 
-use crate::crowd::{Crowd, Either};
+use crate::crowd::{Crowd, Either, each};
 use crate::error::CrowdError;
 use crate::events::shared::SharedEngine;
 use glam::{Vec2, Vec3};
@@ -35,23 +35,7 @@ use throng_base::Comm;
 /// ```
 #[derive(Debug)]
 pub struct SharedCrowd {
-    engine: Part,
-}
-
-#[derive(Debug)]
-enum Part {
-    Ground(SharedEngine<Vec2>),
-    Air(SharedEngine<Vec3>),
-}
-
-/// Does the same with the engine of either space.
-macro_rules! each {
-    ($part:expr, $engine:ident => $answer:expr) => {
-        match $part {
-            Part::Ground($engine) => $answer,
-            Part::Air($engine) => $answer,
-        }
-    };
+    engine: Either<SharedEngine<Vec2>, SharedEngine<Vec3>>,
 }
 
 type Result<T> = std::result::Result<T, CrowdError>;
@@ -63,8 +47,8 @@ impl Crowd {
     /// [`CrowdError::Other`] for a crowd in which agents sense, have timers or companions, or care for others.
     pub fn share(self, comm: &dyn Comm) -> Result<SharedCrowd> {
         let engine = match self.engine {
-            Either::Ground(engine) => Part::Ground(SharedEngine::new(engine, comm)?),
-            Either::Air(engine) => Part::Air(SharedEngine::new(engine, comm)?),
+            Either::Ground(engine) => Either::Ground(SharedEngine::new(engine, comm)?),
+            Either::Air(engine) => Either::Air(SharedEngine::new(engine, comm)?),
         };
         Ok(SharedCrowd { engine })
     }
@@ -101,8 +85,8 @@ impl SharedCrowd {
     /// [`throng_base::Error::Rank`].
     pub fn gather(self, comm: &dyn Comm) -> Result<Option<Crowd>> {
         let engine = match self.engine {
-            Part::Ground(engine) => engine.gather(comm)?.map(Either::Ground),
-            Part::Air(engine) => engine.gather(comm)?.map(Either::Air),
+            Either::Ground(engine) => engine.gather(comm)?.map(Either::Ground),
+            Either::Air(engine) => engine.gather(comm)?.map(Either::Air),
         };
         Ok(engine.map(|engine| Crowd { engine }))
     }
