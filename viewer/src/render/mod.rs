@@ -24,15 +24,15 @@ mod solids;
 mod worn_draws;
 mod worn_mesh;
 
-pub use callback::{DrawReport, SceneCallback};
+pub use callback::SceneCallback;
 pub use camera::{Camera, CameraParseError, Preset, Ray};
-pub use characters::{CharacterInstance, Emphasis, Record};
+pub use characters::{CharacterInstance, Record};
 pub use colours::{Rgba, SceneColours};
 pub use device::device_descriptor;
 pub use error::RenderError;
 pub use mesh::Body;
 pub use picking::{Hit, pick};
-pub use renderer::{DrawStats, SceneFrame, SceneRenderer, UploadStats};
+pub use renderer::{SceneFrame, SceneRenderer};
 pub use shapes::Shapes;
 pub use solids::{SolidInstance, SolidMesh, Solids, upright};
 pub use worn_draws::Worn;
