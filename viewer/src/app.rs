@@ -5,7 +5,7 @@ use crate::document::Document;
 use crate::model::Model;
 use crate::panels::viewport::pad::Pads;
 use crate::panels::{Dialog, PANELS, PanelStates, dock, keys, messages, start, top_bar, transport, viewport};
-use crate::render::{DrawReport, SceneCallback, SceneFrame, SceneRenderer, Worn};
+use crate::render::{SceneCallback, SceneFrame, SceneRenderer, Worn};
 use crate::settings::Dock;
 use crate::settings::Settings;
 use crate::stage::{Layout, scene_colours};
@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use std::pin::Pin;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use throng_precompute::import;
 
 /// Key of the settings in the store.
@@ -30,8 +30,8 @@ pub struct Viewer {
     /// How the panels look.
     pub states: PanelStates,
     renderer: Result<Arc<Mutex<SceneRenderer>>, String>,
-    /// What the last frame drew, and how long encoding it took.
-    drawing: Arc<Mutex<DrawReport>>,
+    /// How long encoding the last frame of the 3-D view took.
+    drawing: Arc<Mutex<Duration>>,
     layout: Layout,
     /// What the panels asked for in the last frame.
     pending: Vec<Command>,
@@ -69,7 +69,7 @@ impl Viewer {
         if wall_s > 0.0 {
             self.model.times.frame_s = f64::from(wall_s);
         }
-        self.model.times.drawing_s = self.drawn().time.as_secs_f64();
+        self.model.times.drawing_s = self.drawing.lock().unwrap_or_else(PoisonError::into_inner).as_secs_f64();
         if let Some((wanted, paths)) = self.dialog.as_ref().and_then(|(w, d)| Some((*w, d.try_recv().ok()?))) {
             self.dialog = None;
             match (wanted, &paths[..]) {
@@ -86,10 +86,10 @@ impl Viewer {
         if self.model.is_playing() || self.model.is_busy() {
             ctx.request_repaint();
         } else if self.model.loading().is_some() {
-            ctx.request_repaint_after(std::time::Duration::from_millis(100));
+            ctx.request_repaint_after(Duration::from_millis(100));
         } else {
             // Files are watched while nothing moves, too.
-            ctx.request_repaint_after(std::time::Duration::from_millis(500));
+            ctx.request_repaint_after(Duration::from_millis(500));
         }
     }
 
@@ -114,11 +114,6 @@ impl Viewer {
         if let Some(wanted) = self.states.dialog.take() {
             self.open_dialog(&ctx, wanted);
         }
-    }
-
-    /// What the last frame drew of the 3-D view, and how long encoding it took.
-    pub fn drawn(&self) -> DrawReport {
-        *self.drawing.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn appearance(&mut self, ctx: &egui::Context) {
@@ -162,7 +157,7 @@ impl Viewer {
                     camera: drawn.camera,
                     size: [1, 1],
                     colours: scene_colours(dark),
-                    report: Arc::clone(drawing),
+                    time: Arc::clone(drawing),
                 };
                 ui.painter().add(callback.shape(ui, drawn.rect));
                 Ok(())

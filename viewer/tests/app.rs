@@ -4,7 +4,7 @@ mod common;
 
 use common::boxing::Boxing;
 use common::{Viewing, drop_files, golden};
-use eframe::egui::{self, Key, Modifiers, PointerButton, pos2};
+use eframe::egui::{self, Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
 use std::path::PathBuf;
@@ -43,25 +43,6 @@ fn copied() -> (tempfile::TempDir, PathBuf) {
     (folder, path)
 }
 
-/// Drags with the primary button, a frame for each move.
-fn drag(v: &mut Viewing, from: egui::Pos2, to: egui::Pos2) {
-    let button = |pos, pressed| egui::Event::PointerButton {
-        pos,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    v.harness.event(egui::Event::PointerMoved(from));
-    v.harness.event(button(from, true));
-    v.harness.step();
-    for i in 1..=6 {
-        v.harness.event(egui::Event::PointerMoved(from.lerp(to, i as f32 / 6.0)));
-        v.harness.step();
-    }
-    v.harness.event(button(to, false));
-    v.harness.run_steps(3);
-}
-
 fn has_message(v: &Viewing, part: &str) -> bool {
     v.model().messages.iter().any(|m| m.text.contains(part))
 }
@@ -86,7 +67,7 @@ fn a_run_that_is_scrubbed_back_shows_the_same_step_again() {
     assert!(last > step + 30);
     let line = v.harness.get_by_label("Time").rect();
     let at = |ratio: f32| pos2(line.left() + ratio * line.width(), line.center().y);
-    drag(&mut v, at(1.0) - egui::vec2(6.0, 0.0), at(0.5 * (step + last) as f32 / last as f32));
+    v.drag(at(1.0) - egui::vec2(6.0, 0.0), at(0.5 * (step + last) as f32 / last as f32));
     let now = run(&v).now();
     assert!((step..last - 5).contains(&now) && !run(&v).head.is_playing(), "step {now} of {last} is shown");
     let (_, seen) = shown.iter().find(|s| s.0 == now).expect("every step was shown");
@@ -112,12 +93,12 @@ fn a_target_dragged_in_the_view_is_walked_to() {
     let rect = v.harness.get_by_label("3-D view").rect();
     let old = run(&v).targets()[0];
     let camera = v.model().settings.camera;
-    let at = camera.project(old, glam::Vec2::new(rect.width(), rect.height())).expect("the target is in the view");
-    let from = pos2(rect.left() + at.x, rect.top() + at.y);
+    let from = v.on_screen(old);
     let to = from + egui::vec2(60.0, 40.0);
-    drag(&mut v, from, to);
+    v.drag(from, to);
     let target = run(&v).targets()[0];
-    let wanted = camera.ray(glam::Vec2::new(to.x - rect.left(), to.y - rect.top()), rect.size().into_glam());
+    let size = glam::Vec2::new(rect.width(), rect.height());
+    let wanted = camera.ray(glam::Vec2::new(to.x - rect.left(), to.y - rect.top()), size);
     let wanted = wanted.meets_ground().expect("the ground");
     assert!((target - wanted).length() < 0.05, "{target} is not at {wanted}; it was at {old}");
     assert_eq!(v.model().settings.camera, camera, "the camera moved instead");
@@ -136,17 +117,6 @@ fn a_target_dragged_in_the_view_is_walked_to() {
     assert!(nearest < 0.6, "came only as near as {nearest} m from {before} m");
 }
 
-/// Sizes as the camera takes them.
-trait IntoGlam {
-    fn into_glam(self) -> glam::Vec2;
-}
-
-impl IntoGlam for egui::Vec2 {
-    fn into_glam(self) -> glam::Vec2 {
-        glam::Vec2::new(self.x, self.y)
-    }
-}
-
 #[test]
 fn every_panel_opens_and_closes_by_its_key() {
     let mut v = Viewing::of(&golden());
@@ -161,7 +131,7 @@ fn every_panel_opens_and_closes_by_its_key() {
             v.harness.run_steps(3);
         }
         assert!(open(&v), "{}", panel.title);
-        assert!(v.model().messages.iter().all(|m| !m.is_error), "{}: {:?}", panel.title, v.model().messages);
+        assert!(v.has_no_errors(), "{}: {:?}", panel.title, v.model().messages);
     }
 }
 
@@ -247,7 +217,7 @@ fn a_dropped_scene_runs_and_counts_its_blows() {
     assert_eq!(thrown(&v), 0);
     v.apply(Command::Seek(last));
     assert!(joints(&v) == seen, "another bout after scrubbing back and on");
-    assert!(v.model().messages.iter().all(|m| !m.is_error), "{:?}", v.model().messages);
+    assert!(v.has_no_errors(), "{:?}", v.model().messages);
 
     let choice = SceneChoice { characters: 8, ..scene(&v).choice() };
     v.apply(Command::Scene(SceneCommand::Restart(choice)));
@@ -263,44 +233,35 @@ fn a_hanging_target_dragged_in_the_view_keeps_its_height_unless_alt_is_held() {
     let mut v = Viewing::of(&boxing.targets(1));
     v.apply(Command::Play(false));
     v.harness.run_steps(2);
-    let rect = v.harness.get_by_label("3-D view").rect();
     let camera = v.model().settings.camera;
-    let place = |home: Vec3| {
-        let at = camera.project(home, rect.size().into_glam()).expect("the target is in the view");
-        pos2(rect.left() + at.x, rect.top() + at.y)
-    };
     let old = home(&v);
-    drag(&mut v, place(old), place(old) + egui::vec2(50.0, 30.0));
+    let from = v.on_screen(old);
+    v.drag(from, from + egui::vec2(50.0, 30.0));
     let moved = home(&v);
     assert!((moved.y - old.y).abs() < 1e-4 && moved.distance(old) > 0.1, "{old} became {moved}");
     assert_eq!(v.model().settings.camera, camera, "the camera moved instead");
 
     v.harness.event(egui::Event::ModifiersChanged(Modifiers::ALT));
-    drag(&mut v, place(moved), place(moved) - egui::vec2(0.0, 40.0));
+    let from = v.on_screen(moved);
+    v.drag(from, from - egui::vec2(0.0, 40.0));
     let lifted = home(&v);
     assert!(lifted.y > moved.y + 0.05, "{moved} became {lifted}");
     assert!((lifted - moved).with_y(0.0).length() < 1e-3);
-}
-
-/// Presses or lets go of a key, with or without Shift.
-fn press(v: &mut Viewing, key: Key, pressed: bool, modifiers: Modifiers) {
-    v.harness.event(egui::Event::Key { key, physical_key: None, pressed, repeat: false, modifiers });
-    v.harness.run_steps(2);
 }
 
 #[test]
 fn a_character_is_steered_with_keys_and_frames_until_it_is_seen_are_counted() {
     let mut v = Viewing::of(&golden());
     v.apply(Command::SelectCharacter(Some(3)));
-    press(&mut v, Key::G, true, Modifiers::NONE);
-    press(&mut v, Key::G, false, Modifiers::NONE);
+    v.key(Key::G, true);
+    v.key(Key::G, false);
     assert!(v.model().steering().is_some() && v.model().settings.follow);
     let root = |v: &Viewing| run(v).characters().root(3);
     let camera = |v: &Viewing| v.model().settings.camera;
     let mut travelled = 0.0;
     for key in [Key::W, Key::D, Key::W, Key::A, Key::W] {
         let from = root(&v).translation();
-        press(&mut v, key, true, Modifiers::NONE);
+        v.key(key, true);
         let [right, _, back] = camera(&v).axes();
         let target = run(&v).targets()[3];
         v.harness.step();
@@ -313,7 +274,7 @@ fn a_character_is_steered_with_keys_and_frames_until_it_is_seen_are_counted() {
         assert!(way.dot(wanted) > 0.95, "{key:?}: {way} for {wanted}, target {target}");
         (0..100).for_each(|_| v.harness.step());
         travelled += root(&v).translation().distance(from);
-        press(&mut v, key, false, Modifiers::NONE);
+        v.key(key, false);
     }
     assert!(travelled > 2.0, "{travelled} m");
     let lags = &v.model().steering().expect("somebody").lags;
@@ -324,7 +285,7 @@ fn a_character_is_steered_with_keys_and_frames_until_it_is_seen_are_counted() {
     let held = run(&v).targets()[3];
     (0..30).for_each(|_| v.harness.step());
     assert!(run(&v).targets()[3].distance(held) < 1.7);
-    press(&mut v, Key::G, true, Modifiers::NONE);
+    v.key(Key::G, true);
     assert!(v.model().steering().is_none());
 }
 
@@ -332,15 +293,15 @@ fn a_character_is_steered_with_keys_and_frames_until_it_is_seen_are_counted() {
 fn who_is_steered_strikes_where_there_are_blows() {
     let boxing = Boxing::new();
     let mut v = Viewing::of(&boxing.bundle());
-    press(&mut v, Key::G, true, Modifiers::NONE);
+    v.key(Key::G, true);
     assert_eq!(v.model().selection.character, Some(0));
-    press(&mut v, Key::X, true, Modifiers::NONE);
+    v.key(Key::X, true);
     v.harness.step();
     let (bundle, run) = v.model().document.crowd().expect("a crowd");
     assert!(!bundle.motion_set().hits_of(run.characters().segment(0).0).is_empty());
     let mut v = Viewing::of(&golden());
-    press(&mut v, Key::G, true, Modifiers::NONE);
-    press(&mut v, Key::X, true, Modifiers::NONE);
+    v.key(Key::G, true);
+    v.key(Key::X, true);
     v.harness.step();
     let has_blows = !v.model().document.bundle().expect("a bundle").motion_set().hits().is_empty();
     assert!(has_blows || v.model().messages.iter().any(|m| m.text.contains("No blow")));
@@ -350,7 +311,7 @@ fn who_is_steered_strikes_where_there_are_blows() {
 fn scenes_say_why_nobody_is_steered() {
     let boxing = Boxing::new();
     let mut v = Viewing::of(&boxing.pairs(2));
-    press(&mut v, Key::G, true, Modifiers::NONE);
+    v.key(Key::G, true);
     v.harness.step();
     assert!(v.model().steering().is_none());
     assert!(v.model().messages.iter().any(|m| m.text.contains("open its bundle")), "{:?}", v.model().messages);

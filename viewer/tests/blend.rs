@@ -4,7 +4,7 @@ mod common;
 
 use common::Viewing;
 use common::paces::Paces;
-use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, pos2};
+use eframe::egui::{Key, Pos2, pos2};
 use egui_kittest::kittest::Queryable;
 use throng_runtime::NUM_JOINTS;
 use throng_viewer::command::{Command, SceneCommand, Stage};
@@ -20,33 +20,10 @@ fn blending(v: &Viewing) -> Blending {
     *run(v).blending()
 }
 
-/// Presses the primary button on the map, moves and lets go.
-fn drag(v: &mut Viewing, from: Pos2, to: Pos2) {
-    let button = |pos, pressed| egui::Event::PointerButton {
-        pos,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    v.harness.event(egui::Event::PointerMoved(from));
-    v.harness.event(button(from, true));
-    v.harness.step();
-    for i in 1..=6 {
-        v.harness.event(egui::Event::PointerMoved(from.lerp(to, i as f32 / 6.0)));
-        v.harness.step();
-    }
-    v.harness.event(button(to, false));
-    v.harness.run_steps(3);
-}
-
 /// A place on the map, from its lower left corner; the edges that numbers stand at are left out.
 fn on_map(v: &Viewing, right: f32, up: f32) -> Pos2 {
     let rect = v.harness.get_by_label("Parameter space").rect();
     pos2(rect.left() + (0.15 + 0.8 * right) * rect.width(), rect.bottom() - (0.15 + 0.8 * up) * rect.height())
-}
-
-fn has_no_errors(v: &Viewing) -> bool {
-    v.model().messages.iter().all(|m| !m.is_error)
 }
 
 #[test]
@@ -61,7 +38,7 @@ fn a_bundle_with_blend_spaces_only_opens_with_a_character_that_follows_the_point
 
     let before = blending(&v).point;
     let (from, to) = (on_map(&v, 0.5, 0.6), on_map(&v, 0.2, 0.9));
-    drag(&mut v, from, to);
+    v.drag(from, to);
     let after = blending(&v).point;
     // Faster, and to the left, which is positive.
     assert!(after[0] > before[0] + 0.1 && after[1] > before[1] + 0.2, "{before:?} became {after:?}");
@@ -74,7 +51,7 @@ fn a_bundle_with_blend_spaces_only_opens_with_a_character_that_follows_the_point
     assert!(steps > 60 && (turned - wanted).abs() < 0.25, "turned by {turned}, expected {wanted}");
     assert!(run(&v).moment().point.iter().zip(after).all(|(a, b)| (a - b).abs() < 0.02));
     assert!(v.model().settings.camera.target.distance(camera) > 0.5, "the camera stays behind");
-    assert!(has_no_errors(&v), "{:?}", v.model().messages);
+    assert!(v.has_no_errors(), "{:?}", v.model().messages);
 }
 
 #[test]
@@ -92,7 +69,7 @@ fn a_stopped_walk_rewinds_and_shows_another_blend_at_the_same_time() {
     assert!(run(&v).reel.head.now() == last && run(&v).moment().poses == seen.poses);
 
     let (from, to) = (on_map(&v, 0.5, 0.5), on_map(&v, 0.5, 0.05));
-    drag(&mut v, from, to);
+    v.drag(from, to);
     let now = run(&v).moment();
     assert!(now.phase == seen.phase && now.poses != seen.poses && run(&v).reel.head.now() == last);
     // The map has the keys now: arrows move the point, not time.
@@ -110,7 +87,7 @@ fn a_stopped_walk_rewinds_and_shows_another_blend_at_the_same_time() {
     assert_eq!(v.model().shown_stage(), Stage::Blend);
     v.apply(Command::Restart);
     assert_eq!(run(&v).reel.head.now(), 0);
-    assert!(has_no_errors(&v), "{:?}", v.model().messages);
+    assert!(v.has_no_errors(), "{:?}", v.model().messages);
 }
 
 #[test]
@@ -162,7 +139,7 @@ fn a_scene_of_walkers_plays_rewinds_and_restarts() {
         v.apply(Command::TogglePanel(panel.kind));
         v.harness.run_steps(2);
     }
-    assert!(has_no_errors(&v), "{:?}", v.model().messages);
+    assert!(v.has_no_errors(), "{:?}", v.model().messages);
 }
 
 #[test]
@@ -170,30 +147,20 @@ fn who_walks_in_a_blend_space_is_steered_with_keys() {
     use throng_runtime::blend::axis;
     let paces = Paces::new();
     let mut v = Viewing::of(&paces.bundle());
-    let press = |v: &mut Viewing, key: Key, pressed: bool| {
-        v.harness.event(egui::Event::Key {
-            key,
-            physical_key: None,
-            pressed,
-            repeat: false,
-            modifiers: Modifiers::NONE,
-        });
-        v.harness.run_steps(2);
-    };
-    press(&mut v, Key::G, true);
-    press(&mut v, Key::G, false);
+    v.key(Key::G, true);
+    v.key(Key::G, false);
     let (bundle, _) = v.model().document.blend().expect("a blend space");
     let axes = bundle.blend(blending(&v).space).expect("a space").axes().to_vec();
     let of = |kind: u32| axes.iter().position(|a| a.kind == kind);
     let speed = of(axis::SPEED).expect("a speed");
-    press(&mut v, Key::W, true);
+    v.key(Key::W, true);
     let walks = blending(&v).point[speed];
     v.harness.run_steps(60);
-    press(&mut v, Key::W, false);
+    v.key(Key::W, false);
     let stands = blending(&v).point[speed];
     assert!(walks > stands && stands <= axes[speed].low.max(0.0), "{walks} and {stands}");
     let turn = of(axis::GYRATION).expect("turning");
-    press(&mut v, Key::A, true);
+    v.key(Key::A, true);
     assert!(blending(&v).point[turn] > 0.0);
     v.harness.run_steps(60);
     let lags = &v.model().steering().expect("somebody").lags;

@@ -5,9 +5,8 @@ mod common;
 use common::market::Market;
 use common::meeting::Meeting;
 use common::{Viewing, adapter};
-use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
+use eframe::egui::{Key, vec2};
 use egui_kittest::kittest::Queryable;
-use glam::Vec2;
 use throng_viewer::args::{Args, Character, PanelChoice, Size};
 use throng_viewer::command::{BoardCell, Command, SceneCommand};
 use throng_viewer::document::{SceneChoice, SceneDocument};
@@ -28,32 +27,6 @@ fn places(v: &Viewing) -> Vec<Option<glam::Vec3>> {
     (0..v.model().num_characters()).map(|who| scene(v).run().place(who)).collect()
 }
 
-fn has_no_errors(v: &Viewing) -> bool {
-    v.model().messages.iter().all(|m| !m.is_error)
-}
-
-/// Where an agent is on the screen.
-fn on_screen(v: &Viewing, agent: usize) -> Pos2 {
-    spot(v, scene(v).run().place(agent).expect("it is there"))
-}
-
-/// Where a place is seen.
-fn spot(v: &Viewing, at: glam::Vec3) -> Pos2 {
-    let rect = v.harness.get_by_label("3-D view").rect();
-    let at = v.model().settings.camera.project(at, Vec2::new(rect.width(), rect.height())).expect("in view");
-    rect.min + vec2(at.x, at.y)
-}
-
-fn click(v: &mut Viewing, pos: Pos2) {
-    v.harness.hover_at(pos);
-    v.harness.run_steps(2);
-    for pressed in [true, false] {
-        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-        v.harness.event(egui::Event::PointerButton { pos, button, pressed, modifiers });
-        v.harness.run_steps(2);
-    }
-}
-
 #[test]
 fn a_scene_opens_plays_and_is_paused_stepped_and_rewound() {
     let meeting = Meeting::new();
@@ -70,8 +43,8 @@ fn a_scene_opens_plays_and_is_paused_stepped_and_rewound() {
     assert_eq!(now(&v), last);
 
     // A click on an agent selects it, and its forces are told.
-    let at = on_screen(&v, 7);
-    click(&mut v, at);
+    let at = v.on_screen(scene(&v).run().place(7).expect("it is there"));
+    v.click(at);
     assert_eq!(v.model().selection.character, Some(7));
     v.harness.run_steps(2);
     v.harness.get_by_label("driving");
@@ -95,7 +68,7 @@ fn a_scene_opens_plays_and_is_paused_stepped_and_rewound() {
     v.apply(Command::Speed(4.0));
     v.apply(Command::Play(true));
     v.harness.run_steps(10);
-    assert!(now(&v) > last + 60 && has_no_errors(&v), "{:?}", v.model().messages);
+    assert!(now(&v) > last + 60 && v.has_no_errors(), "{:?}", v.model().messages);
 }
 
 #[test]
@@ -126,7 +99,7 @@ fn a_scene_restarts_with_other_numbers_and_is_saved() {
         v.apply(Command::TogglePanel(panel.kind));
         v.harness.run_steps(2);
     }
-    assert!(has_no_errors(&v), "{:?}", v.model().messages);
+    assert!(v.has_no_errors(), "{:?}", v.model().messages);
     let impossible = SceneChoice { characters: 0, ..choice };
     v.apply(Command::Scene(SceneCommand::Restart(impossible)));
     assert!(v.model().messages.iter().any(|m| m.is_error && m.text.contains("is unchanged")));
@@ -159,7 +132,7 @@ fn a_scene_that_is_edited_goes_on_at_its_time_and_a_broken_one_leaves_the_old_on
     std::fs::write(&path, text.replace("name = \"sale\"\nat_s = 1.0", "name = \"sale\"\nat_s = 0.25"))
         .expect("written over");
     v.until("the new version", |v| says(v, "was reloaded"));
-    assert!(has_no_errors(&v), "{:?}", v.model().messages);
+    assert!(v.has_no_errors(), "{:?}", v.model().messages);
     assert_eq!((now(&v), scene(&v).choice().seed, v.model().selection.character), (step, 8, Some(4)));
     assert!(!v.model().is_playing());
     assert_eq!(scene(&v).run().spread().times(1)[0], 0.25);
@@ -191,8 +164,8 @@ fn a_click_on_a_cell_with_a_board_reads_it_and_keeps_the_agent() {
         Some((cell, offsets.iter().map(|o| at + *o).find(far)?))
     });
     let (smallest, free) = found.expect("a free spot");
-    let pixel = spot(&v, free);
-    click(&mut v, pixel);
+    let pixel = v.on_screen(free);
+    v.click(pixel);
     assert_eq!(v.model().selection.scene.cell, Some(BoardCell::of(&smallest)));
     assert_eq!(v.model().selection.character, Some(5));
     // A tip waits until the pointer has moved and rests again.

@@ -355,7 +355,7 @@ fn scenarios() {
     let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
     for (args, name) in [(args, "panel_crowd_minds"), (light, "panel_crowd_minds_light")] {
         let mut v = Viewing::new(&args, vec2(1000.0, 2150.0));
-        let kinds = What::ALL.map(|what| !what.is_of_engine());
+        let kinds = What::all().map(|what| !what.is_of_engine());
         v.apply(Command::Scene(SceneCommand::Look(SceneLook { kinds, ..v.model().selection.scene })));
         compare(&mut results, rest_at(v, MET), name);
     }

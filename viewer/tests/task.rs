@@ -3,9 +3,8 @@
 mod common;
 
 use common::{Viewing, drop_files};
-use eframe::egui::{self, Modifiers, PointerButton, Pos2, vec2};
-use egui_kittest::kittest::Queryable;
-use glam::{Vec2, Vec3};
+use eframe::egui::{Pos2, vec2};
+use glam::Vec3;
 use std::path::PathBuf;
 use throng_planner::task::Handle;
 use throng_viewer::args::{Args, PanelChoice};
@@ -32,22 +31,10 @@ fn opened(name: &str) -> Viewing {
     v
 }
 
-fn on_screen(v: &Viewing, place: Vec3) -> Pos2 {
-    let rect = v.harness.get_by_label("3-D view").rect();
-    let at: Vec2 = v.model().settings.camera.project(place, Vec2::new(rect.width(), rect.height())).expect("in view");
-    rect.min + vec2(at.x, at.y)
-}
-
-fn press(v: &mut Viewing, pos: Pos2, pressed: bool) {
-    let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-    v.harness.event(egui::Event::PointerButton { pos, button, pressed, modifiers });
-    v.harness.run_steps(2);
-}
-
 fn drag(v: &mut Viewing, from: Pos2, to: Pos2) {
     v.harness.hover_at(from);
     v.harness.run_steps(2);
-    press(v, from, true);
+    v.press(from, true);
     // Far enough that it is no click, and back to where it is to be.
     for at in [from + vec2(30.0, 0.0), from + vec2(30.0, 6.0), to] {
         v.harness.hover_at(at);
@@ -63,11 +50,11 @@ fn an_obstacle_is_dragged_and_the_limb_is_planned_anew() {
     let (was, before) = (at(&v).position.as_vec3(), clip(&v));
     // Anywhere on the post, not at its foot alone.
     let high = was + Vec3::Y * 0.6;
-    let (from, to) = (on_screen(&v, high), on_screen(&v, high + Vec3::new(0.02, 0.0, 0.08)));
+    let (from, to) = (v.on_screen(high), v.on_screen(high + Vec3::new(0.02, 0.0, 0.08)));
     drag(&mut v, from, to);
     assert_eq!(v.model().selection.plan.handle, Some(Handle::Thing(0)));
     assert!(v.model().task().is_some_and(|t| t.is_changed() && t.planning().is_none()), "not before it is let go");
-    press(&mut v, to, false);
+    v.press(to, false);
     planned(&mut v);
     let moved = at(&v).position.as_vec3() - was;
     assert!(moved.y.abs() < 1e-4 && moved.distance(Vec3::new(0.02, 0.0, 0.08)) < 0.03, "{moved}");
@@ -84,10 +71,10 @@ fn the_place_of_a_thing_is_dragged_and_it_is_brought_there() {
     let place = task.task().handles().into_iter().find(|h| matches!(h, Handle::Place(_))).expect("a place");
     let time_s = v.model().task_time_s();
     let was = task.place_of(place, time_s).expect("a place").position.as_vec3();
-    let (from, to) = (on_screen(&v, was), on_screen(&v, was + Vec3::new(0.0, 0.0, 0.03)));
+    let (from, to) = (v.on_screen(was), v.on_screen(was + Vec3::new(0.0, 0.0, 0.03)));
     drag(&mut v, from, to);
     assert_eq!(v.model().selection.plan.handle, Some(place));
-    press(&mut v, to, false);
+    v.press(to, false);
     planned(&mut v);
     let task = v.model().task().expect("a task");
     let there = task.place_of(place, time_s).expect("a place").position.as_vec3();

@@ -4,9 +4,9 @@ mod common;
 
 use common::square::Square;
 use common::{Viewing, adapter};
-use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, vec2};
+use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use throng_runtime::world::inhabitants::Wish;
 use throng_viewer::args::{Args, Character, PanelChoice, Size};
 use throng_viewer::command::{Command, Tool, WorldCommand};
@@ -23,25 +23,6 @@ fn opened(file: &std::path::Path) -> Viewing {
     v.apply(Command::FrameAll);
     v.harness.run_steps(3);
     v
-}
-
-/// Where a place of the world is on the screen.
-fn on_screen(v: &Viewing, place: Vec3) -> Pos2 {
-    let rect = v.harness.get_by_label("3-D view").rect();
-    let at: Vec2 = v.model().settings.camera.project(place, Vec2::new(rect.width(), rect.height())).expect("in view");
-    rect.min + vec2(at.x, at.y)
-}
-
-fn press(v: &mut Viewing, pos: Pos2, pressed: bool, modifiers: Modifiers) {
-    v.harness.event(egui::Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers });
-    v.harness.run_steps(2);
-}
-
-fn click(v: &mut Viewing, pos: Pos2) {
-    v.harness.hover_at(pos);
-    v.harness.run_steps(2);
-    press(v, pos, true, Modifiers::NONE);
-    press(v, pos, false, Modifiers::NONE);
 }
 
 /// The world once more, when it has been stitched.
@@ -65,9 +46,9 @@ fn units_are_edited_and_characters_get_orders() {
 
     // A drag moves the post along the side.
     tool(&mut v, Tool::Move);
-    let (from, to) = (on_screen(&v, Vec3::new(-2.2, 0.6, 0.0)), on_screen(&v, Vec3::new(-2.2, 0.6, 2.0)));
+    let (from, to) = (v.on_screen(Vec3::new(-2.2, 0.6, 0.0)), v.on_screen(Vec3::new(-2.2, 0.6, 2.0)));
     v.harness.hover_at(from);
-    press(&mut v, from, true, Modifiers::NONE);
+    v.press(from, true);
     for part in [0.3, 0.7, 1.0] {
         v.harness.hover_at(from + (to - from) * part);
         v.harness.run_steps(2);
@@ -75,7 +56,7 @@ fn units_are_edited_and_characters_get_orders() {
     let draft = v.model().selection.world.draft;
     assert!(draft.is_some_and(|d| (d.at.z - 2.0).abs() < 0.3), "{draft:?}");
     assert_eq!(post(&v).z, 0.0, "nothing is stitched before it is let go");
-    press(&mut v, to, false, Modifiers::NONE);
+    v.press(to, false);
     stitched(&mut v);
     assert!((post(&v).z - 2.0).abs() < 0.3 && (post(&v).x + 2.2).abs() < 0.3, "{:?}", post(&v));
     assert_eq!((v.model().selection.world.draft, v.model().selection.world.place), (None, Some(9)));
@@ -89,8 +70,8 @@ fn units_are_edited_and_characters_get_orders() {
 
     // One more panel goes beside the others, though it is not pointed at exactly.
     tool(&mut v, Tool::Create(0));
-    let at = on_screen(&v, Vec3::new(8.7, 0.0, 2.5));
-    click(&mut v, at);
+    let at = v.on_screen(Vec3::new(8.7, 0.0, 2.5));
+    v.click(at);
     stitched(&mut v);
     assert_eq!(num_units(&v), 11, "{:?}", v.model().messages);
     let p = v.model().document.world().expect("a world").placed()[10].placement;
@@ -140,8 +121,8 @@ fn units_are_edited_and_characters_get_orders() {
     // A click with the tool Send tells the selected one where to go.
     v.apply(Command::SelectCharacter(Some(0)));
     tool(&mut v, Tool::Send);
-    let at = on_screen(&v, Vec3::new(5.6, 0.0, 5.6));
-    click(&mut v, at);
+    let at = v.on_screen(Vec3::new(5.6, 0.0, 5.6));
+    v.click(at);
     v.harness.run_steps(3);
     let told = v.model().document.world().and_then(|w| w.run().told(0));
     let Some(Wish::GoNear { place, .. }) = told else { panic!("{told:?}") };
@@ -182,22 +163,12 @@ fn a_scene_in_a_world_is_drawn_the_same_every_time() {
 fn who_is_steered_on_patches_is_sent_ahead() {
     let square = Square::new();
     let mut v = opened(&square.world(3));
-    let key = |v: &mut Viewing, key: Key, pressed: bool| {
-        v.harness.event(egui::Event::Key {
-            key,
-            physical_key: None,
-            pressed,
-            repeat: false,
-            modifiers: Modifiers::NONE,
-        });
-        v.harness.run_steps(2);
-    };
     v.apply(Command::SelectCharacter(Some(0)));
-    key(&mut v, Key::G, true);
-    key(&mut v, Key::G, false);
+    v.key(Key::G, true);
+    v.key(Key::G, false);
     let mut sent = 0;
     for pressed in [Key::W, Key::A, Key::S, Key::D] {
-        key(&mut v, pressed, true);
+        v.key(pressed, true);
         let world = v.model().document.world().expect("a world");
         let (at, wish) = (world.run().moment().roots[0].translation(), world.run().moment().states[0].wish);
         let [right, _, back] = v.model().settings.camera.axes();
@@ -215,8 +186,8 @@ fn who_is_steered_on_patches_is_sent_ahead() {
             assert!((place - at).with_y(0.0).normalize().dot(wanted) > 0.9, "{pressed:?}: {}", place - at);
             sent += 1;
         }
-        key(&mut v, pressed, false);
+        v.key(pressed, false);
     }
     assert!(sent > 0, "{:?}", v.model().messages);
-    assert!(v.model().messages.iter().all(|m| !m.is_error), "{:?}", v.model().messages);
+    assert!(v.has_no_errors(), "{:?}", v.model().messages);
 }

@@ -1,17 +1,10 @@
 //! Foot slip: how fast planted feet move.
 
 use glam::{Vec2, Vec3};
+use throng_motion::annotate::contacts::PARTS;
 use throng_runtime::characters::{Characters, Level};
 use throng_runtime::simulation::Simulation;
 use throng_runtime::{Contacts, Joint};
-
-/// Parts of the feet and the joints that show them.
-const PARTS: [(Joint, Contacts); 4] = [
-    (Joint::LeftFoot, Contacts::LEFT_HEEL),
-    (Joint::LeftToe, Contacts::LEFT_TOE),
-    (Joint::RightFoot, Contacts::RIGHT_HEEL),
-    (Joint::RightToe, Contacts::RIGHT_TOE),
-];
 
 /// Bins of the histogram: 1 mm/s each.
 const BINS: usize = 4000;

@@ -1,6 +1,6 @@
 //! Opens files away from the window's thread, and makes what is missing first.
 
-use super::{Building, RawMotion, SceneDocument, Shown, Stamp, TaskDocument, WorldDocument};
+use super::{Building, BundleDocument, Document, RawMotion, SceneDocument, Shown, Stamp, TaskDocument, WorldDocument};
 use crate::bundle::OpenBundle;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -8,21 +8,6 @@ use throng_precompute::import;
 use throng_precompute::progress::Progress;
 use throng_precompute::run::{Cached, News, ensure_motion, is_motion};
 use throng_precompute::verdict;
-
-/// A file as it was read.
-#[derive(Debug)]
-pub enum Opened {
-    /// A bundle.
-    Bundle(Box<OpenBundle>),
-    /// A motion file.
-    Clip(Box<RawMotion>),
-    /// A world of motion patches.
-    World(Box<WorldDocument>),
-    /// A scene.
-    Scene(Box<SceneDocument>),
-    /// A task of limbs.
-    Task(Box<TaskDocument>),
-}
 
 /// Extension of a file, in lower case.
 fn extension(path: &Path) -> String {
@@ -34,7 +19,7 @@ pub fn may_be_made(path: &Path) -> bool {
     is_motion(path) || extension(path) == "toml"
 }
 
-impl Opened {
+impl Document {
     /// Reads a file: motion by its extension (`.bvh` and others), `.toml` as a scene, a world or a task, anything else as a bundle.
     /// Of a folder, an archive and several files of motion, the bundle that `throng build` makes of them is made first, in
     /// the cache.
@@ -54,7 +39,7 @@ impl Opened {
             }
             motion => {
                 let bundle = ensure_motion(motion, Path::new("motion.throng"), with).map_err(|e| e.to_string())?;
-                return Ok(Self::Bundle(Box::new(OpenBundle::open(&bundle)?)));
+                return Ok(Self::Bundle(Box::new(BundleDocument::at_rest(OpenBundle::open(&bundle)?))));
             }
         };
         Ok(match &*extension(path) {
@@ -62,39 +47,8 @@ impl Opened {
             "toml" if WorldDocument::is_one(path) => Self::World(Box::new(WorldDocument::open(path, with)?)),
             "toml" if TaskDocument::is_one(path) => Self::Task(Box::new(TaskDocument::open(path, with)?)),
             "toml" => Self::Scene(Box::new(SceneDocument::open(path, with)?)),
-            _ => Self::Bundle(Box::new(OpenBundle::open(path)?)),
+            _ => Self::Bundle(Box::new(BundleDocument::at_rest(OpenBundle::open(path)?))),
         })
-    }
-
-    /// The file; of motion, the bundle that was made of it.
-    pub fn path(&self) -> &Path {
-        match self {
-            Self::Bundle(bundle) => bundle.path(),
-            Self::Clip(clip) => clip.path(),
-            Self::World(world) => world.path(),
-            Self::Scene(scene) => scene.path(),
-            Self::Task(task) => task.path(),
-        }
-    }
-
-    /// Files that it was read from, beside its own.
-    pub fn more_files(&self) -> Vec<PathBuf> {
-        match self {
-            Self::World(world) => vec![world.bundle().path().to_path_buf()],
-            Self::Scene(scene) => scene.more_files(),
-            Self::Task(task) => task.more_files(),
-            Self::Bundle(_) | Self::Clip(_) => Vec::new(),
-        }
-    }
-
-    /// Its bundle, where it has one.
-    fn bundle(&self) -> Option<&OpenBundle> {
-        match self {
-            Self::Bundle(bundle) => Some(bundle),
-            Self::Scene(scene) => scene.bundle(),
-            Self::World(world) => Some(world.bundle()),
-            Self::Clip(_) | Self::Task(_) => None,
-        }
     }
 }
 
@@ -106,7 +60,7 @@ pub struct Loaded {
     /// The version that was read.
     pub stamp: Option<Stamp>,
     /// What it holds.
-    pub result: Result<Opened, String>,
+    pub result: Result<Document, String>,
     /// How what was missing was made.
     pub building: Building,
 }
@@ -139,8 +93,8 @@ impl Loader {
         let paths = paths.to_vec();
         std::thread::spawn(move || {
             let before = if let [path] = &*paths { Stamp::of(path) } else { None };
-            let mut result = building.with(|with| Opened::read(&paths, with));
-            if let (Ok(Opened::Scene(scene)), Some(from)) = (&mut result, from)
+            let mut result = building.with(|with| Document::read(&paths, with));
+            if let (Ok(Document::Scene(scene)), Some(from)) = (&mut result, from)
                 && let Err(why) = scene.go_on(&from, || building.is_stopped())
             {
                 result = Err(why);
@@ -152,7 +106,8 @@ impl Loader {
             }
             let stamp = result.as_ref().ok().and_then(|opened| {
                 // A bundle that was made of motion is as it is now.
-                let own = if paths[..] == [opened.path()] { before } else { Stamp::of(opened.path()) };
+                let path = opened.path()?;
+                let own = if paths[..] == [path] { before } else { Stamp::of(path) };
                 Stamp::with(own, &opened.more_files())
             });
             // The receiver is gone if another file was asked for meanwhile.
@@ -192,7 +147,7 @@ impl Loader {
 }
 
 /// Lets some characters try what was made, as `throng build` does.
-fn judge(opened: &Opened, building: &Building) {
+fn judge(opened: &Document, building: &Building) {
     let Some(bundle) = opened.bundle() else { return };
     building.comes_to("trial");
     let tried = verdict::try_out(bundle.tables(), &[]);

@@ -12,7 +12,7 @@ pub mod world;
 
 pub use building::{Build, Building, Built, End, Told};
 pub use clip::RawMotion;
-pub use load::{Loader, Opened, may_be_made};
+pub use load::{Loader, may_be_made};
 pub use outfit::{Dressing, Outfit};
 pub use scene::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument, Shown, Standing, StandingDoor, StandingUnit};
 pub use task::{PlannedMotion, Planning, TaskDocument};
@@ -50,6 +50,13 @@ pub struct BundleDocument {
     pub run: Result<Run, String>,
     /// A character walking in one of its blend spaces; none if it has no such space.
     pub blend: Option<BlendRun>,
+}
+
+impl BundleDocument {
+    /// Nobody moves yet.
+    pub fn at_rest(bundle: OpenBundle) -> Self {
+        Self { bundle, run: Err(String::new()), blend: None }
+    }
 }
 
 impl Document {

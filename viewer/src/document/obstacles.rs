@@ -3,7 +3,7 @@
 use crate::render::SolidMesh;
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::TAU;
-use throng_precompute::run::SeenObstacle;
+use throng_runtime::crowd::Obstacle;
 
 /// Height of doors (m).
 pub const DOOR_M: f32 = 0.35;
@@ -13,18 +13,18 @@ const THIN_M: f32 = 0.04;
 const AROUND: usize = 40;
 
 /// One mesh of all that stands and hides what is behind it, each with its height on the ground (m).
-pub fn mesh_of<'a>(obstacles: impl IntoIterator<Item = (&'a SeenObstacle, f32)>, in_the_air: bool) -> SolidMesh {
+pub fn mesh_of<'a>(obstacles: impl IntoIterator<Item = (&'a Obstacle, f32)>, in_the_air: bool) -> SolidMesh {
     let mut mesh = SolidMesh::default();
     for (obstacle, height) in obstacles {
         match obstacle {
-            SeenObstacle::Ball { centre, radius } if in_the_air => mesh.add_bar(*centre, *centre, *radius),
-            SeenObstacle::Ball { centre, radius } => prism(&mut mesh, &round(*centre, *radius), height),
-            SeenObstacle::Wall { from, to, radius } if in_the_air => {
+            Obstacle::Ball { centre, radius } if in_the_air => mesh.add_bar(*centre, *centre, *radius),
+            Obstacle::Ball { centre, radius } => prism(&mut mesh, &round(*centre, *radius), height),
+            Obstacle::Wall { from, to, radius } if in_the_air => {
                 mesh.add_bar(*from, *to, radius.max(THIN_M));
             }
-            SeenObstacle::Wall { from, to, radius } => wall(&mut mesh, [*from, *to], radius.max(THIN_M), height),
-            SeenObstacle::Polygon(corners) => prism(&mut mesh, corners, height),
-            SeenObstacle::Box(low, high) if !in_the_air => {
+            Obstacle::Wall { from, to, radius } => wall(&mut mesh, [*from, *to], radius.max(THIN_M), height),
+            Obstacle::Polygon { corners } => prism(&mut mesh, corners, height),
+            Obstacle::Box { min: low, max: high } if !in_the_air => {
                 let top = Vec3::new(high.x, low.y + height, high.z);
                 mesh.add_box(0.5 * (*low + top), Quat::IDENTITY, 0.5 * (top - *low));
             }

@@ -12,11 +12,11 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::files::write_atomically;
-use throng_precompute::run::{Cached, SeenObstacle, ensure, seen_obstacle};
+use throng_precompute::run::{Cached, ensure, seen_obstacle};
 use throng_precompute::stitch::Kit;
 use throng_runtime::base::file::{MAX_SNAPSHOT_BYTES, read_file};
 use throng_runtime::blend::HeightField;
-use throng_runtime::crowd::Scheme;
+use throng_runtime::crowd::{Obstacle, Scheme};
 use throng_runtime::patch::Placement;
 use throng_runtime::simulation::scene::engine;
 use throng_runtime::simulation::{CompiledScene, GroupCast, Motion, Scene};
@@ -76,7 +76,7 @@ pub struct Standing {
     /// Units of worlds: number of the mesh, and the unit.
     pub units: Vec<StandingUnit>,
     /// Obstacles, also those that move.
-    pub obstacles: Vec<SeenObstacle>,
+    pub obstacles: Vec<Obstacle>,
     /// Agents move in the air.
     pub in_the_air: bool,
     /// Doors, in the order of the scene file.
@@ -405,11 +405,11 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
         match cast {
             GroupCast::Ground(agents) => {
                 let (walls, all) = agents.layout().walls_and_doors();
-                out.obstacles = walls.iter().filter_map(seen_obstacle).collect();
-                doors = all.iter().filter_map(seen_obstacle).collect();
+                out.obstacles = walls.iter().map(seen_obstacle).collect();
+                doors = all.iter().map(seen_obstacle).collect();
             }
             GroupCast::Air(agents) => {
-                out.obstacles = agents.layout().setup.obstacles.iter().filter_map(seen_obstacle).collect();
+                out.obstacles = agents.layout().setup.obstacles.iter().map(seen_obstacle).collect();
                 out.in_the_air = true;
             }
             _ => {}
@@ -454,7 +454,7 @@ fn standing(compiled: &CompiledScene, run: &SceneRun) -> Result<Standing, String
         }
     }
     for door in doors {
-        if let SeenObstacle::Wall { from, to, .. } = door {
+        if let Obstacle::Wall { from, to, .. } = door {
             out.doors.push(StandingDoor { mesh: meshes.len() as u32, ends: [from, to] });
             meshes.push(mesh_of([(&door, DOOR_M)], false));
         }

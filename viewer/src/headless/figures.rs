@@ -1,22 +1,8 @@
 //! Times of frames.
 
 use crate::app::Viewer;
+use crate::model::FrameTimes;
 use serde::Serialize;
-
-/// Where the time of one frame went (s).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FrameSpans {
-    /// Steps of the crowd.
-    pub simulation_s: f64,
-    /// Laying out what is drawn.
-    pub layout_s: f64,
-    /// Handing poses to the graphics device.
-    pub upload_s: f64,
-    /// From encoding until all is drawn.
-    pub drawing_s: f64,
-    /// All of it, panels included.
-    pub frame_s: f64,
-}
 
 /// Times of many frames: medians and 95th percentiles (ms).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -53,9 +39,9 @@ pub struct FrameFigures {
 
 impl FrameFigures {
     /// Figures of frames; the first ones, up to ten, warm up and do not count.
-    pub fn of(characters: usize, all: &[FrameSpans]) -> Self {
+    pub fn of(characters: usize, all: &[FrameTimes]) -> Self {
         let counted = &all[(all.len() / 4).min(10)..];
-        let figures = |part: fn(&FrameSpans) -> f64| {
+        let figures = |part: fn(&FrameTimes) -> f64| {
             let mut ms: Vec<f64> = counted.iter().map(|s| 1000.0 * part(s)).collect();
             ms.sort_by(f64::total_cmp);
             (share(&ms, 0.5), share(&ms, 0.95))
@@ -103,7 +89,7 @@ mod tests {
 
     #[test]
     fn medians_leave_the_first_frames_out() {
-        let frame = |ms: f64| FrameSpans { simulation_s: 0.001, frame_s: ms / 1000.0, ..FrameSpans::default() };
+        let frame = |ms: f64| FrameTimes { simulation_s: 0.001, frame_s: ms / 1000.0, ..FrameTimes::default() };
         let mut frames = vec![frame(1000.0); 10];
         frames.extend((1..=100).map(|ms| frame(f64::from(ms))));
         let f = FrameFigures::of(7, &frames);

@@ -10,12 +10,13 @@ mod image;
 mod screen;
 
 pub use bench::{BenchReport, bench};
-pub use figures::{FrameFigures, FrameSpans};
+pub use figures::FrameFigures;
 pub use image::Image;
 pub use screen::Screen;
 
 use crate::app::Viewer;
 use crate::args::{Args, PICTURE_FRAMES, PanelChoice, Size};
+use crate::model::FrameTimes;
 use crate::run::STEP_HZ;
 use eframe::egui;
 use serde::Serialize;
@@ -124,7 +125,7 @@ impl Headless {
     ///
     /// # Errors
     /// [`HeadlessError::Drawing`]
-    pub fn advance(&mut self, draws: bool) -> Result<FrameSpans, HeadlessError> {
+    pub fn advance(&mut self, draws: bool) -> Result<FrameTimes, HeadlessError> {
         self.frame += 1;
         self.run_frame(1.0 / STEP_HZ, draws)
     }
@@ -140,7 +141,7 @@ impl Headless {
         self.screen.read()
     }
 
-    fn run_frame(&mut self, wall_s: f32, draws: bool) -> Result<FrameSpans, HeadlessError> {
+    fn run_frame(&mut self, wall_s: f32, draws: bool) -> Result<FrameTimes, HeadlessError> {
         let begin = Instant::now();
         let mut passed_s = Some(wall_s);
         let (ctx, viewer) = (&self.ctx, &mut self.viewer);
@@ -152,14 +153,7 @@ impl Headless {
             viewer.ui(ui);
         });
         let drawing_s = self.screen.take(&self.ctx, output, draws)?;
-        let times = &mut self.viewer.model.times;
-        Ok(FrameSpans {
-            simulation_s: times.simulation_s,
-            layout_s: times.layout_s,
-            upload_s: times.upload_s,
-            drawing_s,
-            frame_s: begin.elapsed().as_secs_f64(),
-        })
+        Ok(FrameTimes { drawing_s, frame_s: begin.elapsed().as_secs_f64(), ..self.viewer.model.times })
     }
 }
 

@@ -2,13 +2,11 @@
 
 use super::{HeadlessError, Image, adapter};
 use crate::args::{Adapter, Size};
+use crate::render::{read_back, wait};
 use eframe::egui;
 use eframe::egui_wgpu::{RenderState, ScreenDescriptor, wgpu};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
-
-/// Longest time that a frame may take to be drawn; what takes longer hangs.
-const WAIT: Duration = Duration::from_secs(120);
+use std::time::Instant;
 
 /// A texture that egui draws into.
 pub struct Screen {
@@ -136,12 +134,7 @@ impl Screen {
         drop(pass);
         commands.push(encoder.finish());
         queue.submit(commands);
-        self.wait()
-    }
-
-    fn wait(&self) -> Result<(), HeadlessError> {
-        let poll = self.state.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(WAIT) });
-        poll.map(|_| ()).map_err(|e| self.failed(&e))
+        wait(device).map_err(|e| self.failed(&e))
     }
 
     /// What the graphics library complained about since the last call.
@@ -159,32 +152,10 @@ impl Screen {
     /// # Errors
     /// [`HeadlessError::Drawing`]
     pub fn read(&self) -> Result<Image, HeadlessError> {
-        let (Size { width, height }, device) = (self.size, &self.state.device);
-        let row = 4 * width;
-        let padded_row = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("picture"),
-            size: u64::from(padded_row) * u64::from(height),
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded_row), rows_per_image: None };
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
-        encoder.copy_texture_to_buffer(
-            self.texture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
-            self.texture.size(),
-        );
-        self.state.queue.submit([encoder.finish()]);
-        // The range below tells whether mapping it succeeded.
-        buffer.map_async(wgpu::MapMode::Read, .., |_| ());
-        self.wait()?;
+        let read = read_back(&self.state.device, &self.state.queue, &self.texture);
         self.complaint()?;
-        let bytes = buffer.get_mapped_range(..).map_err(|e| self.failed(&e))?;
-        let pixels = |line: &[u8]| -> Vec<u8> {
-            line[..row as usize].chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect()
-        };
-        let rgb = bytes.chunks_exact(padded_row as usize).flat_map(pixels).collect();
+        let (_, rgba) = read.map_err(|e| self.failed(&e))?;
+        let rgb = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
         Ok(Image::new(self.size, rgb))
     }
 }

@@ -3,7 +3,7 @@
 use super::{ClipPlayer, Model, Selection};
 use crate::bundle::OpenBundle;
 use crate::command::{Stage, WorldLook};
-use crate::document::{Build, BundleDocument, Document, Opened, SceneDocument, Stamp, Watch};
+use crate::document::{Build, BundleDocument, Document, SceneDocument, Stamp, Watch};
 use crate::run::{BlendRun, Run};
 use crate::settings::PanelKind;
 use eframe::egui;
@@ -54,7 +54,7 @@ impl Model {
     }
 
     /// Shows what was read for what was asked for.
-    fn adopt(&mut self, paths: Vec<PathBuf>, opened: Opened, is_reload: bool) {
+    fn adopt(&mut self, paths: Vec<PathBuf>, opened: Document, is_reload: bool) {
         self.settings.remember(&paths);
         self.asked = paths;
         self.show(opened, is_reload);
@@ -67,15 +67,12 @@ impl Model {
         self.asked.clear();
     }
 
-    fn show(&mut self, opened: Opened, is_reload: bool) {
+    fn show(&mut self, opened: Document, is_reload: bool) {
         self.generation += 1;
         let old = self.document.head().copied().filter(|_| is_reload);
         self.document = match opened {
-            Opened::Clip(clip) => Document::Clip(clip),
-            Opened::Bundle(bundle) => self.with_run(*bundle, is_reload),
-            Opened::World(world) => Document::World(world),
-            Opened::Scene(scene) => Document::Scene(scene),
-            Opened::Task(task) => Document::Task(task),
+            Document::Bundle(b) => self.with_run(b.bundle, is_reload),
+            other => other,
         };
         if let Some(head) = self.document.head_mut() {
             head.play(true);
@@ -202,8 +199,8 @@ impl Model {
     /// A message that names the file, what is wrong with it and the way out.
     pub fn open_now(&mut self, path: &Path, with: &Cached<'_>) -> Result<(), String> {
         let (paths, before) = (vec![path.to_path_buf()], Stamp::of(path));
-        let opened = Opened::read(&paths, with)?;
-        let own = if opened.path() == path { before } else { Stamp::of(opened.path()) };
+        let opened = Document::read(&paths, with)?;
+        let own = opened.path().and_then(|own| if own == path { before } else { Stamp::of(own) });
         self.watch = Some(Watch::from(Stamp::with(own, &opened.more_files())));
         self.adopt(paths, opened, false);
         Ok(())

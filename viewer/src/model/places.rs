@@ -4,7 +4,7 @@ use super::Model;
 use crate::document::{Document, SceneDocument, TaskDocument, WorldDocument};
 use crate::run::agents::way;
 use glam::Vec3;
-use throng_precompute::run::SeenObstacle;
+use throng_runtime::crowd::Obstacle;
 
 impl Model {
     /// A box around all that is shown (m).
@@ -89,9 +89,9 @@ fn of_scene(scene: &SceneDocument) -> impl Iterator<Item = Vec3> {
     let standing = Some(scene.standing()).filter(|s| run.simulation().minds().is_some() && !s.in_the_air);
     let ends = standing.into_iter().flat_map(|s| {
         let obstacles = s.obstacles.iter().flat_map(|o| match o {
-            SeenObstacle::Wall { from, to, .. } => vec![*from, *to],
-            SeenObstacle::Ball { centre, .. } => vec![*centre],
-            SeenObstacle::Polygon(corners) => corners.clone(),
+            Obstacle::Wall { from, to, .. } => vec![*from, *to],
+            Obstacle::Ball { centre, .. } => vec![*centre],
+            Obstacle::Polygon { corners } => corners.clone(),
             _ => Vec::new(),
         });
         s.doors.iter().flat_map(|d| d.ends).chain(obstacles)

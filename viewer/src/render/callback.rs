@@ -1,19 +1,10 @@
 //! The view inside an egui window.
 
-use super::{Camera, DrawStats, SceneColours, SceneRenderer};
+use super::{Camera, SceneColours, SceneRenderer};
 use eframe::egui;
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, ScreenDescriptor};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-
-/// Times of drawing, shared with the panel that shows them.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct DrawReport {
-    /// What was drawn.
-    pub stats: DrawStats,
-    /// Time to choose, encode and submit; the device may still be at work.
-    pub time: Duration,
-}
 
 /// Draws the uploaded scene before egui's own pass and shows it there.
 ///
@@ -29,8 +20,8 @@ pub struct SceneCallback {
     pub size: [u32; 2],
     /// Colours of the surroundings.
     pub colours: SceneColours,
-    /// Where the cost of the drawing is left.
-    pub report: Arc<Mutex<DrawReport>>,
+    /// Where the time to choose, encode and submit is left; the device may still be at work.
+    pub time: Arc<Mutex<Duration>>,
 }
 
 impl SceneCallback {
@@ -53,9 +44,8 @@ impl CallbackTrait for SceneCallback {
     ) -> Vec<wgpu::CommandBuffer> {
         let started = Instant::now();
         let mut renderer = self.renderer.lock().unwrap_or_else(PoisonError::into_inner);
-        let stats = renderer.draw(self.size, &self.camera, &self.colours);
-        let report = DrawReport { stats, time: started.elapsed() };
-        *self.report.lock().unwrap_or_else(PoisonError::into_inner) = report;
+        renderer.draw(self.size, &self.camera, &self.colours);
+        *self.time.lock().unwrap_or_else(PoisonError::into_inner) = started.elapsed();
         Vec::new()
     }
 
@@ -97,7 +87,7 @@ mod tests {
             camera: Camera::default(),
             size: [1, 1],
             colours,
-            report: Arc::default(),
+            time: Arc::default(),
         };
         let shown = callback.clone();
         let rect = egui::Rect::from_min_size(egui::pos2(40.0, 20.0), egui::vec2(200.0, 100.0));

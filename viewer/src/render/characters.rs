@@ -3,7 +3,7 @@
 use super::buffer::GrowingBuffer;
 use super::cull::{self, Frustum};
 use super::mesh::{self, Body, LEVELS};
-use super::pipelines::{self, Input, Output, Recipe};
+use super::pipelines::{self, Input, Layer, Recipe};
 use super::worn_draws::WornDraws;
 use super::{Camera, RenderError, Rgba, SceneFrame};
 use bytemuck::{Pod, Zeroable};
@@ -23,19 +23,6 @@ const CONTACT_LEVELS: usize = 2;
 /// Shadows fall this far beyond the sphere of their body at most (m).
 const SHADOW_REACH: f32 = 1.6;
 
-/// How a character stands out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Emphasis {
-    /// Not at all.
-    #[default]
-    None = 0,
-    /// Its edge glows: pointed at.
-    Highlighted = 1,
-    /// Its edge glows in another colour: chosen.
-    Selected = 2,
-}
-
 /// One character to draw; its pose is in the palette.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CharacterInstance {
@@ -43,8 +30,8 @@ pub struct CharacterInstance {
     pub root: Planar,
     /// Main colour; other parts are shades of it. With alpha below 1 it is a ghost, drawn after all others.
     pub colour: Rgba,
-    /// How it stands out.
-    pub emphasis: Emphasis,
+    /// Its edge glows.
+    pub is_selected: bool,
     /// Bits by which its clothes and skin are coloured; 0 for those that everybody has.
     pub look: u32,
 }
@@ -66,7 +53,7 @@ pub struct Record {
 struct GpuInstance {
     root: [f32; 4],
     colour: Rgba,
-    emphasis: u32,
+    is_selected: u32,
     /// Rows of a record; [`FROM_PALETTE`] where the pose is in the palette.
     row_a: u32,
     row_b: u32,
@@ -96,6 +83,18 @@ pub(super) struct Lists {
     pub ghosts: [Range<u32>; LEVELS],
     /// Those whose shadow can be in view, by the level of the shadow.
     pub shadows: [Range<u32>; LEVELS],
+}
+
+impl Lists {
+    /// Those of a layer. Far away, contact is too small to be seen.
+    pub fn of(&self, layer: Layer) -> &[Range<u32>] {
+        match layer {
+            Layer::Solid => &self.solid,
+            Layer::Ghosts => &self.ghosts,
+            Layer::Sun => &self.shadows,
+            Layer::Contact => &self.shadows[..CONTACT_LEVELS],
+        }
+    }
 }
 
 /// Draws of one frame, with the bodies that the viewer makes and with the user's own.
@@ -159,10 +158,7 @@ pub(super) struct Characters {
     staging: Vec<GpuInstance>,
     numbers: Vec<u32>,
     reach: f32,
-    solid: wgpu::RenderPipeline,
-    ghost: wgpu::RenderPipeline,
-    /// The sun's shadow, and what touches the ground.
-    shadows: [wgpu::RenderPipeline; 2],
+    pipelines: [wgpu::RenderPipeline; Layer::ALL.len()],
     worn: WornDraws,
     /// They were drawn in the last frame.
     was_worn: bool,
@@ -181,20 +177,16 @@ impl Characters {
         let with = |label, last| pipelines::shader(device, label, &[pieces[0], pieces[1], pieces[2], last]);
         let body = with("body", include_str!("shaders/body.wgsl"));
         let shadow = with("shadow", include_str!("shaders/shadow.wgsl"));
-        let build = |label, shader, stages, output| {
-            let groups = &[scene_layout, &layout];
-            let input = Input::Body;
+        let pipelines = Layer::ALL.map(|layer| {
             // The faces that look away from the light are the lower ones, which is where shadows are darkest.
-            let hidden = if output == Output::Mask { Face::Front } else { Face::Back };
-            Recipe { label, shader, stages, groups, input, output, strip: false, hidden: Some(hidden) }.build(device)
-        };
+            let (shader, hidden) = if layer.is_shadow() { (&shadow, Face::Front) } else { (&body, Face::Back) };
+            let (stages, groups, input, output) =
+                (layer.stages(), &[scene_layout, &layout], Input::Body, layer.output());
+            let hidden = Some(hidden);
+            Recipe { label: "bodies", shader, stages, groups, input, output, strip: false, hidden }.build(device)
+        });
         Self {
-            solid: build("bodies", &body, ["vertex", "fragment"], Output::SOLID),
-            ghost: build("ghosts", &body, ["vertex", "fragment"], Output::GHOST),
-            shadows: [
-                build("shadows", &shadow, ["sun_vertex", "sun_fragment"], Output::Mask),
-                build("contacts", &shadow, ["contact_vertex", "contact_fragment"], Output::Mask),
-            ],
+            pipelines,
             layout,
             group: None,
             palette: GrowingBuffer::new(device, "joint matrices", Usage::STORAGE),
@@ -232,13 +224,13 @@ impl Characters {
         Ok(())
     }
 
-    /// Hands over poses, instances and records; returns the bytes moved.
+    /// Hands over poses, instances and records.
     pub fn upload(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         frame: &SceneFrame<'_>,
-    ) -> Result<u64, RenderError> {
+    ) -> Result<(), RenderError> {
         let SceneFrame { palette, instances, records, .. } = *frame;
         let (characters, got, expected) = (instances.len(), palette.len(), instances.len() * NUM_JOINTS);
         if got != expected {
@@ -263,13 +255,8 @@ impl Characters {
             let (hips, ghost) = (Vec3::new(p.x, hips.y, p.y), instance.colour.0[3] < 255);
             self.places.push(Place { hips, ghost, worn: frame.worn.is_some() });
             let (worn, look) = ((i * num_frames) as u32, instance.look);
-            let posed = GpuInstance {
-                row_a: FROM_PALETTE,
-                emphasis: instance.emphasis as u32,
-                worn,
-                look,
-                ..Zeroable::zeroed()
-            };
+            let is_selected = u32::from(instance.is_selected);
+            let posed = GpuInstance { row_a: FROM_PALETTE, is_selected, worn, look, ..Zeroable::zeroed() };
             self.staging.push(GpuInstance { root: gpu_root(root), colour: instance.colour, ..posed });
         }
         for Record { instance: i, colour, look } in records {
@@ -284,12 +271,10 @@ impl Characters {
         self.lists.reserve(device, 2 * self.staging.len(), size_of::<u32>())?;
         let are_new = self.instances.write(device, queue, &self.staging)?;
         let mut moved = self.palette.write(device, queue, palette)? | are_new;
-        let mut bytes = size_of_val(palette) + size_of_val(self.staging.as_slice());
         if let Some(rows) = frame.rows.filter(|rows| self.uploaded_rows.as_ref().is_none_or(|u| !Arc::ptr_eq(u, rows)))
         {
             moved |= self.rows.write(device, queue, rows)?;
             self.uploaded_rows = Some(Arc::clone(rows));
-            bytes += size_of_val(&**rows);
         }
         if moved || self.group.is_none() {
             let bind = |binding, resource| wgpu::BindGroupEntry { binding, resource };
@@ -301,16 +286,13 @@ impl Characters {
                 entries: &[bind(0, palette), bind(1, instances), bind(2, rows)],
             }));
         }
-        // The buffer may have been replaced while nothing was worn.
-        let worn_bytes = match &frame.worn {
-            Some(worn) => self.worn.upload(device, queue, worn, self.instances.get(), are_new || !self.was_worn)?,
-            None => 0,
-        };
-        self.was_worn = frame.worn.is_some();
-        if let Some(worn) = frame.worn {
+        if let Some(worn) = &frame.worn {
+            // The buffer may have been replaced while nothing was worn.
+            self.worn.upload(device, queue, worn, self.instances.get(), are_new || !self.was_worn)?;
             self.reach = self.reach.max(worn.mesh.reach * cull::reach(frame.skeleton));
         }
-        Ok(bytes as u64 + worn_bytes)
+        self.was_worn = frame.worn.is_some();
+        Ok(())
     }
 
     /// Forgets all characters.
@@ -353,36 +335,18 @@ impl Characters {
         lists
     }
 
-    /// Draws opaque bodies; returns how many triangles.
-    pub fn draw_solid(&self, pass: &mut wgpu::RenderPass<'_>, lists: &DrawLists) -> u64 {
-        self.draw(pass, &self.solid, &lists.made.solid)
-            + self.worn.draw_solid(pass, self.lists.get(), &lists.worn.solid)
-    }
-
-    /// Draws ghosts; returns how many triangles.
-    pub fn draw_ghosts(&self, pass: &mut wgpu::RenderPass<'_>, lists: &DrawLists) -> u64 {
-        self.draw(pass, &self.ghost, &lists.made.ghosts)
-            + self.worn.draw_ghosts(pass, self.lists.get(), &lists.worn.ghosts)
-    }
-
-    /// Draws shadows into the mask; returns how many triangles. Far away, contact is too small to be seen.
-    pub fn draw_shadows(&self, pass: &mut wgpu::RenderPass<'_>, lists: &DrawLists) -> u64 {
-        let [sun, contact] = &self.shadows;
-        let made = &lists.made.shadows;
-        self.draw(pass, sun, made)
-            + self.draw(pass, contact, &made[..CONTACT_LEVELS])
-            + self.worn.draw_shadows(pass, self.lists.get(), &lists.worn.shadows, CONTACT_LEVELS)
-    }
-
-    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, lists: &[Range<u32>]) -> u64 {
-        let Some(group) = &self.group else { return 0 };
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(1, group, &[]);
-        draw_levels(pass, &self.meshes, self.lists.get(), lists)
+    /// Draws the bodies of a layer.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, lists: &DrawLists, layer: Layer) {
+        if let Some(group) = &self.group {
+            pass.set_pipeline(&self.pipelines[layer as usize]);
+            pass.set_bind_group(1, group, &[]);
+            draw_levels(pass, &self.meshes, self.lists.get(), lists.made.of(layer));
+        }
+        self.worn.draw(pass, self.lists.get(), lists.worn.of(layer), layer);
     }
 }
 
-/// Draws characters with the mesh of their level of detail; returns how many triangles.
+/// Draws characters with the mesh of their level of detail.
 ///
 /// - `numbers`: numbers of characters, of which each list is a range.
 pub(super) fn draw_levels(
@@ -390,16 +354,13 @@ pub(super) fn draw_levels(
     meshes: &[GpuMesh],
     numbers: &wgpu::Buffer,
     lists: &[Range<u32>],
-) -> u64 {
-    let mut triangles = 0;
+) {
     for (mesh, list) in meshes.iter().zip(lists).filter(|(_, list)| !list.is_empty()) {
         pass.set_vertex_buffer(0, mesh.vertices.get().slice(..));
         pass.set_vertex_buffer(1, numbers.slice(..));
         pass.set_index_buffer(mesh.indices.get().slice(..), wgpu::IndexFormat::Uint32);
         pass.draw_indexed(0..mesh.num_indices, 0, list.clone());
-        triangles += u64::from(mesh.num_indices / 3) * list.len() as u64;
     }
-    triangles
 }
 
 /// A planar root as the shader takes it.

@@ -68,8 +68,6 @@ pub struct SceneColours {
     pub light_key: Rgba,
     /// Edge of selected characters.
     pub selected: Rgba,
-    /// Edge of characters pointed at.
-    pub highlighted: Rgba,
 }
 
 impl SceneColours {
@@ -87,7 +85,6 @@ impl SceneColours {
         light_below: Rgba([0xd8, 0xcf, 0xc2, 105]),
         light_key: Rgba([0xff, 0xf3, 0xe2, 175]),
         selected: Rgba::hex(0x7a2bbf),
-        highlighted: Rgba::hex(0x1f9e89),
     };
 
     /// For dark themes: slate.
@@ -104,7 +101,6 @@ impl SceneColours {
         light_below: Rgba([0x8a, 0x86, 0x80, 70]),
         light_key: Rgba([0xff, 0xf1, 0xdc, 190]),
         selected: Rgba::hex(0xc79bff),
-        highlighted: Rgba::hex(0x5fe0c8),
     };
 }
 

@@ -1,6 +1,10 @@
 //! The device to ask an adapter for.
 
+use std::time::Duration;
 use wgpu::{DeviceDescriptor, Limits};
+
+/// Longest time that a frame may take to be drawn; what takes longer hangs.
+const WAIT: Duration = Duration::from_secs(120);
 
 /// A device for the view and for egui: the limits that WebGPU promises, less where the adapter falls short of them, and
 /// as much memory for crowds and pictures as it has.
@@ -17,6 +21,14 @@ fn limits(offered: &Limits) -> Limits {
         max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
         ..Limits::default().or_worse_values_from(offered)
     }
+}
+
+/// Waits until all that was submitted is done.
+///
+/// # Errors
+/// The device is lost, or takes longer than two minutes.
+pub fn wait(device: &wgpu::Device) -> Result<(), wgpu::PollError> {
+    device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(WAIT) }).map(|_| ())
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The textures the view is drawn into, and the way from there into a window.
 
 use super::RenderError;
+use super::device::wait;
 use super::pipelines::{self, COLOUR, DEPTH, Input, MASK, Output, Recipe, SAMPLES};
 
 /// Textures of one size.
@@ -130,7 +131,10 @@ impl Offscreen {
 }
 
 /// Size and bytes of a texture of four bytes a pixel; waits for the device.
-pub(super) fn read_back(
+///
+/// # Errors
+/// [`RenderError::ReadBack`] where the device fails or hangs.
+pub fn read_back(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     texture: &wgpu::Texture,
@@ -146,17 +150,13 @@ pub(super) fn read_back(
     });
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("read back") });
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
-    encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
-        wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
-        wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-    );
+    let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
     queue.submit([encoder.finish()]);
-    let (sender, receiver) = std::sync::mpsc::channel();
-    buffer.slice(..).map_async(wgpu::MapMode::Read, move |result| drop(sender.send(result)));
-    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| failed(&e))?;
-    receiver.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
-    let mapped = buffer.slice(..).get_mapped_range().map_err(|e| failed(&e))?;
+    // The range below tells whether mapping it succeeded.
+    buffer.map_async(wgpu::MapMode::Read, .., |_| ());
+    wait(device).map_err(|e| failed(&e))?;
+    let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
     let rows = mapped.chunks_exact(row as usize).flat_map(|r| &r[..width as usize * 4]);
     Ok(([width, height], rows.copied().collect()))
 }

@@ -130,7 +130,7 @@ fn meets_cylinder(ray: &Ray, a: Vec3, axis: Vec3, radius: f32) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{Emphasis, Rgba};
+    use crate::render::Rgba;
     use glam::Quat;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg32;
@@ -146,7 +146,7 @@ mod tests {
         let mut place = || {
             let root =
                 Planar::new(rng.random_range(-6.0..6.0), rng.random_range(-6.0..6.0), rng.random_range(-3.0..3.0));
-            CharacterInstance { root, colour: Rgba::WHITE, emphasis: Emphasis::None, look: 0 }
+            CharacterInstance { root, colour: Rgba::WHITE, is_selected: false, look: 0 }
         };
         (palette, (0..n).map(|_| place()).collect())
     }

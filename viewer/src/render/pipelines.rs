@@ -143,6 +143,47 @@ impl Output {
     }
 }
 
+/// What is drawn of bodies at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Layer {
+    /// Opaque bodies.
+    Solid,
+    /// Those one can see through.
+    Ghosts,
+    /// The sun's shadow.
+    Sun,
+    /// The shadow of what touches the ground.
+    Contact,
+}
+
+impl Layer {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Solid, Self::Ghosts, Self::Sun, Self::Contact];
+
+    /// True for those that are drawn into the mask.
+    pub fn is_shadow(self) -> bool {
+        matches!(self, Self::Sun | Self::Contact)
+    }
+
+    /// Entry points of its shader.
+    pub fn stages(self) -> [&'static str; 2] {
+        match self {
+            Self::Solid | Self::Ghosts => ["vertex", "fragment"],
+            Self::Sun => ["sun_vertex", "sun_fragment"],
+            Self::Contact => ["contact_vertex", "contact_fragment"],
+        }
+    }
+
+    /// What it is drawn into.
+    pub fn output(self) -> Output {
+        match self {
+            Self::Solid => Output::SOLID,
+            Self::Ghosts => Output::GHOST,
+            Self::Sun | Self::Contact => Output::Mask,
+        }
+    }
+}
+
 /// All that tells one pipeline from another.
 pub(super) struct Recipe<'a> {
     pub label: &'a str,

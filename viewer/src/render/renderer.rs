@@ -3,7 +3,7 @@
 use super::characters::{CharacterInstance, Characters, Record};
 use super::mesh::{Body, LEVELS};
 use super::offscreen::{Offscreen, Targets};
-use super::pipelines::{self, Input, Output, Recipe};
+use super::pipelines::{self, Input, Layer, Output, Recipe};
 use super::scene_uniform::SceneUniform;
 use super::shape_draws::ShapeDraws;
 use super::solid_draws::SolidDraws;
@@ -37,28 +37,6 @@ pub struct SceneFrame<'a> {
     pub solids: &'a Solids,
 }
 
-/// What an upload moved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct UploadStats {
-    /// Characters.
-    pub characters: usize,
-    /// Shapes.
-    pub shapes: usize,
-    /// (bytes)
-    pub bytes: u64,
-}
-
-/// What was drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct DrawStats {
-    /// Triangles of everything, shadows included.
-    pub triangles: u64,
-    /// Characters in view by level of detail, finest first.
-    pub per_level: [usize; LEVELS],
-    /// Characters out of view.
-    pub culled: usize,
-}
-
 /// Draws scenes into a picture of its own, which can be shown in a window or read back.
 pub struct SceneRenderer {
     device: wgpu::Device,
@@ -72,7 +50,6 @@ pub struct SceneRenderer {
     solids: SolidDraws,
     offscreen: Offscreen,
     skeleton: Skeleton,
-    num_characters: usize,
 }
 
 impl SceneRenderer {
@@ -120,7 +97,6 @@ impl SceneRenderer {
             uniform,
             scene_group,
             skeleton: Skeleton::default(),
-            num_characters: 0,
         })
     }
 
@@ -130,60 +106,59 @@ impl SceneRenderer {
     /// [`RenderError::PaletteLength`] where the palette does not fit the instances, [`RenderError::Rows`] where a record
     /// names rows that there are not, [`RenderError::TooMany`] where the
     /// device cannot hold all. After an error no characters are drawn until an upload succeeds.
-    pub fn upload(&mut self, frame: &SceneFrame<'_>) -> Result<UploadStats, RenderError> {
+    pub fn upload(&mut self, frame: &SceneFrame<'_>) -> Result<(), RenderError> {
         let result = self.try_upload(frame);
         if result.is_err() {
             self.characters.clear();
-            self.num_characters = 0;
         }
         result
     }
 
-    fn try_upload(&mut self, frame: &SceneFrame<'_>) -> Result<UploadStats, RenderError> {
+    fn try_upload(&mut self, frame: &SceneFrame<'_>) -> Result<(), RenderError> {
         let (device, queue) = (&self.device, &self.queue);
         self.characters.set_body(device, queue, frame.body, frame.skeleton)?;
-        let mut bytes = self.characters.upload(device, queue, frame)?;
-        bytes += self.shapes.upload(device, queue, frame.shapes)?;
-        bytes += self.solids.upload(device, queue, frame.solids)?;
+        self.characters.upload(device, queue, frame)?;
+        self.shapes.upload(device, queue, frame.shapes)?;
+        self.solids.upload(device, queue, frame.solids)?;
         if self.skeleton != *frame.skeleton {
             self.skeleton = frame.skeleton.clone();
         }
-        self.num_characters = frame.instances.len() + frame.records.len();
-        Ok(UploadStats { characters: self.num_characters, shapes: frame.shapes.len(), bytes })
+        Ok(())
     }
 
     /// Draws into the picture and submits the work; the picture has the size that was asked for, within what the device
     /// can do (pixels).
-    pub fn draw(&mut self, size_px: [u32; 2], camera: &Camera, colours: &SceneColours) -> DrawStats {
+    ///
+    /// - returns the number of characters in view by level of detail, finest first.
+    pub fn draw(&mut self, size_px: [u32; 2], camera: &Camera, colours: &SceneColours) -> [usize; LEVELS] {
         let targets = self.offscreen.resize(&self.device, size_px);
         let uniform = SceneUniform::new(camera, targets.size, colours, &self.skeleton);
         self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         let lists = self.characters.choose(&self.queue, camera, targets.size);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("scene") });
-        let mut triangles = 0;
         {
             let mut pass = mask_pass(&mut encoder, targets);
             pass.set_bind_group(0, &self.scene_group, &[]);
-            triangles += self.characters.draw_shadows(&mut pass, &lists);
+            self.characters.draw(&mut pass, &lists, Layer::Sun);
+            self.characters.draw(&mut pass, &lists, Layer::Contact);
         }
         {
             let mut pass = picture_pass(&mut encoder, targets);
             pass.set_bind_group(0, &self.scene_group, &[]);
-            triangles += self.characters.draw_solid(&mut pass, &lists);
+            self.characters.draw(&mut pass, &lists, Layer::Solid);
             pass.set_bind_group(1, &targets.mask_group, &[]);
-            triangles += self.solids.draw_solid(&mut pass);
+            self.solids.draw(&mut pass, false);
             pass.set_pipeline(&self.ground);
             pass.draw(0..4, 0..1);
             pass.set_pipeline(&self.sky);
             pass.draw(0..3, 0..1);
-            triangles += self.solids.draw_ghosts(&mut pass);
-            triangles += self.shapes.draw_solids(&mut pass);
-            triangles += self.characters.draw_ghosts(&mut pass, &lists);
-            triangles += self.shapes.draw_flat(&mut pass);
+            self.solids.draw(&mut pass, true);
+            self.shapes.draw_solids(&mut pass);
+            self.characters.draw(&mut pass, &lists, Layer::Ghosts);
+            self.shapes.draw_flat(&mut pass);
         }
         self.queue.submit([encoder.finish()]);
-        let per_level = lists.per_level();
-        DrawStats { triangles, per_level, culled: self.num_characters - per_level.iter().sum::<usize>() }
+        lists.per_level()
     }
 
     /// Shows the last picture in the viewport of a pass that has one sample and no depth.

@@ -24,7 +24,7 @@ pub(super) struct SceneUniform {
     /// Width and height in pixels, tangents of half the opening angles.
     viewport: [f32; 4],
     sun: [f32; 4],
-    colours: [[f32; 4]; 13],
+    colours: [[f32; 4]; 12],
     rest: [[f32; 4]; NUM_JOINTS],
 }
 
@@ -52,7 +52,7 @@ impl SceneUniform {
 }
 
 /// In the order of `shaders/scene.wgsl`.
-fn table(c: &SceneColours) -> [Vec4; 13] {
+fn table(c: &SceneColours) -> [Vec4; 12] {
     [
         c.sky,
         c.horizon,
@@ -66,7 +66,6 @@ fn table(c: &SceneColours) -> [Vec4; 13] {
         c.light_below,
         c.light_key,
         c.selected,
-        c.highlighted,
     ]
     .map(|c| c.linear())
 }

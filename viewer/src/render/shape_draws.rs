@@ -58,34 +58,32 @@ impl ShapeDraws {
         })
     }
 
-    /// Hands the shapes over; returns the bytes moved.
-    pub fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, shapes: &Shapes) -> Result<u64, RenderError> {
+    /// Hands the shapes over.
+    pub fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, shapes: &Shapes) -> Result<(), RenderError> {
         self.lines.1.write(device, queue, &shapes.lines)?;
         self.rounds.1.write(device, queue, &shapes.rounds)?;
         self.rings.1.write(device, queue, &shapes.rings)?;
         self.lines.2 = shapes.lines.len() as u32;
         self.rounds.2 = shapes.rounds.len() as u32;
         self.rings.2 = shapes.rings.len() as u32;
-        let bytes = [size_of_val(&shapes.lines[..]), size_of_val(&shapes.rounds[..]), size_of_val(&shapes.rings[..])];
-        Ok(bytes.iter().sum::<usize>() as u64)
+        Ok(())
     }
 
-    /// Draws solids; returns how many triangles.
-    pub fn draw_solids(&self, pass: &mut wgpu::RenderPass<'_>) -> u64 {
+    /// Draws solids.
+    pub fn draw_solids(&self, pass: &mut wgpu::RenderPass<'_>) {
         let (pipeline, instances, count) = &self.rounds;
         if *count == 0 {
-            return 0;
+            return;
         }
         pass.set_pipeline(pipeline);
         pass.set_vertex_buffer(0, self.corners.get().slice(..));
         pass.set_vertex_buffer(1, instances.get().slice(..));
         pass.set_index_buffer(self.indices.get().slice(..), wgpu::IndexFormat::Uint32);
         pass.draw_indexed(0..self.num_indices, 0, 0..*count);
-        u64::from(self.num_indices / 3) * u64::from(*count)
     }
 
-    /// Draws rings, then lines; returns how many triangles.
-    pub fn draw_flat(&self, pass: &mut wgpu::RenderPass<'_>) -> u64 {
+    /// Draws rings, then lines.
+    pub fn draw_flat(&self, pass: &mut wgpu::RenderPass<'_>) {
         for (pipeline, instances, count) in [&self.rings, &self.lines] {
             if *count > 0 {
                 pass.set_pipeline(pipeline);
@@ -93,7 +91,6 @@ impl ShapeDraws {
                 pass.draw(0..4, 0..*count);
             }
         }
-        2 * (u64::from(self.rings.2) + u64::from(self.lines.2))
     }
 }
 

@@ -69,19 +69,18 @@ impl SolidDraws {
         }
     }
 
-    /// Hands over what has changed; returns the bytes moved.
-    pub fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, solids: &Solids) -> Result<u64, RenderError> {
-        let mut bytes = 0;
+    /// Hands over what has changed.
+    pub fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, solids: &Solids) -> Result<(), RenderError> {
         let are_new = !Arc::ptr_eq(&self.meshes, &solids.meshes);
         if are_new {
-            bytes += self.upload_meshes(device, queue, &solids.meshes)?;
+            self.upload_meshes(device, queue, &solids.meshes)?;
             self.meshes = Arc::clone(&solids.meshes);
         }
         if are_new || self.shown != solids.instances {
             self.shown.clone_from(&solids.instances);
-            bytes += self.upload_instances(device, queue)?;
+            self.upload_instances(device, queue)?;
         }
-        Ok(bytes)
+        Ok(())
     }
 
     fn upload_meshes(
@@ -89,7 +88,7 @@ impl SolidDraws {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         meshes: &[SolidMesh],
-    ) -> Result<u64, RenderError> {
+    ) -> Result<(), RenderError> {
         self.batches.clear();
         self.starts.clear();
         let (mut vertices, mut indices) = (Vec::new(), Vec::new());
@@ -100,10 +99,10 @@ impl SolidDraws {
         }
         self.vertices.write(device, queue, &vertices)?;
         self.indices.write(device, queue, &indices)?;
-        Ok((size_of_val(&vertices[..]) + size_of_val(&indices[..])) as u64)
+        Ok(())
     }
 
-    fn upload_instances(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<u64, RenderError> {
+    fn upload_instances(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), RenderError> {
         self.batches.clear();
         let is_ghost = |s: &SolidInstance| s.colour.0[3] < 255;
         let mut sorted: Vec<&SolidInstance> =
@@ -127,31 +126,20 @@ impl SolidDraws {
             });
             first = next;
         }
-        Ok(size_of_val(&gpu[..]) as u64)
+        Ok(())
     }
 
-    /// Draws what hides what is behind; returns how many triangles. Group 1 has to be the shadow mask.
-    pub fn draw_solid(&self, pass: &mut wgpu::RenderPass<'_>) -> u64 {
-        self.draw(pass, false)
-    }
-
-    /// Draws what can be seen through; returns how many triangles. Group 1 has to be the shadow mask.
-    pub fn draw_ghosts(&self, pass: &mut wgpu::RenderPass<'_>) -> u64 {
-        self.draw(pass, true)
-    }
-
-    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, ghosts: bool) -> u64 {
-        let mut triangles = 0;
-        for b in self.batches.iter().filter(|b| b.is_ghost == ghosts && !b.indices.is_empty()) {
-            if triangles == 0 {
+    /// Draws what can be seen through, or what hides what is behind. Group 1 has to be the shadow mask.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, ghosts: bool) {
+        let batches = self.batches.iter().filter(|b| b.is_ghost == ghosts && !b.indices.is_empty());
+        for (i, b) in batches.enumerate() {
+            if i == 0 {
                 pass.set_pipeline(if ghosts { &self.ghost } else { &self.solid });
                 pass.set_vertex_buffer(0, self.vertices.get().slice(..));
                 pass.set_vertex_buffer(1, self.instances.get().slice(..));
                 pass.set_index_buffer(self.indices.get().slice(..), wgpu::IndexFormat::Uint32);
             }
             pass.draw_indexed(b.indices.clone(), b.base_vertex, b.instances.clone());
-            triangles += b.indices.len() as u64 / 3 * b.instances.len() as u64;
         }
-        triangles
     }
 }

@@ -4,7 +4,7 @@ use super::RenderError;
 use super::buffer::GrowingBuffer;
 use super::characters::{GpuMesh, draw_levels};
 use super::mesh::LEVELS;
-use super::pipelines::{self, Input, Output, Recipe};
+use super::pipelines::{self, Input, Layer, Recipe};
 use super::worn_mesh::{TEXTURE_PX, WornMesh};
 use std::ops::Range;
 use std::sync::Arc;
@@ -28,9 +28,7 @@ pub(super) struct WornDraws {
     matrices: GrowingBuffer,
     meshes: [GpuMesh; LEVELS],
     built: Option<Arc<WornMesh>>,
-    solid: wgpu::RenderPipeline,
-    ghost: wgpu::RenderPipeline,
-    shadows: [wgpu::RenderPipeline; 2],
+    pipelines: [wgpu::RenderPipeline; Layer::ALL.len()],
 }
 
 impl WornDraws {
@@ -47,20 +45,16 @@ impl WornDraws {
         let with = |label, last| pipelines::shader(device, label, &[pieces[0], pieces[1], pieces[2], last]);
         let body = with("worn body", include_str!("shaders/worn_body.wgsl"));
         let shadow = with("worn shadow", include_str!("shaders/shadow.wgsl"));
-        let build = |label, shader, stages, output| {
+        let pipelines = Layer::ALL.map(|layer| {
             let both: &[&wgpu::BindGroupLayout] = &[scene_layout, &layout, &texture_layout];
-            let groups = if output == Output::Mask { &both[..2] } else { both };
+            let (shader, groups) = if layer.is_shadow() { (&shadow, &both[..2]) } else { (&body, both) };
+            let (stages, input, output) = (layer.stages(), Input::Worn, layer.output());
             // Clothes and hair are often made of single sheets.
-            Recipe { label, shader, stages, groups, input: Input::Worn, output, strip: false, hidden: None }
-                .build(device)
-        };
+            let hidden = None;
+            Recipe { label: "worn bodies", shader, stages, groups, input, output, strip: false, hidden }.build(device)
+        });
         Self {
-            solid: build("worn bodies", &body, ["vertex", "fragment"], Output::SOLID),
-            ghost: build("worn ghosts", &body, ["vertex", "fragment"], Output::GHOST),
-            shadows: [
-                build("worn shadows", &shadow, ["sun_vertex", "sun_fragment"], Output::Mask),
-                build("worn contacts", &shadow, ["contact_vertex", "contact_fragment"], Output::Mask),
-            ],
+            pipelines,
             layout,
             texture_layout,
             group: None,
@@ -71,7 +65,7 @@ impl WornDraws {
         }
     }
 
-    /// Hands over matrices, and a mesh that was not there; returns the bytes moved.
+    /// Hands over matrices, and a mesh that was not there.
     ///
     /// - `instances`: who is drawn; `are_new`: that buffer is another one than it was.
     pub fn upload(
@@ -81,12 +75,10 @@ impl WornDraws {
         worn: &Worn<'_>,
         instances: &wgpu::Buffer,
         are_new: bool,
-    ) -> Result<u64, RenderError> {
-        let mut bytes = size_of_val(worn.matrices);
+    ) -> Result<(), RenderError> {
         if !self.built.as_ref().is_some_and(|b| Arc::ptr_eq(b, worn.mesh)) {
             for (gpu, level) in self.meshes.iter_mut().zip(&worn.mesh.levels) {
                 gpu.write(device, queue, &level.vertices, &level.indices)?;
-                bytes += size_of_val(&*level.vertices) + size_of_val(&*level.indices);
             }
             self.textures = Some(self.upload_textures(device, queue, worn.mesh));
             self.built = Some(Arc::clone(worn.mesh));
@@ -101,7 +93,7 @@ impl WornDraws {
                 entries: &[bind(0, matrices), bind(1, instances)],
             }));
         }
-        Ok(bytes as u64)
+        Ok(())
     }
 
     fn upload_textures(&self, device: &wgpu::Device, queue: &wgpu::Queue, mesh: &WornMesh) -> wgpu::BindGroup {
@@ -163,46 +155,19 @@ impl WornDraws {
         })
     }
 
-    /// Draws opaque bodies; returns how many triangles.
-    pub fn draw_solid(&self, pass: &mut wgpu::RenderPass<'_>, numbers: &wgpu::Buffer, lists: &[Range<u32>]) -> u64 {
-        self.draw(pass, &self.solid, numbers, lists)
-    }
-
-    /// Draws ghosts; returns how many triangles.
-    pub fn draw_ghosts(&self, pass: &mut wgpu::RenderPass<'_>, numbers: &wgpu::Buffer, lists: &[Range<u32>]) -> u64 {
-        self.draw(pass, &self.ghost, numbers, lists)
-    }
-
-    /// Draws shadows into the mask; returns how many triangles.
+    /// Draws those of a layer.
     ///
-    /// - `contacts`: levels at which it is seen where a body touches the ground.
-    pub fn draw_shadows(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        numbers: &wgpu::Buffer,
-        lists: &[Range<u32>],
-        contacts: usize,
-    ) -> u64 {
-        let [sun, contact] = &self.shadows;
-        self.draw(pass, sun, numbers, lists) + self.draw(pass, contact, numbers, &lists[..contacts])
-    }
-
-    fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        pipeline: &wgpu::RenderPipeline,
-        numbers: &wgpu::Buffer,
-        lists: &[Range<u32>],
-    ) -> u64 {
-        let (Some(group), Some(textures)) = (&self.group, &self.textures) else { return 0 };
+    /// - `numbers`: numbers of characters, of which each list is a range.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, numbers: &wgpu::Buffer, lists: &[Range<u32>], layer: Layer) {
+        let (Some(group), Some(textures)) = (&self.group, &self.textures) else { return };
         if lists.iter().all(Range::is_empty) {
-            return 0;
+            return;
         }
-        pass.set_pipeline(pipeline);
+        pass.set_pipeline(&self.pipelines[layer as usize]);
         pass.set_bind_group(1, group, &[]);
-        if !self.shadows.contains(pipeline) {
+        if !layer.is_shadow() {
             pass.set_bind_group(2, textures, &[]);
         }
-        draw_levels(pass, &self.meshes, numbers, lists)
+        draw_levels(pass, &self.meshes, numbers, lists);
     }
 }

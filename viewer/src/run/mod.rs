@@ -99,11 +99,6 @@ impl Run {
         self.simulation.around.step - 1
     }
 
-    /// Time that is shown (s).
-    pub fn time_s(&self) -> f32 {
-        self.now() as f32 / STEP_HZ
-    }
-
     /// What was measured of the step shown, as far as it is recorded.
     pub fn figures(&self) -> StepFigures {
         self.recording.figures(self.now()).unwrap_or(self.last)

@@ -98,11 +98,6 @@ impl Head {
         }
     }
 
-    /// Forgets time that has passed but has not been stepped.
-    pub fn let_go(&mut self) {
-        self.owed_s = 0.0;
-    }
-
     /// True where another step is due, which then counts as taken. Where steps take longer than they last, time is
     /// let go.
     ///
@@ -161,11 +156,6 @@ impl<M> Reel<M> {
     /// The moment that is shown.
     pub fn moment(&self) -> &M {
         self.at(self.head.now)
-    }
-
-    /// The last moment so far.
-    pub fn last(&self) -> &M {
-        self.at(self.head.last)
     }
 
     /// Moments before the one shown and this one, every `every`-th, so many seconds at most.

@@ -10,7 +10,7 @@ use std::time::Instant;
 use throng_runtime::characters::CharactersConfig;
 use throng_runtime::world::inhabitants::{InhabitantState, Inhabitants, InhabitantsConfig, Wish};
 use throng_runtime::world::{Node, World};
-use throng_runtime::{Cast, Contacts, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Result};
+use throng_runtime::{Cast, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Result};
 
 /// Steps between two points of a trail.
 const TRAIL_EVERY: u32 = 6;
@@ -22,8 +22,6 @@ pub struct Moment {
     pub roots: Vec<Planar>,
     /// Joints in model space (number of characters * num_joints).
     pub poses: Vec<Mat3x4>,
-    /// What is planted (number of characters).
-    pub contacts: Vec<Contacts>,
     /// What each of them is doing (number of characters).
     pub states: Vec<InhabitantState>,
 }
@@ -53,7 +51,7 @@ impl WorldRun {
         let begin = Instant::now();
         inhabitants.step(0.0, &Inline)?;
         let step_s = begin.elapsed().as_secs_f64();
-        let each = NUM_JOINTS * size_of::<Mat3x4>() + size_of::<(Planar, Contacts, InhabitantState)>();
+        let each = NUM_JOINTS * size_of::<Mat3x4>() + size_of::<(Planar, InhabitantState)>();
         let reel = Reel::new(starts.len() * each, Moment::of(&inhabitants));
         Ok(Self { inhabitants, told: vec![None; starts.len()], reel, step_s })
     }
@@ -141,11 +139,10 @@ impl Moment {
     }
 
     fn of(inhabitants: &Inhabitants) -> Self {
-        let (characters, all) = (inhabitants.characters(), 0..inhabitants.ids().len());
+        let characters = inhabitants.characters();
         Self {
-            roots: all.clone().map(|c| characters.root(c)).collect(),
+            roots: (0..inhabitants.ids().len()).map(|c| characters.root(c)).collect(),
             poses: characters.model_matrices().to_vec(),
-            contacts: all.clone().map(|c| characters.contacts(c)).collect(),
             states: inhabitants.ids().iter().filter_map(|&id| inhabitants.state(id).ok()).collect(),
         }
     }

@@ -3,7 +3,7 @@
 use super::{Layout, Palette, body, cues};
 use crate::bundle::OpenBundle;
 use crate::model::Model;
-use crate::render::{CharacterInstance, Emphasis, Rgba};
+use crate::render::{CharacterInstance, Rgba};
 use crate::run::{Beside, BlendMoment, BlendRun};
 use glam::Vec3;
 use throng_runtime::{NUM_JOINTS, Planar};
@@ -22,7 +22,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run:
         let stretch = body::stretch(database, body);
         body::put(&mut out.poses, &moment.poses[i * NUM_JOINTS..][..NUM_JOINTS], &stretch);
         let colour = colour(run.blending().beside, i, palette);
-        out.instances.push(CharacterInstance { root, colour, emphasis: Emphasis::None, look: 0 });
+        out.instances.push(CharacterInstance { root, colour, is_selected: false, look: 0 });
     }
     let o = model.settings.overlays;
     for (i, &root) in moment.roots.iter().enumerate() {

@@ -3,7 +3,7 @@
 use super::{Layout, Palette, cues};
 use crate::bundle::OpenBundle;
 use crate::model::Model;
-use crate::render::{CharacterInstance, Emphasis};
+use crate::render::CharacterInstance;
 use glam::Vec3;
 use throng_runtime::characters::SampleJob;
 use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
@@ -43,7 +43,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, pale
     for (i, &frame) in frames.iter().enumerate() {
         let colour = if i == 0 { palette.on_the_way } else { palette.plain.alpha(0.42 / (0.6 + 0.4 * ages[i] as f32)) };
         let root = planar(bundle, frame, ratios[i]);
-        out.instances.push(CharacterInstance { root, colour, emphasis: Emphasis::None, look: 0 });
+        out.instances.push(CharacterInstance { root, colour, is_selected: false, look: 0 });
     }
     draw_cues(out, model, bundle, row, palette);
 }

@@ -3,7 +3,7 @@
 use super::{Layout, Palette, cues, values, variety};
 use crate::bundle::OpenBundle;
 use crate::model::Model;
-use crate::render::{CharacterInstance, Emphasis, Record, Rgba};
+use crate::render::{CharacterInstance, Record, Rgba};
 use crate::run::{Chooser, Run, TargetMode};
 use crate::settings::Colouring;
 use glam::Vec3;
@@ -29,8 +29,8 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, bundle: &OpenBundle, run:
             out.records.push(Record { instance: characters.instances()[c], colour, look });
             continue;
         }
-        let emphasis = if selected == Some(c) { Emphasis::Selected } else { Emphasis::None };
-        out.instances.push(CharacterInstance { root: characters.root(c), colour, emphasis, look: 0 });
+        let (root, is_selected) = (characters.root(c), selected == Some(c));
+        out.instances.push(CharacterInstance { root, colour, is_selected, look: 0 });
         if has_records {
             out.poses.extend(characters.pose(c));
             out.drawn.push(c);

@@ -6,15 +6,8 @@ use crate::model::Model;
 use crate::render::{Rgba, Shapes};
 use crate::settings::Overlays;
 use glam::Vec3;
-use throng_runtime::{Contacts, Joint, Mat3x4, NUM_JOINTS, Planar};
-
-/// Heels and toes: the joint above, and how far in front of it the marker lies (m).
-const FEET: [(Joint, Contacts); 4] = [
-    (Joint::LeftFoot, Contacts::LEFT_HEEL),
-    (Joint::LeftToe, Contacts::LEFT_TOE),
-    (Joint::RightFoot, Contacts::RIGHT_HEEL),
-    (Joint::RightToe, Contacts::RIGHT_TOE),
-];
+use throng_precompute::annotate::contacts::PARTS;
+use throng_runtime::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Contacts and joint axes of a body, as far as they are switched on.
 ///
@@ -46,7 +39,7 @@ pub(super) fn trail(shapes: &mut Shapes, points: &[Vec3], width: f32, colour: Rg
 
 /// A mark on the ground below every heel and toe, strong where it is planted.
 pub(super) fn contacts(shapes: &mut Shapes, joints: &[Vec3; NUM_JOINTS], contacts: Contacts, palette: &Palette) {
-    for (joint, part) in FEET {
+    for (joint, part) in PARTS {
         let at = joints[joint.index()].with_y(0.01);
         if contacts.any(part) {
             shapes.disc(at, 0.055, palette.planted.alpha(0.85));

@@ -3,7 +3,7 @@
 use super::{Layout, Palette, cues};
 use crate::document::RawMotion;
 use crate::model::Model;
-use crate::render::{CharacterInstance, Emphasis};
+use crate::render::CharacterInstance;
 use crate::settings::RawView;
 use glam::Vec3;
 use throng_runtime::{Joint, Mat3x4, Planar};
@@ -37,7 +37,7 @@ pub(super) fn lay_out(out: &mut Layout, model: &Model, motion: &RawMotion, palet
     out.instances.push(CharacterInstance {
         root: Planar::IDENTITY,
         colour: if usable { palette.on_the_way } else { palette.plain },
-        emphasis: Emphasis::None,
+        is_selected: false,
         look: 0,
     });
     let o = model.settings.overlays;

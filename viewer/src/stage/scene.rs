@@ -4,7 +4,7 @@ use super::agents::{self, Brush, obstacles};
 use super::{Layout, Palette, body, bout, crowd, cues, values, variety, world};
 use crate::document::{SceneDocument, Standing};
 use crate::model::Model;
-use crate::render::{Camera, CharacterInstance, Emphasis, Ray, Rgba, SolidInstance};
+use crate::render::{Camera, CharacterInstance, Ray, Rgba, SolidInstance};
 use crate::run::agents::first_agent;
 use crate::settings::Colouring;
 use glam::{Vec2, Vec3};
@@ -100,8 +100,7 @@ fn character(
     }
     if let Some(pose) = pose {
         body::put(&mut out.poses, pose, &body::stretch_of_pose(&out.skeleton, pose));
-        let emphasis = if is_selected { Emphasis::Selected } else { Emphasis::None };
-        out.instances.push(CharacterInstance { root, colour, emphasis, look: 0 });
+        out.instances.push(CharacterInstance { root, colour, is_selected, look: 0 });
         out.drawn.push(who);
     }
 }

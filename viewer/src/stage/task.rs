@@ -3,7 +3,7 @@
 use super::{Layout, Palette, cues};
 use crate::document::TaskDocument;
 use crate::model::Model;
-use crate::render::{CharacterInstance, Emphasis, Rgba, SolidInstance};
+use crate::render::{CharacterInstance, Rgba, SolidInstance};
 use glam::DVec3;
 use std::sync::Arc;
 use throng_planner::linkage::{Chain, Linkage};
@@ -77,7 +77,7 @@ fn bodies(out: &mut Layout, model: &Model, task: &TaskDocument, time_s: f64, pal
         let joints = clip.joint_transforms(skeleton, frame(clip, time_s));
         out.poses.extend(joints.map(|(p, r)| Mat3x4::from_rotation_translation(r, p)));
         let root = Planar::IDENTITY;
-        out.instances.push(CharacterInstance { root, colour, emphasis: Emphasis::None, look: 0 });
+        out.instances.push(CharacterInstance { root, colour, is_selected: false, look: 0 });
     };
     for (i, actor) in task.actors().iter().enumerate() {
         let colour = if i == 0 { palette.on_the_way } else { Rgba::hex(OTHERS[(i - 1) % OTHERS.len()]) };

@@ -4,7 +4,7 @@ use super::{Layout, Palette, cues};
 use crate::command::Tool;
 use crate::document::WorldDocument;
 use crate::model::Model;
-use crate::render::{CharacterInstance, Emphasis, Rgba, SolidInstance};
+use crate::render::{CharacterInstance, Rgba, SolidInstance};
 use crate::settings::Colouring;
 use glam::Vec3;
 use throng_precompute::environment::{Bounds, PlacedUnit};
@@ -145,7 +145,7 @@ fn inhabitants(out: &mut Layout, model: &Model, world: &WorldDocument, palette: 
     out.instances.extend(moment.roots.iter().enumerate().map(|(c, &root)| CharacterInstance {
         root,
         colour: colour(c),
-        emphasis: if selected == Some(c) { Emphasis::Selected } else { Emphasis::None },
+        is_selected: selected == Some(c),
         look: 0,
     }));
 }

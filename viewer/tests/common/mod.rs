@@ -9,8 +9,10 @@ pub mod paces;
 pub mod rig;
 pub mod square;
 
-use eframe::egui;
+use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use glam::{Vec2, Vec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_precompute::synth::{SynthConfig, SynthSet, make, save};
@@ -143,6 +145,55 @@ impl Viewing {
     pub fn apply(&mut self, command: Command) {
         let ctx = self.harness.ctx.clone();
         self.harness.state_mut().model.apply(&ctx, command);
+    }
+
+    /// True where nothing has gone wrong so far.
+    pub fn has_no_errors(&self) -> bool {
+        self.model().messages.iter().all(|m| !m.is_error)
+    }
+
+    /// Where a place of the 3-D view is on the screen.
+    pub fn on_screen(&self, place: Vec3) -> Pos2 {
+        let rect = self.harness.get_by_label("3-D view").rect();
+        let size = Vec2::new(rect.width(), rect.height());
+        let at = self.model().settings.camera.project(place, size).expect("the place is in the view");
+        rect.min + egui::vec2(at.x, at.y)
+    }
+
+    /// Presses the primary button or lets go of it.
+    pub fn press(&mut self, pos: Pos2, pressed: bool) {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        self.harness.event(Event::PointerButton { pos, button, pressed, modifiers });
+        self.harness.run_steps(2);
+    }
+
+    /// Points there and clicks.
+    pub fn click(&mut self, pos: Pos2) {
+        self.harness.hover_at(pos);
+        self.harness.run_steps(2);
+        self.press(pos, true);
+        self.press(pos, false);
+    }
+
+    /// Drags with the primary button, a frame for each move.
+    pub fn drag(&mut self, from: Pos2, to: Pos2) {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        self.harness.event(Event::PointerMoved(from));
+        self.harness.event(Event::PointerButton { pos: from, button, pressed: true, modifiers });
+        self.harness.step();
+        for i in 1..=6 {
+            self.harness.event(Event::PointerMoved(from.lerp(to, i as f32 / 6.0)));
+            self.harness.step();
+        }
+        self.harness.event(Event::PointerButton { pos: to, button, pressed: false, modifiers });
+        self.harness.run_steps(3);
+    }
+
+    /// Presses a key or lets go of it.
+    pub fn key(&mut self, key: Key, pressed: bool) {
+        let modifiers = Modifiers::NONE;
+        self.harness.event(Event::Key { key, physical_key: None, pressed, repeat: false, modifiers });
+        self.harness.run_steps(2);
     }
 
     /// Shows frames until something has happened that takes time of its own, such as reading a file.

@@ -5,11 +5,12 @@ use super::colour::Colour;
 use super::discs::{SOLID, WIDTH, group_colour};
 use super::figure::{BodyColours, Figure};
 use super::world::{WorldFigure, WorldLook, WorldView, world_sheet};
-use crate::run::{AgentsRecord, Pose, SeenObstacle};
+use crate::run::{AgentsRecord, Pose};
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 use throng_bake::environment::{Solid, Triangles};
 use throng_runtime::Joint;
+use throng_runtime::crowd::Obstacle;
 
 /// Width of the picture of bodies (m).
 const BODIES_M: f32 = 24.0;
@@ -74,21 +75,22 @@ impl SeenThing {
 }
 
 /// What stands on the ground, so high (m).
-fn standing(obstacle: &SeenObstacle, height: f32) -> Option<Solid> {
+fn standing(obstacle: &Obstacle, height: f32) -> Option<Solid> {
     let up = 0.5 * height * Vec3::Y;
     Some(match obstacle {
-        SeenObstacle::Wall { from, to, radius } => {
+        Obstacle::Wall { from, to, radius } => {
             let way = *to - *from;
             let half = Vec3::new(*radius, 0.5 * height, 0.5 * way.length() + radius);
             Solid::Box { centre: 0.5 * (*from + *to) + up, rotation: Quat::from_rotation_y(way.x.atan2(way.z)), half }
         }
-        SeenObstacle::Box(low, high) => {
+        Obstacle::Box { min: low, max: high } => {
             let half = (0.5 * (*high - *low)).with_y(0.5 * height);
             Solid::Box { centre: 0.5 * (*low + *high) + up, rotation: Quat::IDENTITY, half }
         }
-        SeenObstacle::Polygon(corners) => prism(corners, height)?,
-        SeenObstacle::Ball { centre, radius } => prism(&circle(*centre, *radius), height)?,
-        SeenObstacle::Mover { .. } => return None,
+        Obstacle::Polygon { corners } => prism(corners, height)?,
+        Obstacle::Ball { centre, radius } => prism(&circle(*centre, *radius), height)?,
+        // What moves is not there to stay.
+        _ => return None,
     })
 }
 
@@ -118,7 +120,7 @@ mod tests {
             groups: vec![0, 1],
             doors: Vec::new(),
             places: Vec::new(),
-            obstacles: vec![SeenObstacle::Ball { centre: Vec3::X, radius: 1.0 }],
+            obstacles: vec![Obstacle::Ball { centre: Vec3::X, radius: 1.0 }],
             ..AgentsRecord::default()
         };
         let pose = Skeleton::default().rest_positions();

@@ -4,9 +4,10 @@ use super::camera::Camera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
 use super::furniture::{Tags, grid, header, legend, nice_step, scale_bar};
-use crate::run::{AgentFigures, AgentsRecord, CrowdMoment, Figures, SeenAgent, SeenObstacle, SeenPlace, TRAIL_S};
+use crate::run::{AgentFigures, AgentsRecord, CrowdMoment, Figures, SeenAgent, SeenPlace, TRAIL_S, on_its_way};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
+use throng_runtime::crowd::Obstacle;
 
 /// Colours of groups, in their order.
 const GROUPS: [u32; 6] = [0xe8743b, 0x2f63a8, 0x1f9e89, 0x7a2bbf, 0xc0b027, 0xb0446a];
@@ -182,8 +183,8 @@ fn draw_ways(panel: &mut Picture, camera: &Camera, record: &AgentsRecord) {
 }
 
 /// A door: a thick line where it is closed, its two ends where it is open.
-fn draw_door(panel: &mut Picture, camera: &Camera, door: &SeenObstacle, is_open: bool) {
-    let SeenObstacle::Wall { from, to, .. } = door else { return };
+fn draw_door(panel: &mut Picture, camera: &Camera, door: &Obstacle, is_open: bool) {
+    let Obstacle::Wall { from, to, .. } = door else { return };
     let (a, b) = (camera.project(*from), camera.project(*to));
     if is_open {
         [a, b].iter().for_each(|end| panel.fill_disc(*end, 3.5, KNOWS));
@@ -204,11 +205,11 @@ fn draw_place(panel: &mut Picture, camera: &Camera, place: &SeenPlace, tags: &mu
     tags.put(panel, at, 0.8, &place.name, colour::REACHED);
 }
 
-fn draw_obstacle(panel: &mut Picture, camera: &Camera, obstacle: &SeenObstacle, (time_s, in_the_air): (f64, bool)) {
+fn draw_obstacle(panel: &mut Picture, camera: &Camera, obstacle: &Obstacle, (time_s, in_the_air): (f64, bool)) {
     let scale = camera.px_per_m;
     match obstacle {
-        SeenObstacle::Ball { centre, radius } => panel.fill_disc(camera.project(*centre), radius * scale, SOLID),
-        SeenObstacle::Wall { from, to, radius } => {
+        Obstacle::Ball { centre, radius } => panel.fill_disc(camera.project(*centre), radius * scale, SOLID),
+        Obstacle::Wall { from, to, radius } => {
             let (a, b, width) = (camera.project(*from), camera.project(*to), (2.0 * radius * scale).max(2.0));
             if a.distance(b) < 0.5 {
                 panel.fill_disc(a, 0.5 * width, SOLID);
@@ -216,11 +217,11 @@ fn draw_obstacle(panel: &mut Picture, camera: &Camera, obstacle: &SeenObstacle, 
                 panel.stroke_line(&[a, b], width, SOLID);
             }
         }
-        SeenObstacle::Polygon(corners) => {
+        Obstacle::Polygon { corners } => {
             panel.fill_polygon(&corners.iter().map(|c| camera.project(*c)).collect::<Vec<_>>(), SOLID);
         }
-        SeenObstacle::Box(low, high) => {
-            let (a, b) = (camera.project(*low), camera.project(*high));
+        Obstacle::Box { min, max } => {
+            let (a, b) = (camera.project(*min), camera.project(*max));
             let (min, max) = (a.min(b), a.max(b));
             if in_the_air {
                 // In outline: boxes around a flock would hide it.
@@ -230,20 +231,10 @@ fn draw_obstacle(panel: &mut Picture, camera: &Camera, obstacle: &SeenObstacle, 
                 panel.fill_rect(Area::new(min.x, min.y, max.x - min.x, max.y - min.y), 0.0, SOLID);
             }
         }
-        SeenObstacle::Mover { way, radius } => {
+        Obstacle::Mover { way, radius } => {
             panel.fill_disc(camera.project(on_its_way(way, time_s)), radius * scale, SOLID.mix(colour::INK, 0.4));
         }
-    }
-}
-
-/// Where something is on its way through points.
-fn on_its_way(way: &[(f64, Vec3)], time_s: f64) -> Vec3 {
-    let next = way.partition_point(|w| w.0 <= time_s);
-    match (next.checked_sub(1).map(|i| way[i]), way.get(next)) {
-        (Some(a), Some(b)) => a.1.lerp(b.1, ((time_s - a.0) / (b.0 - a.0)) as f32),
-        (Some(end), None) => end.1,
-        (None, Some(end)) => end.1,
-        (None, None) => Vec3::NAN,
+        _ => {}
     }
 }
 
@@ -272,11 +263,11 @@ mod tests {
             doors: Vec::new(),
             places: Vec::new(),
             obstacles: vec![
-                SeenObstacle::Ball { centre: Vec3::Z, radius: 0.5 },
-                SeenObstacle::Wall { from: Vec3::ZERO, to: Vec3::Y, radius: 0.2 },
-                SeenObstacle::Polygon(vec![Vec3::ZERO, Vec3::X, Vec3::Z]),
-                SeenObstacle::Box(Vec3::ZERO, Vec3::ONE),
-                SeenObstacle::Mover { way: vec![(0.0, Vec3::ZERO), (2.0, Vec3::X)], radius: 0.4 },
+                Obstacle::Ball { centre: Vec3::Z, radius: 0.5 },
+                Obstacle::Wall { from: Vec3::ZERO, to: Vec3::Y, radius: 0.2 },
+                Obstacle::Polygon { corners: vec![Vec3::ZERO, Vec3::X, Vec3::Z] },
+                Obstacle::Box { min: Vec3::ZERO, max: Vec3::ONE },
+                Obstacle::Mover { way: vec![(0.0, Vec3::ZERO), (2.0, Vec3::X)], radius: 0.4 },
             ],
         }
     }
@@ -299,15 +290,7 @@ mod tests {
         crowd_sheet("square", &Figures::default(), &AgentsRecord::default());
         let mut broken = record(false);
         broken.moments[0].agents[0] = Some(SeenAgent { at: Vec3::NAN, velocity: Vec3::NAN, knows: true });
-        broken.obstacles.push(SeenObstacle::Mover { way: Vec::new(), radius: 1.0 });
+        broken.obstacles.push(Obstacle::Mover { way: Vec::new(), radius: 1.0 });
         crowd_sheet("square", &Figures::default(), &broken);
-    }
-
-    #[test]
-    fn movers_are_where_their_time_says() {
-        let way = [(1.0, Vec3::ZERO), (3.0, Vec3::X * 4.0)];
-        for (t, x) in [(0.0, 0.0), (1.5, 1.0), (3.0, 4.0), (9.0, 4.0)] {
-            assert_eq!(on_its_way(&way, t), Vec3::X * x, "{t}");
-        }
     }
 }

@@ -20,8 +20,8 @@ pub use meter::{Flow, HUMAN_FLOW_PER_M_S, OverlapMeter, ProgressMeter, Sight};
 pub use news::News;
 pub use own::{OWN_SCENES, own_scene};
 pub use record::{
-    AgentsRecord, CrowdMoment, FightFrame, FightRecord, PathsRecord, Pose, Record, SeenAgent, SeenObstacle, SeenPeople,
-    SeenPlace, TRAIL_S, TrajectoryPoint, WorldRecord, seen_obstacle,
+    AgentsRecord, CrowdMoment, FightFrame, FightRecord, PathsRecord, Pose, Record, SeenAgent, SeenPeople, SeenPlace,
+    TRAIL_S, TrajectoryPoint, WorldRecord, on_its_way, seen_obstacle,
 };
 pub use recording::Recording;
 pub use report::{GroupReport, RunConfig, SceneReport, geometry, run, run_agents, run_recorded};

@@ -154,38 +154,6 @@ pub struct CrowdMoment {
     pub is_open: Vec<bool>,
 }
 
-/// An obstacle in the world.
-#[derive(Clone, Debug, PartialEq)]
-pub enum SeenObstacle {
-    /// Disc or ball.
-    Ball {
-        /// (m)
-        centre: Vec3,
-        /// (m)
-        radius: f32,
-    },
-    /// All within `radius` of a line.
-    Wall {
-        /// (m)
-        from: Vec3,
-        /// (m)
-        to: Vec3,
-        /// (m)
-        radius: f32,
-    },
-    /// On the ground (m).
-    Polygon(Vec<Vec3>),
-    /// Along the axes, between two corners (m).
-    Box(Vec3, Vec3),
-    /// On its way through points, as (time, place) (s, m).
-    Mover {
-        /// In order of time.
-        way: Vec<(f64, Vec3)>,
-        /// (m)
-        radius: f32,
-    },
-}
-
 /// All agents of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AgentsRecord {
@@ -204,9 +172,9 @@ pub struct AgentsRecord {
     /// Of the same agents: corners of their ways (m).
     pub ways: Vec<Vec<Vec3>>,
     /// What stands or moves in the way.
-    pub obstacles: Vec<SeenObstacle>,
+    pub obstacles: Vec<Obstacle>,
     /// Walls that open and close.
-    pub doors: Vec<SeenObstacle>,
+    pub doors: Vec<Obstacle>,
     /// Where people come to.
     pub places: Vec<SeenPlace>,
 }
@@ -355,8 +323,8 @@ fn begin<V: Space>(agents: &Agents<V>, sim: &Simulation) -> AgentsRecord {
         moments: Vec::new(),
         trails: (0..num).step_by(every).map(|m| (m, Vec::new())).collect(),
         ways: Vec::new(),
-        obstacles: layout.walls_and_doors().0.iter().filter_map(seen_obstacle).collect(),
-        doors: layout.walls_and_doors().1.iter().filter_map(seen_obstacle).collect(),
+        obstacles: layout.walls_and_doors().0.iter().map(seen_obstacle).collect(),
+        doors: layout.walls_and_doors().1.iter().map(seen_obstacle).collect(),
         places: sim.scene().places.iter().map(seen_place).collect(),
     }
 }
@@ -409,23 +377,34 @@ fn seen_place(site: &SiteConfig) -> SeenPlace {
     SeenPlace { name: site.name.clone(), at: point(&site.at), radius: site.radius_m, slots: slots.collect() }
 }
 
-/// An obstacle as one of the world; none of a kind that is not known.
-pub fn seen_obstacle<V: Space>(obstacle: &Obstacle<V>) -> Option<SeenObstacle> {
-    Some(match obstacle {
-        &Obstacle::Ball { centre, radius } => SeenObstacle::Ball { centre: in_world(centre), radius },
-        &Obstacle::Wall { from, to, radius } => SeenObstacle::Wall { from: in_world(from), to: in_world(to), radius },
-        Obstacle::Polygon { corners } => SeenObstacle::Polygon(corners.iter().map(|&c| in_world(c)).collect()),
-        &Obstacle::Box { min, max } => SeenObstacle::Box(in_world(min), in_world(max)),
-        Obstacle::Mover { way, radius } => {
-            SeenObstacle::Mover { way: way.iter().map(|&(t, p)| (t, in_world(p))).collect(), radius: *radius }
-        }
-        _ => return None,
-    })
+/// An obstacle as one of the world.
+pub fn seen_obstacle<V: Space>(obstacle: &Obstacle<V>) -> Obstacle {
+    obstacle.clone().map(in_world)
+}
+
+/// Where something is on its way through points, which are in order of time (s, m).
+pub fn on_its_way(way: &[(f64, Vec3)], time_s: f64) -> Vec3 {
+    let next = way.partition_point(|w| w.0 <= time_s);
+    match (next.checked_sub(1).map(|i| way[i]), way.get(next)) {
+        (Some(a), Some(b)) => a.1.lerp(b.1, ((time_s - a.0) / (b.0 - a.0)) as f32),
+        (Some(end), None) => end.1,
+        (None, Some(end)) => end.1,
+        (None, None) => Vec3::NAN,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn movers_are_where_their_time_says_and_wait_at_both_ends() {
+        let way = [(1.0, Vec3::ZERO), (3.0, Vec3::X), (4.0, Vec3::Z)];
+        for (time_s, at) in [(0.0, Vec3::ZERO), (2.0, Vec3::X * 0.5), (3.5, (Vec3::X + Vec3::Z) * 0.5), (9.0, Vec3::Z)]
+        {
+            assert!(on_its_way(&way, time_s).distance(at) < 1e-6, "{time_s}");
+        }
+    }
     use crate::damage::seeds;
     use throng_runtime::simulation::Scene;
 

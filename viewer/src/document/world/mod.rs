@@ -74,11 +74,6 @@ impl WorldDocument {
         self.ground.bundle()
     }
 
-    /// What the world's file says; what was edited since is not in it.
-    pub fn source(&self) -> &WorldSource {
-        &self.source
-    }
-
     /// The inhabitants.
     pub fn roamers(&self) -> Roamers {
         self.roamers
@@ -107,11 +102,6 @@ impl WorldDocument {
     /// What stands where.
     pub fn placed(&self) -> &[PlacedUnit] {
         &self.geometry.units
-    }
-
-    /// The same with its geometry.
-    pub fn geometry(&self) -> &PlacedGeometry {
-        &self.geometry
     }
 
     /// A mesh of every unit of the bundle.
@@ -218,11 +208,6 @@ impl WorldDocument {
             return Err(format!("there is no character {character}"));
         }
         self.run.tell(character, wish).map_err(|e| e.to_string())
-    }
-
-    /// The environment as it is.
-    pub fn environment(&self) -> &Environment {
-        &self.environment
     }
 }
 

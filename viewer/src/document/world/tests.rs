@@ -142,7 +142,7 @@ fn edits(world: &mut WorldDocument) {
     edit(world, Change::Move { place: 9, to: Placement::new(-2.2, 0.0, 0.0, 0.35) }).unwrap();
     assert_eq!(left(world), with_panel);
     // What cannot be leaves the world alone.
-    let same = |world: &WorldDocument| (world.environment().clone(), left(world), world.revision());
+    let same = |world: &WorldDocument| (world.environment.clone(), left(world), world.revision());
     let kept = same(world);
     let why = edit(world, Change::Move { place, to: Placement::new(50.0, 0.0, 50.0, 0.0) }).unwrap_err();
     assert!(why.contains("ground") && same(world) == kept, "{why}");

@@ -77,7 +77,7 @@ fn kinds(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         }
         let tip = "Hides what the engine of the crowd does, such as resetting bounds";
         if ui.small_button("without the engine's").on_hover_text(tip).clicked() {
-            commands.push(look(model, |l| l.kinds = What::ALL.map(|what| !what.is_of_engine())));
+            commands.push(look(model, |l| l.kinds = What::all().map(|what| !what.is_of_engine())));
         }
     });
 }

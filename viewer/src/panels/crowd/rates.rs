@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
     let totals = rates.totals(now);
     let kinds = model.selection.scene.kinds;
     plot.show(ui, |p| {
-        for what in What::ALL.into_iter().filter(|w| kinds[w.number()] && totals[w.number()] > 0) {
+        for what in What::all().into_iter().filter(|w| kinds[w.number()] && totals[w.number()] > 0) {
             let points: PlotPoints<'_> = before.iter().map(|(t, r)| [*t, r[what.number()]]).collect();
             p.line(Line::new(what.name(), points).color(colour(colour_of_event(what, dark))).width(1.8));
         }
@@ -60,7 +60,7 @@ fn key(ui: &mut Ui, model: &Model, totals: [u64; What::COUNT], commands: &mut Ve
         let of_minds = What::Came.number() <= w.number();
         of_minds || matches!(w, What::Entering | What::Leaving | What::Contacting | What::Separating)
     };
-    let there = What::ALL.into_iter().filter(|w| !is_special(w) || totals[w.number()] > 0);
+    let there = What::all().into_iter().filter(|w| !is_special(w) || totals[w.number()] > 0);
     Grid::new("kinds").num_columns(COLUMNS).spacing([10.0, 2.0]).show(ui, |ui| {
         for (i, what) in there.enumerate() {
             let is_on = model.selection.scene.kinds[what.number()];

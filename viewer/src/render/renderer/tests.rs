@@ -2,7 +2,7 @@ use super::*;
 use crate::bundle::OpenBundle;
 use crate::fixtures::golden_path;
 use crate::render::offscreen::read_back;
-use crate::render::{Emphasis, Rgba, Solids, device_descriptor};
+use crate::render::{Rgba, Solids, device_descriptor};
 use glam::{Quat, Vec2, Vec3};
 use throng_runtime::characters::{Characters as People, CharactersConfig, FootLockConfig, Instance, Order, Start};
 use throng_runtime::{Joint, NUM_JOINTS, Planar};
@@ -37,7 +37,7 @@ fn standing(skeleton: &Skeleton, lift: f32) -> Vec<Mat3x4> {
 }
 
 fn at_origin(colour: Rgba) -> CharacterInstance {
-    CharacterInstance { root: Planar::IDENTITY, colour, emphasis: Emphasis::None, look: 0 }
+    CharacterInstance { root: Planar::IDENTITY, colour, is_selected: false, look: 0 }
 }
 
 struct Picture(Vec<u8>);
@@ -49,7 +49,7 @@ impl Picture {
         palette: &[Mat3x4],
         instances: &[CharacterInstance],
         camera: &Camera,
-    ) -> (Self, DrawStats) {
+    ) -> (Self, [usize; LEVELS]) {
         let (skeleton, shapes) = (&Skeleton::default(), &Shapes::new());
         let solids = &Solids::default();
         let (records, rows) = (&[], None);
@@ -64,11 +64,11 @@ impl Picture {
             shapes,
             solids,
         });
-        assert_eq!(uploaded.map(|u| u.characters), Ok(instances.len()));
-        let stats = renderer.draw(SIZE, camera, &SceneColours::LIGHT);
+        assert_eq!(uploaded, Ok(()));
+        let per_level = renderer.draw(SIZE, camera, &SceneColours::LIGHT);
         let (size, pixels) = renderer.pixels().unwrap_or_default();
         assert_eq!((size, pixels.len()), (SIZE, 400 * 300 * 4));
-        (Self(pixels), stats)
+        (Self(pixels), per_level)
     }
 
     fn at(&self, p: Vec2) -> [i32; 3] {
@@ -93,10 +93,10 @@ fn a_body_appears_where_its_joints_project() {
     let (camera, palette) = (Camera::default(), standing(&skeleton, 0.0));
     let instance = [at_origin(Rgba::hex(0xd02020))];
     let (empty, nothing) = Picture::take(&mut renderer, Body::Mannequin, &[], &[], &camera);
-    assert_eq!((nothing.triangles, nothing.culled), (0, 0));
+    assert_eq!(nothing, [0; LEVELS]);
     for body in [Body::Mannequin, Body::Capsules] {
-        let (picture, stats) = Picture::take(&mut renderer, body, &palette, &instance, &camera);
-        assert_eq!(stats.per_level, [1, 0, 0, 0]);
+        let (picture, per_level) = Picture::take(&mut renderer, body, &palette, &instance, &camera);
+        assert_eq!(per_level, [1, 0, 0, 0]);
         for joint in Joint::ALL {
             let p = camera.project(skeleton.rest_positions()[joint.index()], size()).unwrap_or_default();
             assert!(picture.differs(&empty, p) > 40, "{body:?} {}", joint.name());
@@ -106,8 +106,8 @@ fn a_body_appears_where_its_joints_project() {
     }
     let mut away = camera;
     away.target.x += 50.0;
-    let (_, stats) = Picture::take(&mut renderer, Body::Mannequin, &palette, &instance, &away);
-    assert_eq!((stats.per_level, stats.culled), ([0; LEVELS], 1));
+    let (_, per_level) = Picture::take(&mut renderer, Body::Mannequin, &palette, &instance, &away);
+    assert_eq!(per_level, [0; LEVELS]);
 }
 
 #[test]
@@ -188,8 +188,8 @@ fn bad_uploads_are_refused_and_the_view_keeps_drawing() {
     let expected = RenderError::PaletteLength { characters: 1, expected: NUM_JOINTS, got: NUM_JOINTS - 1 };
     assert!(renderer.pixels().is_err());
     assert_eq!(renderer.upload(&frame), Err(expected));
-    let stats = renderer.draw([0, 0], &Camera::default(), &SceneColours::DARK);
-    assert_eq!(stats.per_level, [0; LEVELS]);
+    let per_level = renderer.draw([0, 0], &Camera::default(), &SceneColours::DARK);
+    assert_eq!(per_level, [0; LEVELS]);
     assert_eq!(renderer.pixels().map(|p| p.0), Ok([1, 1]));
 }
 
@@ -230,15 +230,15 @@ fn records_look_as_posed_characters_do() {
             let rows = Some(bundle.row_poses());
             let frame = SceneFrame { skeleton, body, worn: None, palette, instances, records, rows, shapes, solids };
             renderer.upload(&frame).expect("uploaded");
-            let stats = renderer.draw(SIZE, &camera, &SceneColours::LIGHT);
-            assert_eq!(stats.per_level.iter().sum::<usize>(), instances.len() + records.len());
+            let per_level = renderer.draw(SIZE, &camera, &SceneColours::LIGHT);
+            assert_eq!(per_level.iter().sum::<usize>(), instances.len() + records.len());
             renderer.pixels().expect("a picture").1
         };
         let nobody = take(&[], &[], &[]);
         for (worst, most_blend) in worst.iter_mut().zip([0, u16::MAX]) {
             let shown = |&c: &usize| people.instances()[c].frac_blend[1] <= most_blend;
             let shown: Vec<usize> = (0..n).filter(shown).collect();
-            let of = |&c: &usize| CharacterInstance { root: people.root(c), colour, emphasis: Emphasis::None, look: 0 };
+            let of = |&c: &usize| CharacterInstance { root: people.root(c), colour, is_selected: false, look: 0 };
             let palette: Vec<Mat3x4> = shown.iter().flat_map(|&c| people.pose(c)).copied().collect();
             let posed = take(&palette, &shown.iter().map(of).collect::<Vec<_>>(), &[]);
             let record = |&c: &usize| Record { instance: people.instances()[c], colour, look: 0 };

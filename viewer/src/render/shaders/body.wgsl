@@ -1,11 +1,11 @@
-// Bodies: colour by part and side, light, and an edge where emphasised.
+// Bodies: colour by part and side, light, and an edge where is_selecteded.
 
 struct Shaded {
     @builtin(position) clip: vec4<f32>,
     @location(0) normal: vec3<f32>,
     @location(1) world: vec3<f32>,
     @location(2) @interpolate(flat) colour: vec4<f32>,
-    @location(3) @interpolate(flat) emphasis: u32,
+    @location(3) @interpolate(flat) is_selected: u32,
 }
 
 // One of eight tones, dark to light (sRGB).
@@ -73,12 +73,12 @@ fn vertex(v: BodyVertex) -> Shaded {
     out.normal = skinned.normal;
     out.world = skinned.position;
     out.colour = vec4(to_linear(colour), base.a);
-    out.emphasis = instance.emphasis;
+    out.is_selected = instance.is_selected;
     return out;
 }
 
 @fragment
 fn fragment(in: Shaded) -> @location(0) vec4<f32> {
     let facing = abs(dot(normalize(in.normal), normalize(scene.eye.xyz - in.world)));
-    return vec4(edged(lit(in.colour.rgb, in.normal, in.world), facing, in.emphasis), in.colour.a);
+    return vec4(edged(lit(in.colour.rgb, in.normal, in.world), facing, in.is_selected), in.colour.a);
 }

@@ -3,7 +3,7 @@
 struct Instance {
     root: vec4<f32>, // x, z, sine and cosine of the heading
     colour: u32,
-    emphasis: u32,
+    is_selected: u32,
     row_a: u32, // of a record; FROM_PALETTE where the pose is in the palette
     row_b: u32,
     frac_blend: u32,
@@ -23,11 +23,10 @@ fn turned(p: vec3<f32>, root: vec4<f32>) -> vec3<f32> {
     return vec3(root.w * p.x + root.z * p.z, p.y, root.w * p.z - root.z * p.x);
 }
 
-// A colour with the edge of what is emphasised; `facing` is 1 where the surface faces the eye.
-fn edged(colour: vec3<f32>, facing: f32, emphasis: u32) -> vec3<f32> {
-    if emphasis == 0u {
+// A colour with the edge of what is selected; `facing` is 1 where the surface faces the eye.
+fn edged(colour: vec3<f32>, facing: f32, is_selected: u32) -> vec3<f32> {
+    if is_selected == 0u {
         return colour;
     }
-    let edge = select(scene.highlighted.rgb, scene.selected.rgb, emphasis == 2u);
-    return mix(colour, edge, 0.12 + 0.88 * smoothstep(0.35, 0.85, 1.0 - facing));
+    return mix(colour, scene.selected.rgb, 0.12 + 0.88 * smoothstep(0.35, 0.85, 1.0 - facing));
 }

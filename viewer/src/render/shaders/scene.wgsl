@@ -20,7 +20,6 @@ struct Scene {
     light_below: vec4<f32>,
     light_key: vec4<f32>,
     selected: vec4<f32>,
-    highlighted: vec4<f32>,
     rest: array<vec4<f32>, 22>,
 }
 

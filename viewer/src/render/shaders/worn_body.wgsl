@@ -5,7 +5,7 @@ struct Shaded {
     @location(0) normal: vec3<f32>,
     @location(1) world: vec3<f32>,
     @location(2) @interpolate(flat) colour: vec4<f32>,
-    @location(3) @interpolate(flat) emphasis: u32,
+    @location(3) @interpolate(flat) is_selected: u32,
     @location(4) place: vec2<f32>,
     @location(5) @interpolate(flat) layer: u32,
     // Colour of the character, and its alpha.
@@ -25,7 +25,7 @@ fn vertex(v: BodyVertex) -> Shaded {
     out.normal = skinned.normal;
     out.world = skinned.position;
     out.colour = vec4(to_linear(v.colour.rgb), v.colour.a);
-    out.emphasis = instance.emphasis;
+    out.is_selected = instance.is_selected;
     out.place = v.place;
     out.layer = v.layer;
     out.told = vec4(to_linear(told.rgb), told.a);
@@ -41,5 +41,5 @@ fn fragment(in: Shaded, @builtin(front_facing) is_front: bool) -> @location(0) v
     let normal = select(-in.normal, in.normal, is_front);
     let facing = abs(dot(normalize(normal), normalize(scene.eye.xyz - in.world)));
     let albedo = mix(in.colour.rgb * texel.rgb, in.told.rgb, 0.6 * smoothstep(0.45, 0.9, 1.0 - facing));
-    return vec4(edged(lit(albedo, normal, in.world), facing, in.emphasis), in.told.a);
+    return vec4(edged(lit(albedo, normal, in.world), facing, in.is_selected), in.told.a);
 }

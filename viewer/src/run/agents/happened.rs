@@ -98,29 +98,41 @@ impl EventFilter {
     }
 }
 
+/// All kinds in their order, what they are called, and what they mean.
+const KINDS: [(What, &str, &str); What::COUNT] = [
+    (What::Resetting, "resetting", "A bound touched the side of its region R and was reset"),
+    (What::Colliding, "colliding", "Two bounds touched; both were reset"),
+    (What::Meeting, "meeting", "A bound touched an obstacle and was reset"),
+    (What::Entering, "entering", "A bound touched a face of a cell and occupies the cells behind it"),
+    (What::Leaving, "leaving", "A bound no longer occupies the cells behind a face"),
+    (What::Contacting, "contacting", "Two agents touch and rest against each other"),
+    (What::Separating, "separating", "Two agents that touched separate"),
+    (What::Arrived, "arrived", "An agent reached the end of its route"),
+    (What::Left, "left", "An agent left the crowd at the end of its route"),
+    (What::Struck, "struck", "An obstacle that moves ran into an agent"),
+    (What::Stuck, "stuck", "An agent made no progress toward its goal for 10 s"),
+    (What::Came, "came", "An agent came to a place"),
+    (What::Went, "went", "An agent went from a place"),
+    (What::Learnt, "learnt", "An agent came to know of a message"),
+    (What::Rule, "rule", "An agent followed a rule"),
+    (What::Edge, "edge", "An agent took an edge of a state-transition graph"),
+];
+const _: () = {
+    let mut i = 0;
+    while i < KINDS.len() {
+        assert!(KINDS[i].0 as usize == i, "each kind has its own place");
+        i += 1;
+    }
+};
+
 impl What {
     /// Number of kinds.
     pub const COUNT: usize = 16;
 
     /// All kinds, in their order.
-    pub const ALL: [Self; Self::COUNT] = [
-        Self::Resetting,
-        Self::Colliding,
-        Self::Meeting,
-        Self::Entering,
-        Self::Leaving,
-        Self::Contacting,
-        Self::Separating,
-        Self::Arrived,
-        Self::Left,
-        Self::Struck,
-        Self::Stuck,
-        Self::Came,
-        Self::Went,
-        Self::Learnt,
-        Self::Rule,
-        Self::Edge,
-    ];
+    pub fn all() -> [Self; Self::COUNT] {
+        KINDS.map(|k| k.0)
+    }
 
     /// The kind of an event and the other party; none for an unknown kind.
     ///
@@ -168,46 +180,12 @@ impl What {
 
     /// What it is called.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Resetting => "resetting",
-            Self::Colliding => "colliding",
-            Self::Meeting => "meeting",
-            Self::Entering => "entering",
-            Self::Leaving => "leaving",
-            Self::Contacting => "contacting",
-            Self::Separating => "separating",
-            Self::Arrived => "arrived",
-            Self::Left => "left",
-            Self::Struck => "struck",
-            Self::Stuck => "stuck",
-            Self::Came => "came",
-            Self::Went => "went",
-            Self::Learnt => "learnt",
-            Self::Rule => "rule",
-            Self::Edge => "edge",
-        }
+        KINDS[self.number()].1
     }
 
     /// What it means, in a sentence.
     pub fn meaning(self) -> &'static str {
-        match self {
-            Self::Resetting => "A bound touched the side of its region R and was reset",
-            Self::Colliding => "Two bounds touched; both were reset",
-            Self::Meeting => "A bound touched an obstacle and was reset",
-            Self::Entering => "A bound touched a face of a cell and occupies the cells behind it",
-            Self::Leaving => "A bound no longer occupies the cells behind a face",
-            Self::Contacting => "Two agents touch and rest against each other",
-            Self::Separating => "Two agents that touched separate",
-            Self::Arrived => "An agent reached the end of its route",
-            Self::Left => "An agent left the crowd at the end of its route",
-            Self::Struck => "An obstacle that moves ran into an agent",
-            Self::Stuck => "An agent made no progress toward its goal for 10 s",
-            Self::Came => "An agent came to a place",
-            Self::Went => "An agent went from a place",
-            Self::Learnt => "An agent came to know of a message",
-            Self::Rule => "An agent followed a rule",
-            Self::Edge => "An agent took an edge of a state-transition graph",
-        }
+        KINDS[self.number()].2
     }
 }
 

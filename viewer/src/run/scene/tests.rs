@@ -227,7 +227,7 @@ fn what_agents_came_to_is_the_same_whichever_way_a_moment_is_shown() {
     assert!(edge == 0 && entry.since_s == Some(at_s) && at_s >= 1.0, "{entry:?}");
     assert_eq!(minds.states_of(shopping)[1], None);
     // What is listed is what is known.
-    let kinds = What::ALL.map(|what| what == What::Learnt);
+    let kinds = What::all().map(|what| what == What::Learnt);
     let listed = run.log().last(&EventFilter { message: Some(sale), ..EventFilter::of_kinds(kinds) }, 9.0, 999);
     assert_eq!(listed.len(), times.len());
     assert!(listed.iter().any(|h| matches!(h.with, With::Message("told", Some(_))) && h.other_at.is_some()));

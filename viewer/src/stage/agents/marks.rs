@@ -59,7 +59,7 @@ fn is_quiet(what: What) -> bool {
 
 pub(super) fn lay_out(shapes: &mut Shapes, run: &SceneRun, look: &SceneLook, brush: &Brush<'_>) {
     let now = run.simulation().time_s();
-    let is_rare = What::ALL.map(|what| stay_s(what) > MARK_S);
+    let is_rare = What::all().map(|what| stay_s(what) > MARK_S);
     let of_kinds = |rare: bool| EventFilter::of_kinds(std::array::from_fn(|k| look.kinds[k] && is_rare[k] == rare));
     let usual = run.log().last(&of_kinds(false), now, MAX_MARKS);
     let first_s = usual.last().map_or(now, |h| h.time_s);

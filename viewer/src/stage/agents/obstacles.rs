@@ -4,14 +4,15 @@ use super::Brush;
 use crate::document::Standing;
 use crate::render::{Rgba, Shapes};
 use glam::Vec3;
-use throng_precompute::run::SeenObstacle;
+use throng_precompute::run::on_its_way;
+use throng_runtime::crowd::Obstacle;
 
 /// Outlines of boxes in the air, and what moves; what else stands has a mesh.
 pub(in crate::stage) fn lay_out(shapes: &mut Shapes, standing: &Standing, time_s: f64, brush: &Brush<'_>) {
     for obstacle in &standing.obstacles {
         match obstacle {
-            SeenObstacle::Box(low, high) if brush.in_the_air => edges(shapes, *low, *high, grey(brush.dark)),
-            SeenObstacle::Mover { way, radius } => mover(shapes, brush, way, *radius, time_s),
+            Obstacle::Box { min: low, max: high } if brush.in_the_air => edges(shapes, *low, *high, grey(brush.dark)),
+            Obstacle::Mover { way, radius } => mover(shapes, brush, way, *radius, time_s),
             _ => {}
         }
     }
@@ -36,7 +37,7 @@ fn edges(shapes: &mut Shapes, low: Vec3, high: Vec3, colour: Rgba) {
 
 /// What moves, where it is now, and the way that it takes.
 fn mover(shapes: &mut Shapes, brush: &Brush<'_>, way: &[(f64, Vec3)], radius: f32, time_s: f64) {
-    let at = place(way, time_s);
+    let at = on_its_way(way, time_s);
     let lift = Vec3::Y * if brush.in_the_air { 0.0 } else { super::DISC_Y };
     let points: Vec<Vec3> = way.iter().map(|w| w.1 + lift).collect();
     shapes.polyline(&points, 1.5, brush.palette.target.alpha(0.5));
@@ -44,29 +45,5 @@ fn mover(shapes: &mut Shapes, brush: &Brush<'_>, way: &[(f64, Vec3)], radius: f3
         shapes.sphere(at, radius, brush.palette.target);
     } else {
         shapes.disc(at + lift, radius, brush.palette.target);
-    }
-}
-
-/// Where something is on its way (s, m).
-fn place(way: &[(f64, Vec3)], time_s: f64) -> Vec3 {
-    let next = way.partition_point(|w| w.0 <= time_s);
-    match (next.checked_sub(1).map(|i| way[i]), way.get(next)) {
-        (Some((from_s, from)), Some(&(to_s, to))) => from.lerp(to, ((time_s - from_s) / (to_s - from_s)) as f32),
-        (Some((_, last)), None) => last,
-        (None, first) => first.map_or(Vec3::ZERO, |f| f.1),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn moving_obstacles_wait_at_both_ends_of_their_path() {
-        let way = [(1.0, Vec3::ZERO), (3.0, Vec3::X), (4.0, Vec3::Z)];
-        for (time_s, at) in [(0.0, Vec3::ZERO), (2.0, Vec3::X * 0.5), (3.5, (Vec3::X + Vec3::Z) * 0.5), (9.0, Vec3::Z)]
-        {
-            assert!(place(&way, time_s).distance(at) < 1e-6, "{time_s}");
-        }
     }
 }
