@@ -123,7 +123,7 @@ pub fn run(args: &Args) -> Outcome {
         }
         None => PathBuf::from(format!("{}.throng", config.name)),
     };
-    args.report.iter().try_for_each(|file| files::check_target(file))?;
+    files::check_targets(&args.report, args.what.what.iter().chain(&args.what.input).chain([&out]))?;
     let bar = progress::Bar::on_interrupt(args.cache.folder());
     let build = match plan.parts {
         Parts::All => pipeline::build,

@@ -63,13 +63,19 @@ fn holds_motion(file: &Path) -> bool {
 }
 
 pub fn run(args: &Args) -> Outcome {
-    match args.format {
-        Format::Glb | Format::Usda | Format::Npz | Format::Amass | Format::Csv | Format::Instances => take::run(args),
-        Format::Bvh if !holds_motion(&args.file) => take::run(args),
-        _ if args.take.given().is_some() => {
-            fail(format!("{} is for glb, usda, bvh, npz, amass and csv", args.take.given().unwrap_or_default()))
+    let is_take = match args.format {
+        Format::PositionsCsv | Format::HitsCsv | Format::GraphJson | Format::PolicyCsv => false,
+        Format::Bvh => !holds_motion(&args.file),
+        _ => true,
+    };
+    if !is_take {
+        if let Some(given) = args.take.given() {
+            return fail(format!("{given} is for glb, usda, bvh, npz, amass and csv"));
         }
-        Format::PositionsCsv | Format::Bvh => clip(args),
+        files::check_targets(&args.out, [&args.file])?;
+    }
+    match args.format {
+        _ if is_take => take::run(args),
         Format::HitsCsv => {
             let points = if crate::args::is_bundle(&args.file) {
                 HitPoint::of_tables(&crate::args::open(&args.file)?)
@@ -93,6 +99,7 @@ pub fn run(args: &Args) -> Outcome {
             };
             write(args.out.as_deref(), |w| policy::write_csv(&tables.policies()[index], w))
         }
+        _ => clip(args),
     }
 }
 

@@ -6,8 +6,8 @@ mod scene;
 use crate::args::{Outcome, ReadArgs, fail, is_bundle};
 use crate::{keys, output, progress};
 use std::path::PathBuf;
-use throng_precompute::import;
 use throng_precompute::inspect::{self, BundleReport, ClipReport, FolderReport, hit_picture};
+use throng_precompute::{files, import};
 
 /// Report what is in a motion file (format, units, axes, rest pose, roles, foot contacts, effective hits, and why), in
 /// many of them (one line each, and what they lack for which behaviour), or in a bundle; or infer from contacts what the
@@ -57,6 +57,7 @@ pub fn run(args: &Args) -> Outcome {
     if args.environment_out.is_some() || args.environment_png.is_some() {
         return environment::run(args);
     }
+    files::check_targets(&args.hits_png, &args.files)?;
     let is_clip = |p: &PathBuf| {
         import::expand(std::slice::from_ref(p)).is_ok_and(|all| all == [p.clone()]) && !import::holds_several(p)
     };

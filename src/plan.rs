@@ -51,7 +51,7 @@ pub fn run(args: &Args) -> Outcome {
     if !args.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh")) {
         return fail(format!("{}: expected a name that ends with .bvh", args.out.display()));
     }
-    args.png.iter().chain([&args.out]).try_for_each(|f| files::check_target(f))?;
+    files::check_targets(args.png.iter().chain([&args.out]), [&args.task])?;
     let task = Task::read(&args.task)?;
     let config = args.read.config()?;
     let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))??;

@@ -91,7 +91,7 @@ struct Report {
 
 pub fn run(args: &Args) -> Outcome {
     let files = [&args.png, &args.trajectories, &args.record];
-    files.into_iter().flatten().try_for_each(|file| files::check_target(file))?;
+    files::check_targets(files.into_iter().flatten(), args.what.iter().chain(&args.bundle))?;
     let is_single = |p: &PathBuf| is_toml(p) || is_bundle(p);
     match args.what.as_slice() {
         [scene] if is_toml(scene) => return run_scene(scene, args),

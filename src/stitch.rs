@@ -52,9 +52,7 @@ pub fn run(args: &Args) -> Outcome {
         Some(out) => out.clone(),
         None => source.stitched_path(),
     };
-    if args.out.is_none() {
-        stitch::check_replaced(&args.file, &out)?;
-    }
+    stitch::check_replaced(&args.file, &out)?;
     let tables = bundle(&source, &args.cache)?;
     let report = make(&source, &args.file, &tables, &out)?;
     if args.json {

@@ -99,7 +99,7 @@ pub fn run(args: &Args) -> Outcome {
             return fail(format!("{}: {what}", args.file.display()));
         }
         (Some(out), _) => {
-            files::check_target(out)?;
+            files::check_targets([out], [&args.file].into_iter().chain(&takes.onto))?;
             Some(out.as_path())
         }
     };

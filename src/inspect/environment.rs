@@ -41,9 +41,7 @@ pub struct Report<'a> {
 
 /// Infers what the people in the clips stand, sit and hang on; writes it, draws it and reports how well it fits.
 pub fn run(args: &super::Args) -> Outcome {
-    for file in args.environment_out.iter().chain(&args.environment_png) {
-        files::check_target(file)?;
-    }
+    files::check_targets(args.environment_out.iter().chain(&args.environment_png), &args.files)?;
     if let Some(bundle) = args.files.iter().find(|f| crate::args::is_bundle(f)) {
         return fail(format!("{}: expected a motion file: surroundings are inferred from clips", bundle.display()));
     }

@@ -104,6 +104,33 @@ fn places_that_cannot_be_written_are_named() {
 }
 
 #[test]
+fn nothing_is_written_over_what_is_read() {
+    let folder = folder();
+    let (world, scene, clip) = (at(&folder, "square.toml"), at(&folder, "scene.toml"), at(&folder, "walk.bvh"));
+    for file in [&world, &scene, &clip] {
+        let text = "bundle = \"absent.throng\"\n[[place]]\nunit = \"ground\"\nat = [0, 0, 0]\n";
+        std::fs::write(file, text).expect("a file");
+    }
+    let e = failed(&["stitch", &world, "--out", &clip]);
+    assert!(e.contains("walk.bvh") && e.contains("is not a world"), "{e}");
+    let png = at(&folder, "a.png");
+    for args in [
+        vec!["export", &clip, "--format", "bvh", "--out", &clip],
+        vec!["run", &scene, "--record", &scene],
+        vec!["run", &scene, "--png", &scene],
+        vec!["run", &scene, "--png", &png, "--record", &png],
+        vec!["inspect", &clip, "--environment-out", &clip],
+        vec!["inspect", &clip, "--hits-png", &clip],
+        vec!["plan", &scene, "--out", &clip, "--png", &clip],
+        vec!["build", &clip, "--report", &clip],
+    ] {
+        let e = failed(&args);
+        assert!(e.contains("is read or written by the same command. Write elsewhere"), "{args:?}: {e}");
+    }
+    assert_eq!(std::fs::read(&clip).expect("a file"), std::fs::read(&world).expect("a file"), "all are as they were");
+}
+
+#[test]
 fn worlds_that_cannot_be_are_refused_with_the_way_out() {
     let (place, folder) = (Place::shared(), folder());
     let world = at(&folder, "square.toml");

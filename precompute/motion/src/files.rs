@@ -185,6 +185,28 @@ pub fn check_target(path: &Path) -> Result<(), BuildError> {
     }
 }
 
+/// As [`check_target`] for each of several files to write; none may be one that is read, or another one of them.
+///
+/// # Errors
+/// As [`check_target`]; [`BuildError::Config`] naming a file that is meant twice.
+pub fn check_targets<'a>(
+    out: impl IntoIterator<Item = &'a PathBuf>,
+    read: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<(), BuildError> {
+    let real = |path: &PathBuf| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
+    let mut taken: Vec<PathBuf> = read.into_iter().filter_map(|path| real(path).ok()).collect();
+    for path in out {
+        check_target(path)?;
+        let file = real(path).map_err(|source| BuildError::Io { path: path.clone(), source })?;
+        if taken.contains(&file) {
+            let why = "it is to be written, and is read or written by the same command. Write elsewhere";
+            return Err(BuildError::Config { message: format!("{}: {why}", path.display()) });
+        }
+        taken.push(file);
+    }
+    Ok(())
+}
+
 /// As [`check_target`], and a file that stands at the path has to be of the same kind, or empty, so that no config and no motion file
 /// is overwritten.
 ///
@@ -220,6 +242,21 @@ mod tests {
             std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
+    }
+
+    #[test]
+    fn no_file_is_meant_twice() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        std::fs::write(at("walk.bvh"), "x").unwrap();
+        let (walk, again) = (at("walk.bvh"), at("sub/../walk.bvh"));
+        std::fs::create_dir(at("sub")).unwrap();
+        let [new, other] = ["a.png", "b.png"].map(at);
+        assert!(check_targets([&new, &other], [&walk, &at("absent.bvh")]).is_ok());
+        for (out, read) in [(vec![&again], vec![&walk]), (vec![&walk], vec![&again]), (vec![&new, &new], vec![])] {
+            let e = check_targets(out.iter().copied(), read).unwrap_err().to_string();
+            assert!(e.contains("written") && e.contains("Write elsewhere"), "{e}");
+        }
     }
 
     #[test]
