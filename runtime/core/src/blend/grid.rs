@@ -35,6 +35,11 @@ struct Simplices {
 }
 
 impl WeightGrid {
+    /// All its rows (number of knots * stride).
+    pub fn table(&self) -> &[f32] {
+        &self.table
+    }
+
     /// Wraps a table; `None` if its length does not match the grid, or an axis is malformed.
     ///
     /// - `axes`: at least one, at most [`MAX_AXES`]. Each of at least 2 knots, its low below its high; of all together

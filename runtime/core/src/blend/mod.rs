@@ -42,6 +42,4 @@ pub struct Blends {
     pub names: Vec<String>,
     /// The skeleton that the examples move.
     pub skeleton: Skeleton,
-    /// Tells these tables from others.
-    pub fingerprint: u64,
 }

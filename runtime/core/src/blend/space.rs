@@ -7,6 +7,8 @@ use super::warp::Timing;
 use super::{Blends, slopes};
 use crate::format::{FormatError, Table};
 use crate::skeleton::Skeleton;
+use std::sync::OnceLock;
+use throng_base::Hash128;
 use throng_base::Result;
 use throng_base::error::check_length;
 use throng_base::simd::{LANES, Lanes, Work, dispatch};
@@ -31,7 +33,7 @@ pub struct BlendSpace {
     slopes: Vec<f32>,
     name: String,
     skeleton: Skeleton,
-    fingerprint: u64,
+    hash: OnceLock<u128>,
     activities: ActivitySet,
 }
 
@@ -73,21 +75,9 @@ impl BlendSpace {
             )));
         }
         let name = blends.names.get(space).cloned().unwrap_or_default();
-        let (skeleton, fingerprint) = (blends.skeleton.clone(), blends.fingerprint);
+        let (skeleton, hash) = (blends.skeleton.clone(), OnceLock::new());
         let activities = ActivitySet::default();
-        Ok(Self {
-            record,
-            examples,
-            grid,
-            references,
-            channels,
-            timing,
-            slopes,
-            name,
-            skeleton,
-            fingerprint,
-            activities,
-        })
+        Ok(Self { record, examples, grid, references, channels, timing, slopes, name, skeleton, hash, activities })
     }
 
     /// The same space, whose bodies can do these things when they stand.
@@ -110,9 +100,19 @@ impl BlendSpace {
         &self.skeleton
     }
 
-    /// Tells the tables it was taken from apart from others.
-    pub fn fingerprint(&self) -> u64 {
-        self.fingerprint
+    /// A hash of its tables and skeleton. All of them are read when it is asked for the first time.
+    pub fn hash(&self) -> u128 {
+        *self.hash.get_or_init(|| {
+            let mut hash = Hash128::default();
+            hash.bytes(bytemuck::bytes_of(&self.record));
+            hash.bytes(bytemuck::cast_slice(&self.examples));
+            hash.bytes(bytemuck::cast_slice(self.grid.axes()));
+            hash.bytes(bytemuck::cast_slice(self.grid.table()));
+            hash.bytes(bytemuck::cast_slice(&self.references));
+            hash.bytes(bytemuck::cast_slice(&self.channels));
+            hash.bytes(format!("{:?}", self.skeleton).as_bytes());
+            hash.finish()
+        })
     }
 
     /// The axes of the parameter box.

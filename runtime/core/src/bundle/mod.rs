@@ -48,7 +48,6 @@ struct Shared {
     blends: Blends,
     sizes: Vec<(Tag, usize)>,
     ranges: Vec<(Tag, usize, Range<usize>)>,
-    fingerprint: u64,
     hash: OnceLock<u128>,
 }
 
@@ -158,13 +157,11 @@ impl Bundle {
                 channels: s.blend_channels.clone(),
                 names: meta.blends.iter().map(|b| b.name.clone()).collect(),
                 skeleton: Skeleton::from(record),
-                fingerprint: layout.fingerprint(),
             },
             meta,
             sections: s,
             sizes: layout.sizes().collect(),
             ranges: layout.ranges().collect(),
-            fingerprint: layout.fingerprint(),
             hash: OnceLock::new(),
         };
         let mut bundle = Self { shared: Arc::new(shared), policies: Arc::default() };
@@ -292,14 +289,14 @@ impl Bundle {
         ActivitySet::of(&meta.activities, clips, motion, self.skeleton(), meta.rate_hz as f32)
     }
 
-    /// A number that tells this bundle's content from others: of the checksums of all sections, and the length.
-    pub fn fingerprint(&self) -> u64 {
-        self.shared.fingerprint
-    }
-
     /// A hash of the whole content. All bytes are read when it is asked for the first time.
     pub fn hash(&self) -> u128 {
         *self.shared.hash.get_or_init(|| Hash128::of(self.shared.storage.bytes()))
+    }
+
+    /// True where both have the same content: that of a bundle that was opened once is told at once, that of others by their hashes.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.shared, &other.shared) || self.hash() == other.hash()
     }
 
     /// Tag and length of every section, in file order (bytes).

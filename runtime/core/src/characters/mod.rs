@@ -28,6 +28,7 @@ pub(crate) mod tests;
 mod times;
 mod transition;
 
+use crate::bundle::Bundle;
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 pub use crate::pose::FootLockConfig;
@@ -87,7 +88,7 @@ pub struct Characters {
     num_choosers: usize,
     num_segments: usize,
     /// Of the bundle's content.
-    fingerprint: u64,
+    bundle: Bundle,
     blocks: Vec<Block>,
     /// (blocks)
     bodies: Vec<Body>,
@@ -150,7 +151,7 @@ impl Characters {
             num_characters: 0,
             num_choosers: 0,
             num_segments: motion_set.graph.segments.len(),
-            fingerprint: motion_set.fingerprint,
+            bundle: motion_set.bundle.clone(),
             blocks: vec![Block::ZERO; num_blocks],
             // Memory that nobody is posed in is never written, and takes no room.
             bodies: zeroed_vec(num_blocks),
@@ -442,8 +443,10 @@ impl Characters {
     }
 
     fn check_bundle(&self, motion_set: &MotionSet) -> Result<()> {
-        let [expected, got] = [self.fingerprint, motion_set.fingerprint].map(u128::from);
-        if got == expected { Ok(()) } else { Err(Error::OtherBundle { expected, got }) }
+        if self.bundle.is_same(&motion_set.bundle) {
+            return Ok(());
+        }
+        Err(Error::OtherBundle { expected: self.bundle.hash(), got: motion_set.bundle.hash() })
     }
 }
 

@@ -35,8 +35,8 @@ pub struct MotionSet {
     pub(crate) policies: Arc<[PolicyTable]>,
     pub(crate) skeleton: Skeleton,
     pub(crate) anatomy: Anatomy,
-    /// Tells the bundle's content from others.
-    pub(crate) fingerprint: u64,
+    /// What all of it was taken from.
+    pub(crate) bundle: Bundle,
     /// Frames a second (Hz).
     pub rate_hz: f32,
 }
@@ -57,7 +57,7 @@ impl MotionSet {
             policies: tables.policies().clone(),
             skeleton: tables.skeleton().clone(),
             anatomy: Anatomy::new(tables.skeleton()),
-            fingerprint: tables.fingerprint(),
+            bundle: tables.clone(),
             rate_hz: tables.meta().rate_hz as f32,
         }
     }

@@ -26,8 +26,8 @@ pub struct CharactersSnapshot {
     blocks: Vec<Block>,
     bodies: Vec<Body>,
     num_characters: usize,
-    /// Of the bundle's content.
-    fingerprint: u64,
+    /// Hash of the bundle's content.
+    bundle: u128,
 }
 
 impl CharactersSnapshot {
@@ -46,9 +46,9 @@ impl CharactersSnapshot {
 impl Characters {
     /// Saves the state.
     pub fn snapshot(&self) -> CharactersSnapshot {
-        let (num_characters, fingerprint) = (self.num_characters, self.fingerprint);
+        let (num_characters, bundle) = (self.num_characters, self.bundle.hash());
         let (blocks, bodies) = self.saved();
-        CharactersSnapshot { blocks, bodies, num_characters, fingerprint }
+        CharactersSnapshot { blocks, bodies, num_characters, bundle }
     }
 
     /// Goes back to a snapshot. Steps from there repeat those of the saved characters bit by bit where config and goals
@@ -71,7 +71,7 @@ impl Characters {
     /// # Errors
     /// As [`Characters::restore`].
     pub fn restore_any(&mut self, motion_set: &MotionSet, snapshot: &CharactersSnapshot) -> Result<()> {
-        let CharactersSnapshot { blocks, bodies, num_characters: n, fingerprint } = snapshot;
+        let CharactersSnapshot { blocks, bodies, num_characters: n, bundle } = snapshot;
         let refuse = |why: String| Err(Error::Snapshot { what: "characters", why });
         let room = self.matrices.len() / NUM_JOINTS;
         if *n > room {
@@ -80,7 +80,7 @@ impl Characters {
         if [blocks.len(), bodies.len()] != [n.div_ceil(LANES); 2] {
             return refuse(format!("it is damaged: its rows are not those of {n} characters; take a new one"));
         }
-        if [*fingerprint; 2] != [self.fingerprint, motion_set.fingerprint] {
+        if *bundle != self.bundle.hash() || !self.bundle.is_same(&motion_set.bundle) {
             return refuse("it was taken with another bundle".into());
         }
         if let Some(c) = (0..*n).find(|&c| !is_sound(blocks, bodies, motion_set, c, c as u64)) {

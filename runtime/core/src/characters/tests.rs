@@ -4,6 +4,7 @@ use super::made_up::FRAMES;
 pub(crate) use super::made_up::{curve, tables, tables_with};
 use super::*;
 use crate::bundle::Bundle;
+use crate::format::AlignedBytes;
 use crate::hits::HitRecord;
 use glam::Quat;
 
@@ -209,8 +210,13 @@ fn refuses_what_does_not_fit() {
     assert!(matches!(characters.step(&r, 0.1, &[Order::aim(1, Vec3::ZERO); 2]), Err(Error::Index { .. })));
     assert!(matches!(characters.step(&r, f32::NAN, &orders), Err(Error::Value { .. })));
     assert!(matches!(characters.step(&r, 0.1, &[Order::aim(0, Vec3::NAN); 2]), Err(Error::Value { .. })));
-    // As many frames and segments, other content.
-    let mut other = r.clone();
-    other.fingerprint = 7;
-    assert!(matches!(characters.step(&other, 0.1, &orders), Err(Error::OtherBundle { got: 7, .. })));
+    // As many frames and segments, other content; and the same content, opened again.
+    let other = AlignedBytes::from_slice(&super::made_up::bytes(&[], true));
+    let mut twin = r.clone();
+    twin.bundle = Bundle::from_bytes(other).unwrap();
+    assert!(matches!(characters.step(&twin, 0.1, &orders), Err(Error::OtherBundle { .. })));
+    let kept = characters.snapshot();
+    assert!(Characters::new(&twin, plain(), &starts(2)).unwrap().restore(&twin, &kept).is_err());
+    characters.step(&MotionSet::new(&tables()), 0.1, &orders).unwrap();
+    characters.restore(&MotionSet::new(&tables()), &kept).unwrap();
 }

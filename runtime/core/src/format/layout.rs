@@ -11,7 +11,6 @@ const MAX_SECTIONS: u32 = 1024;
 #[derive(Debug)]
 pub struct Layout {
     sections: Vec<(Section, Range<usize>)>,
-    fingerprint: u64,
 }
 
 impl Layout {
@@ -56,9 +55,7 @@ impl Layout {
         if end != bytes.len() {
             return Err(FormatError::Length { expected: end as u64, got: bytes.len() as u64 });
         }
-        let fingerprint =
-            (u64::from(header.header_crc32) << 32 | u64::from(header.table_crc32)) ^ header.file_len.rotate_right(8);
-        Ok(Self { sections, fingerprint })
+        Ok(Self { sections })
     }
 
     /// Byte range of the section of that tag, whose elements must be `T`.
@@ -72,11 +69,6 @@ impl Layout {
             )));
         }
         Ok(range.clone())
-    }
-
-    /// Tells the file from others, by the checksums in its header and its length.
-    pub fn fingerprint(&self) -> u64 {
-        self.fingerprint
     }
 
     /// Tag, length of an element and bytes of every section, in file order.

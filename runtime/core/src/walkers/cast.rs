@@ -192,7 +192,7 @@ impl Cast for Walkers {
 
 impl Walkers {
     fn kind(&self) -> SnapshotKind {
-        SnapshotKind { what: "walkers", tag: *b"WALK", version: 4, setup: self.setup }
+        SnapshotKind { what: "walkers", tag: *b"WALK", version: 5, setup: self.setup }
     }
 
     /// Bodies and poses of all walkers, from the state.

@@ -341,7 +341,7 @@ impl Walkers {
 
     fn find_setup(&self, capacity: usize) -> u128 {
         let mut hash = Hash128::default();
-        hash.word(self.space.fingerprint());
+        hash.bytes(&self.space.hash().to_le_bytes());
         hash.word(capacity as u64);
         let rest = (self.space.name(), self.space.activities().all(), &self.config, &self.skeletons);
         hash.bytes(format!("{rest:?}").as_bytes());

@@ -44,7 +44,7 @@ impl Inhabitants {
         let mut setup = Hash128::default();
         setup.bytes(&self.world.hash().to_le_bytes());
         setup.bytes(format!("{:?} {}", self.config, self.capacity()).as_bytes());
-        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 7, setup: setup.finish() }
+        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 8, setup: setup.finish() }
     }
 
     /// Takes a state of unknown origin, or changes nothing and says what does not fit.

@@ -226,7 +226,6 @@ mod tests {
             channels: vec![row; 4].into(),
             names: vec!["a".into()],
             skeleton: Skeleton::default(),
-            fingerprint: 0,
         }
     }
 
