@@ -295,7 +295,7 @@ impl Cache {
     fn read<T: DeserializeOwned>(&self, storage: &dyn Storage, name: &str) -> Option<T> {
         let bytes = self.noted(storage.read(name))??;
         let (body, sum) = bytes.split_last_chunk::<16>()?;
-        if content_hash(body) != u128::from_le_bytes(*sum) {
+        if sum_of(name, body) != u128::from_le_bytes(*sum) {
             return None;
         }
         let config = bincode::config::standard().with_fixed_int_encoding().with_limit::<LIMIT>();
@@ -306,7 +306,7 @@ impl Cache {
     fn write(&self, storage: &dyn Storage, name: &str, value: &impl Serialize) -> Result<(), BuildError> {
         let config = bincode::config::standard().with_fixed_int_encoding();
         let mut bytes = bincode::serde::encode_to_vec(value, config).map_err(|e| BuildError::Format(e.to_string()))?;
-        bytes.extend(content_hash(&bytes).to_le_bytes());
+        bytes.extend(sum_of(name, &bytes).to_le_bytes());
         let most = self.limit_bytes.min(LIMIT as u64);
         if bytes.len() as u64 > most {
             let found = bytes.len();
@@ -339,6 +339,14 @@ impl Cache {
     }
 }
 
+/// Checksum of an entry: one that lies under another's name is none.
+fn sum_of(name: &str, body: &[u8]) -> u128 {
+    let mut hash = Xxh3::new();
+    hash.update(name.as_bytes());
+    hash.update(body);
+    hash.digest128()
+}
+
 /// Name of the entry of a stage.
 fn name(stage: &str, key: Key) -> String {
     format!("{stage}-{:032x}", key.0)
@@ -362,7 +370,11 @@ mod tests {
         assert_eq!(cache.load::<Vec<f32>>("graph", Key::of("graph", &[], &2u32).unwrap()), None);
         assert_eq!(warnings, Warnings::default());
 
-        let path = path(&cache, key);
+        let path_of = |key| path(&cache, key);
+        let other = Key::of("graph", &[], &2u32).unwrap();
+        std::fs::copy(path_of(key), path_of(other)).unwrap();
+        assert_eq!(cache.load::<Vec<f32>>("graph", other), None, "it is whole, and another's");
+        let path = path_of(key);
         let mut bytes = std::fs::read(&path).unwrap();
         bytes[3] ^= 1;
         std::fs::write(&path, bytes).unwrap();
