@@ -64,6 +64,15 @@ pub fn read_file(path: &Path, what: &str, max_bytes: u64) -> Result<Vec<u8>, Imp
     Ok(bytes)
 }
 
+/// How much a file of `num_bytes` says at most: as many bytes, but in an archive, in proportion to what it takes there. Limits that go
+/// with the length of files go with this one: zeros and spaces of any length are packed to nearly nothing.
+pub(super) fn weight(path: &Path, num_bytes: usize) -> usize {
+    let packed =
+        split(path).and_then(|(archive, member)| Some(open(&archive).ok()?.by_name(&member).ok()?.compressed_size()));
+    let weight = |packed: u64| packed.saturating_mul(SAID_PACKED).saturating_add(1 << 16);
+    packed.map_or(num_bytes, |packed| num_bytes.min(usize::try_from(weight(packed)).unwrap_or(usize::MAX)))
+}
+
 /// As [`read_file`], to a writer.
 ///
 /// # Errors
@@ -145,6 +154,8 @@ struct Last {
 
 /// Most bytes that a file of an archive may have for each byte that it takes there, beyond 64 MiB.
 const MOST_PACKED: u64 = 200;
+/// What a file may say for each byte that it takes in an archive (bytes). Motion is packed to about a tenth.
+const SAID_PACKED: u64 = 32;
 /// Length of the end of an archive that is compared (bytes).
 const TAIL: u64 = 32 << 10;
 /// Most files of an archive.
@@ -162,13 +173,25 @@ fn open(archive: &Path) -> Result<ZipArchive<Shared>, ImportError> {
     if let Some(last) = last.as_ref().filter(is_same) {
         return Ok(last.zip.clone());
     }
-    let zip = ZipArchive::new(file).map_err(|e| {
+    let mut zip = ZipArchive::new(file).map_err(|e| {
         let help = "Unpack it, or write it anew as an ordinary .zip archive";
         content_error(archive, format!("it is no archive that can be read: {e}"), help)
     })?;
     if zip.len() > MAX_MEMBERS {
         let message = format!("it has {} files, expected {MAX_MEMBERS} at most", zip.len());
         return Err(content_error(archive, message, "Unpack it, or split it"));
+    }
+    // Else a short archive may hold one long file thousands of times.
+    let mut ranges: Vec<[u64; 2]> = Vec::with_capacity(zip.len());
+    for i in 0..zip.len() {
+        let Ok(member) = zip.by_index_raw(i) else { continue };
+        let (begin, length) = (member.data_start().unwrap_or(0), member.compressed_size());
+        ranges.extend((length > 0).then(|| [begin, begin.saturating_add(length)]));
+    }
+    ranges.sort_unstable();
+    if ranges.windows(2).any(|w| w[0][1] > w[1][0]) {
+        let message = "two of its files lie in the same place".to_owned();
+        return Err(content_error(archive, message, "Unpack it, or write it anew as an ordinary .zip archive"));
     }
     *last = Some(Last { path: archive.to_path_buf(), length, written, tail, zip: zip.clone() });
     Ok(zip)

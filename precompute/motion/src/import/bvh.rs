@@ -3,6 +3,7 @@
 //! Rotations apply in channel order (the first channel is the outermost), whatever order each joint chooses.
 //! Position channels replace the joint's offset, axis by axis, on any joint.
 
+use super::archive;
 use super::scan::{Scanner, text};
 use super::source::{Axis, FrameSink, MAX_JOINTS, MAX_NAME, SourceClip, content_error, duplicate_names};
 use crate::ImportError;
@@ -195,7 +196,7 @@ fn rate_of(seconds: f64, written: &str) -> f64 {
 }
 
 fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<FrameSink, ImportError> {
-    let mut sink = FrameSink::new(h.joints, FrameSink::budget_of_text(scan.len()));
+    let mut sink = FrameSink::new(h.joints, FrameSink::budget_of_text(archive::weight(scan.path(), scan.len())));
     let num_channels = h.channels.len();
     if num_channels == 0 {
         return Err(content_error(scan.path(), "no joint has a channel", "A clip without motion cannot be used"));

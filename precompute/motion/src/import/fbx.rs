@@ -2,6 +2,7 @@
 //!
 //! Units and axes are those that the file names. Rates are, too, unless keys are closer together.
 
+use super::archive;
 use super::nodes::{Animation, FALLBACK_HZ, Node, Scene, Span, Transform, rate_of_keys, without_rounding};
 use super::source::{SourceClip, content_error};
 use crate::error::ImportError;
@@ -46,7 +47,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<SourceClip>, ImportError> 
     Scene {
         path,
         format: SourceFormat::Fbx,
-        num_bytes: bytes.len(),
+        num_bytes: archive::weight(path, bytes.len()),
         nodes: nodes(&scene),
         skins: skins.collect(),
         animations: stacks.into_iter().map(|s| Box::new(s) as Box<dyn Animation>).collect(),
@@ -174,6 +175,10 @@ impl Animation for Stack<'_> {
     fn span(&self, _: &BTreeSet<usize>) -> Span {
         let Self { begin, end, rate_hz, why, .. } = *self;
         Span { begin, end, rate_hz, finding: format!("{rate_hz} frames a second: {why}.") }
+    }
+
+    fn num_layers(&self) -> usize {
+        self.stack.layers.len().max(1)
     }
 
     fn local(&self, node: usize, seconds: f64, _: Transform) -> Transform {

@@ -70,7 +70,7 @@ impl FrameSink {
         num_bytes.saturating_mul(2).saturating_add(1 << 20)
     }
 
-    /// Joint transforms that a file of `num_bytes` may make that is compressed or has keys: in proportion to it.
+    /// Joint transforms that a file of `num_bytes` may make that is compressed: in proportion to it.
     pub fn budget(num_bytes: usize) -> usize {
         num_bytes.saturating_mul(8).saturating_add(1 << 16)
     }

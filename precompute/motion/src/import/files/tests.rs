@@ -109,6 +109,29 @@ fn links_that_lead_back_end() {
 }
 
 #[test]
+fn an_archive_says_no_more_than_it_takes_and_holds_nothing_twice() {
+    let dir = tempfile::tempdir().unwrap();
+    let write = |name: &str, twice: bool| {
+        let mut zip = zip::ZipWriter::new(std::fs::File::create(dir.path().join(name)).unwrap());
+        zip.start_file("a.bvh", zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut zip, &[b' '; 1 << 20]).unwrap();
+        if twice {
+            zip.shallow_copy_file("a.bvh", "b.bvh").unwrap();
+        }
+        zip.finish().unwrap();
+    };
+    write("once.zip", false);
+    write("twice.zip", true);
+    let inside = dir.path().join("once.zip/a.bvh");
+    let whole = archive::read_file(&inside, "motion", 1 << 30).unwrap().len();
+    let said = archive::weight(&inside, whole);
+    assert!((1 << 16..1 << 18).contains(&said), "{said} of {whole} bytes");
+    assert_eq!(archive::weight(&dir.path().join("a.bvh"), whole), whole, "in no archive");
+    let e = archive::members(&dir.path().join("twice.zip")).unwrap_err().to_string();
+    assert!(e.contains("twice.zip: two of its files lie in the same place"), "{e}");
+}
+
+#[test]
 fn files_in_archives_are_read_up_to_a_limit_and_find_their_skeleton() {
     let dir = tree();
     let (zip, at) = (dir.path().join("more.zip"), |m: &str| dir.path().join("more.zip").join(m));

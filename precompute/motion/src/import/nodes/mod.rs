@@ -24,8 +24,8 @@ const MAX_CLIPS: usize = 10_000;
 const MAX_NUMBER: f64 = 1e9;
 /// Parts of a frame by which a time may miss a key (rounding of times).
 const ON_FRAME: f64 = 0.01;
-/// Joint transforms that a file may make however short it is: few keys may stand for long motion.
-const FREE_TRANSFORMS: usize = 1 << 20;
+/// Joint transforms that a file may make however short it is, beside one for each byte: few keys may stand for long motion.
+const FREE_TRANSFORMS: usize = 2 << 20;
 /// Bytes of joints that all clips of a file may have together, for each byte of it and for every file: clips have the joints
 /// each by itself.
 const JOINT_BYTES: usize = 64;
@@ -70,6 +70,10 @@ pub(super) trait Animation {
     fn span(&self, nodes: &BTreeSet<usize>) -> Span;
     /// A node that it moves at a time (s); `rest`: where it is otherwise.
     fn local(&self, node: usize, seconds: f64, rest: Transform) -> Transform;
+    /// Layers that are added up for a transform (1 or more).
+    fn num_layers(&self) -> usize {
+        1
+    }
 }
 
 /// First and last time (s), and frames a second in between (Hz).
@@ -143,7 +147,7 @@ impl Scene<'_> {
             return Err(fail("its animations move no skeleton".into(), "Export it with the motion of its joints"));
         }
         let names = self.names(&pairs, &people);
-        let mut budget = FrameSink::budget(self.num_bytes).saturating_add(FREE_TRANSFORMS);
+        let mut budget = self.num_bytes.saturating_add(FREE_TRANSFORMS);
         let mut clips = Vec::new();
         for ((a, p), name) in pairs.into_iter().zip(names) {
             let animation = &*self.animations[a];
@@ -227,11 +231,18 @@ impl Scene<'_> {
             |what: String, help| content_error(self.path, format!("animation `{}`: {what}", animation.name()), help);
         let Span { begin, end, rate_hz, finding } = span;
         let rest = Rest::new(self, person).map_err(|e| fail(e, "Apply scales and mirrors, and export it again"))?;
-        // What is above is posed, too.
-        let cost = rest.joints.len().max(person.above.len());
+        // What is above is posed, too, and each layer is looked at for each transform.
+        let cost = rest.joints.len().max(person.above.len()) * animation.num_layers();
         let mut sink = FrameSink::new(rest.joints.clone(), *budget / cost * rest.joints.len());
         let mut turned = vec![(DVec3::ZERO, DQuat::IDENTITY); rest.joints.len()];
-        let num_frames = ((end - begin) * rate_hz + ON_FRAME).floor() as usize + 1;
+        let num_frames = (((end - begin) * rate_hz + ON_FRAME).floor() as usize).saturating_add(1);
+        let too_many = || {
+            let what = format!("{num_frames} frames of {} joints are too many for its file", rest.joints.len());
+            fail(what, "Check the times of its keys")
+        };
+        if num_frames.saturating_mul(cost) > *budget {
+            return Err(too_many());
+        }
         for frame in 0..num_frames {
             let seconds = begin + frame as f64 / rate_hz;
             let local = |node: usize| animation.local(node, seconds, self.nodes[node].local);
@@ -245,8 +256,7 @@ impl Scene<'_> {
                 sink.rotations[j] = by.inverse() * turned[j].1;
             }
             if !sink.end_frame() {
-                let what = format!("{num_frames} frames of {} joints are too many for its file", rest.joints.len());
-                return Err(fail(what, "Check the times of its keys"));
+                return Err(too_many());
             }
         }
         *budget -= sink.num_frames() * cost;

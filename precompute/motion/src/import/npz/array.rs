@@ -8,7 +8,7 @@ use zip::ZipArchive;
 const MAX_HEADER: usize = 1 << 16;
 /// Bytes of an array for each byte of its file, and for every file: arrays are compressed.
 const BYTES_PER_BYTE: u64 = 64;
-const FREE_BYTES: u64 = 256 << 20;
+const FREE_BYTES: u64 = 64 << 20;
 /// Most dimensions of an array.
 const MAX_DIMENSIONS: usize = 8;
 
@@ -22,7 +22,12 @@ pub struct Arrays<'a> {
 /// Numbers and their shape, read as 64-bit floats.
 pub struct Array {
     pub shape: Vec<usize>,
-    numbers: Vec<f64>,
+    file: Vec<u8>,
+    /// Where the numbers begin in the file (bytes).
+    data: usize,
+    /// Length of a number (bytes).
+    size: usize,
+    read: fn(&[u8]) -> f64,
 }
 
 impl Array {
@@ -34,9 +39,14 @@ impl Array {
         }
     }
 
+    /// All numbers, in order.
+    fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
+        self.file[self.data..].chunks_exact(self.size).map(self.read)
+    }
+
     /// The numbers of one row.
     pub fn row(&self, row: usize, width: usize) -> impl Iterator<Item = f64> + '_ {
-        self.numbers.iter().copied().skip(row * width).take(width)
+        self.numbers().skip(row * width).take(width)
     }
 }
 
@@ -74,19 +84,19 @@ impl<'a> Arrays<'a> {
             .and_then(|file| file.take(most + 1).read_to_end(&mut bytes).map_err(|e| e.to_string()));
         let whole = read.and_then(|n| match n as u64 > most {
             true => Err(format!("expected {} MiB at most of a file of its size, found more", most >> 20)),
-            false => array(&bytes),
+            false => array(bytes),
         });
         whole.map_err(|e| format!("`{name}`: {e}"))
     }
 }
 
 /// Reads one array.
-fn array(bytes: &[u8]) -> Result<Array, String> {
+fn array(bytes: Vec<u8>) -> Result<Array, String> {
     if bytes.get(..6) != Some(b"\x93NUMPY") {
         return Err("it is no NumPy array".into());
     }
     let wide = bytes.get(6).is_some_and(|&v| v > 1);
-    let length = number(bytes, 8, if wide { 4 } else { 2 })?;
+    let length = number(&bytes, 8, if wide { 4 } else { 2 })?;
     let start: usize = if wide { 12 } else { 10 };
     let header = bytes.get(start..start.saturating_add(length.min(MAX_HEADER))).ok_or("its header is cut short")?;
     let header = String::from_utf8_lossy(header);
@@ -115,9 +125,9 @@ fn array(bytes: &[u8]) -> Result<Array, String> {
         .map(|n| n.parse().map_err(|_| format!("expected whole numbers in its shape, found `{n}`")))
         .collect::<Result<_, _>>()?;
     let count = shape.iter().try_fold(1usize, |all, n| all.checked_mul(*n)).and_then(|n| n.checked_mul(size));
-    let data = bytes.get(start + length..).unwrap_or_default();
-    if count != Some(data.len()) {
-        return Err(format!("its shape {shape:?} does not fit its {} bytes", data.len()));
+    let data = (start + length).min(bytes.len());
+    if count != Some(bytes.len() - data) {
+        return Err(format!("its shape {shape:?} does not fit its {} bytes", bytes.len() - data));
     }
-    Ok(Array { shape, numbers: data.chunks_exact(size).map(read).collect() })
+    Ok(Array { shape, file: bytes, data, size, read })
 }
