@@ -58,7 +58,7 @@ pub fn run(args: &Args) -> Outcome {
     match (&args.message, args.agent) {
         (Some(event), _) => message(minds, event, args.json),
         (None, Some(agent)) if agent < sim.num_characters() => {
-            let why = minds.explain(agent);
+            let why = minds.explain(agent, sim.time_s());
             if args.json { output::json(&why) } else { output::text(words(&why)) }
         }
         (None, Some(agent)) => fail(format!("--agent {agent}: expected less than {}", sim.num_characters())),

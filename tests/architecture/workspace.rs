@@ -79,5 +79,7 @@ pub fn sources(folder: &Path) -> Vec<PathBuf> {
 pub fn code(text: &str) -> String {
     let lines = text.lines().map(|l| l.split("//").next().unwrap_or_default());
     let code = lines.collect::<Vec<_>>().join("\n");
-    code.split("#[cfg(test)]\nmod tests").next().unwrap_or_default().to_owned()
+    let tests = ["", "pub(super) "].map(|seen| format!("#[cfg(test)]\n{seen}mod tests"));
+    let end = tests.iter().filter_map(|t| code.find(t)).min().unwrap_or(code.len());
+    code[..end].to_owned()
 }

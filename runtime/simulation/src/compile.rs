@@ -158,8 +158,13 @@ impl CompiledScene {
     /// # Errors
     /// [`throng_base::Error::Text`] where the group has none.
     pub fn bundle(&self, group: usize) -> Result<&Bundle> {
-        let found = self.bundles.get(group).and_then(Option::as_ref);
-        found.ok_or_else(|| self.scene.fault(&format!("groups[{group}]"), "expected a `bundle`, found none"))
+        self.find_bundle(group)
+            .ok_or_else(|| self.scene.fault(&format!("groups[{group}]"), "expected a `bundle`, found none"))
+    }
+
+    /// The bundle of a group, if it has one.
+    pub fn find_bundle(&self, group: usize) -> Option<&Bundle> {
+        self.bundles.get(group).and_then(Option::as_ref)
     }
 
     /// The world of a group of patches.

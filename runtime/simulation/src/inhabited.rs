@@ -314,7 +314,8 @@ fn choices_of(
             };
             let places: Vec<Node> = all.filter(is_in).collect();
             if places.is_empty() {
-                let why = format!("expected a place to stay within {within:?}, found none; enlarge it");
+                let within = within.map_or_else(String::new, |area| format!(" within {area:?}"));
+                let why = format!("expected a place to stay{within}, found none; enlarge it");
                 return Err(scene.fault(&format!("groups[{group}].wishes[{i}].wish.visit.within"), why));
             }
             Ok((w.share, Choice::Visit(places)))

@@ -154,7 +154,7 @@ impl SceneDocument {
         ensure(&scene, with).map_err(|e| fail(&e))?;
         let compiled = scene.open().map_err(|e| e.to_string())?;
         let (run, standing) = begin(&compiled, None)?;
-        let with_bundle = (0..scene.groups.len()).find(|&g| compiled.bundle(g).is_ok());
+        let with_bundle = (0..scene.groups.len()).find(|&g| compiled.find_bundle(g).is_some());
         let bundle = with_bundle.and_then(|g| scene.bundle_of(g).0).map(OpenBundle::open).transpose()?;
         let choice = SceneChoice::of(&scene);
         Ok(Self { path: path.to_path_buf(), scene, choice, run, standing, bundle, restart: None, num_runs: 0 })
@@ -252,7 +252,7 @@ impl SceneDocument {
         let simulation = self.run.simulation();
         let group = simulation.groups().iter().find(|g| g.characters.contains(&who))?;
         let bundle = self.bundle.as_ref()?;
-        if simulation.compiled().bundle(group.number).ok()?.hash() != bundle.tables().hash() {
+        if simulation.compiled().find_bundle(group.number)?.hash() != bundle.tables().hash() {
             return None;
         }
         let (goals, _, choice, number) = self.run.choosing(who)?;

@@ -61,7 +61,7 @@ impl<'a> Camera<'a> {
             return Err(refused(what, help));
         }
         let skeleton = |c: usize| {
-            let bundle = group(c).and_then(|g| sim.compiled().bundle(g.number).ok());
+            let bundle = group(c).and_then(|g| sim.compiled().find_bundle(g.number));
             bundle.map_or_else(Skeleton::default, |b| b.skeleton().clone())
         };
         let name = |c: usize| format!("{} {c}", group(c).map_or("character", |g| &g.name));

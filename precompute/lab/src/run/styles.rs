@@ -26,7 +26,7 @@ pub struct StyleWalk {
 /// [`BuildError::Config`] for a blend space that the bundle does not have.
 pub fn walk_styles(scene: &CompiledScene, length_m: f32, apart_m: f32) -> Result<Vec<StyleWalk>, BuildError> {
     let groups = &scene.scene().groups;
-    let Some(bundle) = groups.iter().position(|g| !g.spaces.is_empty()).and_then(|g| scene.bundle(g).ok()) else {
+    let Some(bundle) = groups.iter().position(|g| !g.spaces.is_empty()).and_then(|g| scene.find_bundle(g)) else {
         return Ok(Vec::new());
     };
     let shown = scene.scene().picture.shown.iter().enumerate();

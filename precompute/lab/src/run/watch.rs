@@ -66,7 +66,7 @@ impl Watch {
             skeletons: sim
                 .groups()
                 .iter()
-                .map(|g| Some(sim.compiled().bundle(g.number).ok()?.skeleton().clone()))
+                .map(|g| Some(sim.compiled().find_bundle(g.number)?.skeleton().clone()))
                 .collect(),
         };
         for c in (0..sim.casts().len()).filter(|&c| matches!(sim.casts()[c], GroupCast::Patches(_))) {

@@ -172,14 +172,15 @@ impl<V: Space> Layout<V> {
         let (subgoals, at_end) = match goal {
             GoalConfig::Wander { from, to, points: num } => {
                 let mut all: Vec<V> = self.map.wander(start, (from, to, *num), rng);
-                // Back to where the way begins again.
                 all.push(start);
                 (all, AtEndConfig::Again)
             }
             goal => {
                 let via = group.via.iter().map(|p| point(p));
                 let to = spread(goal_of(goal, around, start), goal, group, rng);
-                (via.chain([to]).collect(), group.at_end)
+                // Back to where the way begins again.
+                let back = (group.at_end == AtEndConfig::Again).then_some(start);
+                (via.chain([to]).chain(back).collect(), group.at_end)
             }
         };
         let way = self.way(m, start, &subgoals)?;

@@ -93,15 +93,16 @@ pub struct Spread {
 }
 
 impl Minds {
-    /// Why an agent does what it does (agent < number of agents).
-    pub fn explain(&self, agent: usize) -> Explanation {
+    /// Why an agent does what it does, with its values at a time that is not before the last event (agent < number of agents).
+    pub fn explain(&self, agent: usize, time_s: f64) -> Explanation {
+        let time_s = time_s.max(self.now);
         let (mind, scenario) = (&self.minds[agent], &self.scenario);
         let state = |s: &&u16| **s != NO;
         let reason = &mind.reason;
         let of = |number: u32, name: &dyn Fn(usize) -> String| (number != NONE).then(|| name(number as usize));
         let place = |p: u16| (p != NO).then(|| scenario.names.places.0[usize::from(p)].clone());
         Explanation {
-            time_s: self.now,
+            time_s,
             agent,
             group: scenario.names.groups.0[usize::from(mind.group)].clone(),
             is_there: mind.is_there,
@@ -120,17 +121,17 @@ impl Minds {
                 other: of(reason.other, &|o| o.to_string()).and_then(|o| o.parse().ok()),
                 place: place(reason.place),
             },
-            values: self.values_of(agent),
+            values: self.values_of(agent, time_s),
             knows: (0..scenario.events.len()).filter_map(|e| self.known(agent, e)).collect(),
         }
     }
 
-    fn values_of(&self, agent: usize) -> Vec<ValueNow> {
+    fn values_of(&self, agent: usize, time_s: f64) -> Vec<ValueNow> {
         let tables = &self.scenario.values;
         let names = self.scenario.names.values.0.iter();
         let feelings = &self.feelings[agent * tables.len()..][..tables.len()];
         let all = names.zip(feelings.iter().zip(tables));
-        all.map(|(name, (f, table))| ValueNow { name: name.clone(), value: f.at(table, self.now) }).collect()
+        all.map(|(name, (f, table))| ValueNow { name: name.clone(), value: f.at(table, time_s) }).collect()
     }
 
     fn known(&self, agent: usize, event: usize) -> Option<Known> {

@@ -67,6 +67,8 @@ pub struct Minds {
     pub(super) scenario: Arc<Scenario>,
     pub(super) seed: u64,
     pub(super) now: f64,
+    /// The last rule that was done at once, by anybody, and when, for messages (s).
+    pub(super) at_once: (f64, u32),
     pub(super) minds: Vec<Mind>,
     /// (agents x values)
     pub(super) feelings: Vec<Feeling>,
@@ -118,6 +120,7 @@ impl Minds {
         let mut out = Self {
             seed,
             now: 0.0,
+            at_once: (-1.0, NONE),
             minds,
             feelings: vec![Feeling::default(); num * scenario.values.len()],
             learnt: vec![None; num * num_events],

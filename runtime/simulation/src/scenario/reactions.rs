@@ -100,10 +100,14 @@ impl Minds {
             if rule.pause_s > 0.0 {
                 self.followed[pause] = self.now;
             }
-            self.minds[m].reason = Reason { rule: number, ..self.reason(stimulus) };
+            let reason = Reason { rule: number, ..self.reason(stimulus) };
+            let before = std::mem::replace(&mut self.minds[m].reason, reason);
             self.note(agent, stimulus, TurnKind::Follows(number as usize));
             if rule.is_instant {
                 self.do_at_once(stage, agent, rule.actions, context)?;
+                // No reason for what the agent goes on doing.
+                self.minds[m].reason = before;
+                self.at_once = (self.now, number);
                 return Ok(false);
             }
             let mind = &mut self.minds[m];
@@ -282,8 +286,9 @@ impl Minds {
     }
 
     pub(super) fn circle(&self, agent: u32, trigger: u16) -> Error {
-        let mind = &self.minds[agent as usize];
-        let rule = match mind.reason {
+        let reason = self.minds[agent as usize].reason;
+        let reason = if self.at_once.0 == self.now { Reason { rule: self.at_once.1, ..reason } } else { reason };
+        let rule = match reason {
             Reason { rule, .. } if rule != NONE => format!("rule \"{}\"", self.scenario.rules[rule as usize].name),
             Reason { edge, .. } if edge != NONE => {
                 let to = self.scenario.edges[edge as usize].to;
@@ -297,6 +302,6 @@ impl Minds {
              rules or states follow each other in a circle; let one of them take time, such as `stay`",
             self.now
         );
-        self.scenario.source.at(if mind.reason.rule == NONE { "graphs" } else { "rules" }, why)
+        self.scenario.source.at(if reason.rule == NONE { "graphs" } else { "rules" }, why)
     }
 }

@@ -14,7 +14,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &Minds) {
         ui.weak("Select an agent.");
         return;
     };
-    let why = minds.explain(agent);
+    let why = minds.explain(agent, scene.run().simulation().time_s());
     let because = &why.because;
     let by = match (&because.rule, &because.edge_to) {
         (Some(rule), _) => format!(", rule \"{rule}\""),

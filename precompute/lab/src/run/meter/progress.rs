@@ -142,7 +142,8 @@ impl<V: Space> OnTheWay<V> {
         while self.has_passed(sight.way, at, sight.arrival_m) {
             self.corner += 1;
         }
-        let left = self.left(sight.way, at);
+        let is_there = self.is_there(sight, at);
+        let left = if is_there { sight.left_m } else { self.left(sight.way, at) };
         let gained = std::mem::replace(&mut self.left_m, left) - left;
         if (at - self.stays.0).length() > STUCK_M {
             self.stays = (at, time_s);
@@ -151,7 +152,7 @@ impl<V: Space> OnTheWay<V> {
             self.nearest = (sight.left_m, time_s);
         }
         self.is_stuck |= self.stands(time_s);
-        if self.is_there(sight, at) {
+        if is_there {
             if sight.again {
                 *self = Self { is_stuck: self.is_stuck, ..Self::start(sight, time_s) };
             } else {
@@ -173,9 +174,11 @@ impl<V: Space> OnTheWay<V> {
         off.length() <= near_m || off.dot(next - corner) > 0.0 && off.dot(corner - way[self.corner - 1]) > 0.0
     }
 
+    /// It may have come by other corners than those of the way.
     fn is_there(&self, sight: &Sight<'_, V>, at: V) -> bool {
-        let last = sight.way.len().saturating_sub(1);
-        self.corner >= last && sight.way.last().is_none_or(|&goal| (at - goal).length() <= sight.arrival_m)
+        let is_on_last =
+            self.corner >= sight.way.len().saturating_sub(1) || !sight.again && sight.left_m <= sight.arrival_m;
+        is_on_last && sight.way.last().is_none_or(|&goal| (at - goal).length() <= sight.arrival_m)
     }
 
     /// To the corner, and from there on along the way (m).
@@ -248,6 +251,20 @@ mod tests {
             let num = usize::from(seconds > 20);
             assert_eq!((meter.stuck(), meter.stuck_at(f64::from(seconds))), (num, num), "after {seconds} s");
         }
+    }
+
+    #[test]
+    fn an_agent_that_takes_other_corners_arrives() {
+        let mut meter = ProgressMeter::default();
+        let off = |p: Vec2| Vec2::new(p.y, p.x);
+        for i in 0..=1000 {
+            let t = f64::from(i) / 30.0;
+            let at = off(along(1.3 * t as f32));
+            let left_m = (10.0 - at.y).max(0.0) + 10.0 - at.x;
+            meter.observe(t, [Sight { left_m, ..sight(Some(at), false) }].into_iter());
+        }
+        assert!((meter.progress_mps() - 1.3).abs() < 0.02, "{}", meter.progress_mps());
+        assert_eq!((meter.arrived(), meter.stuck()), (1, 0));
     }
 
     #[test]

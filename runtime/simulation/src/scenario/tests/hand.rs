@@ -50,6 +50,19 @@ fn a_threshold_is_reached_between_events_at_the_time_that_is_solved_for() {
 }
 
 #[test]
+fn what_is_done_at_once_is_no_reason_and_values_are_those_of_the_time() {
+    let story = "[values.hunger]\nstart = [0.0, 0.0]\nrate_per_s = 0.05\n[values.count]\nlimits = [0.0, 9.0]\n\
+        [[rules]]\nname = \"runs\"\non = \"alarm\"\ndo = [{ stay = 100 }]\n\
+        [[rules]]\nname = \"counts\"\non = \"bell\"\ndo = [{ add = \"count\", by = 1.0 }]\n\
+        [[events]]\nname = \"alarm\"\nat_s = 2.0\n[[events]]\nname = \"bell\"\nat_s = 4.0\n";
+    let (minds, _) = played(1, story, &[], 6.0);
+    let why = minds.explain(0, 19.0);
+    assert_eq!((why.because.rule.as_deref(), why.because.time_s), (Some("runs"), 2.0), "{why:?}");
+    let value = |name: &str| why.values.iter().find(|v| v.name == name).unwrap().value;
+    assert!(value("count") == 1.0 && (value("hunger") - 0.95).abs() < 1e-6 && why.time_s == 19.0, "{why:?}");
+}
+
+#[test]
 fn a_threshold_is_passed_again_only_after_it_was_left() {
     let story = "[values.anger]\nstart = [0.0, 0.0]\n[values.count]\nstart = [0.0, 0.0]\nlimits = [0.0, 100.0]\n\
         [[rules]]\non = \"anger > 0.5\"\ndo = [{ add = \"count\", by = 1.0 }]\n\

@@ -229,7 +229,7 @@ pub(super) fn played(num: usize, more: &str, script: &[(f64, Signal)], until_s: 
 }
 
 pub(super) fn explained(minds: &Minds, agent: usize) -> Explanation {
-    minds.explain(agent)
+    minds.explain(agent, 0.0)
 }
 
 /// The error of a scene that is refused.

@@ -740,7 +740,7 @@ proptest! {
         prop_assert!(a.log == b.log, "tables:\n{}\nwords:\n{}", near(&a.log), near(&b.log));
         prop_assert!(a.log.len() > 8);
         for (agent, person) in slow.people.iter().enumerate() {
-            let why = fast.explain(agent);
+            let why = fast.explain(agent, 0.0);
             let states: Vec<String> = person.states.iter().flatten().map(|s| s.1.clone()).collect();
             prop_assert_eq!(&why.states, &states);
             for known in &why.knows {

@@ -25,7 +25,7 @@ fn edges_and_rules_are_taken_as_often_as_they_say() {
     // Of four degrees of freedom, above 18.5 once in a thousand.
     let chi = chi_squared(&seen, &[0.1, 0.5, 0.2, 0.1, 0.1]);
     assert!(chi < 18.5, "{seen:?}: {chi}");
-    let hits = (0..8000).filter(|a| minds.explain(*a).values[0].value == 1.0).count();
+    let hits = (0..8000).filter(|a| minds.explain(*a, 0.0).values[0].value == 1.0).count();
     let chi = chi_squared(&[hits, 8000 - hits], &[0.3, 0.7]);
     assert!(chi < 10.8, "{hits} of 8000: {chi}");
 }
@@ -35,7 +35,7 @@ fn random_events_come_as_often_as_they_say() {
     let story = "[values.count]\nlimits = [0.0, 100000.0]\n[[rules]]\non = \"bell\"\ndo = [{ add = \"count\", by = 1.0 }]\n\
         [[events]]\nname = \"bell\"\nevery_s = 2.0\n";
     let (minds, _) = played(1, story, &[], 8000.0);
-    let count = minds.explain(0).values[0].value;
+    let count = minds.explain(0, 0.0).values[0].value;
     // 4000 expected; four standard deviations are 253.
     assert!((count - 4000.0).abs() < 253.0, "{count}");
 }
@@ -106,12 +106,12 @@ proptest! {
             prop_assert_eq!(minds.num_holding_twice(), 0);
         }
         prop_assert_eq!(&whole.1.log, &again.1.log);
-        let all = |m: &super::Minds| (0..6).map(|a| m.explain(a)).collect::<Vec<_>>();
+        let all = |m: &super::Minds| (0..6).map(|a| m.explain(a, 0.0)).collect::<Vec<_>>();
         prop_assert_eq!(all(&whole.0), all(&again.0));
         for agent in 0..6 {
-            for known in whole.0.explain(agent).knows {
+            for known in whole.0.explain(agent, 0.0).knows {
                 let Some(from) = known.from else { continue };
-                let learnt = whole.0.explain(from).knows.into_iter().find(|k| k.event == known.event);
+                let learnt = whole.0.explain(from, 0.0).knows.into_iter().find(|k| k.event == known.event);
                 let felt = known.how == "felt";
                 prop_assert!(felt || learnt.is_some_and(|l| l.time_s <= known.time_s), "{} told {} what it did not know", from, agent);
             }
