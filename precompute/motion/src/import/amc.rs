@@ -85,7 +85,7 @@ fn read_header(scan: &mut Scanner, asf: &Asf) -> Result<Header, ImportError> {
 
 fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink, ImportError> {
     let mut sink =
-        FrameSink::new(asf.joints.clone(), FrameSink::budget_of_text(archive::weight(scan.path(), scan.len())));
+        FrameSink::new(asf.joints.clone(), FrameSink::budget_of_text(archive::counted_bytes(scan.path(), scan.len())));
     let by_name: HashMap<&[u8], usize> =
         asf.joints.iter().enumerate().filter(|(_, j)| !j.is_end).map(|(i, j)| (j.name.as_bytes(), i)).collect();
     let scale = if degrees { 1f64.to_radians() } else { 1.0 };

@@ -64,13 +64,13 @@ pub fn read_file(path: &Path, what: &str, max_bytes: u64) -> Result<Vec<u8>, Imp
     Ok(bytes)
 }
 
-/// How much a file of `num_bytes` says at most: as many bytes, but in an archive, in proportion to what it takes there. Limits that go
-/// with the length of files go with this one: zeros and spaces of any length are packed to nearly nothing.
-pub(super) fn weight(path: &Path, num_bytes: usize) -> usize {
+/// Length of a file by which limits on what is made of it are set (bytes). In an archive that is no more than [`COUNTED_PER_PACKED`] times
+/// its packed length, as zeros and spaces are packed to nearly nothing.
+pub(super) fn counted_bytes(path: &Path, num_bytes: usize) -> usize {
     let packed =
         split(path).and_then(|(archive, member)| Some(open(&archive).ok()?.by_name(&member).ok()?.compressed_size()));
-    let weight = |packed: u64| packed.saturating_mul(SAID_PACKED).saturating_add(1 << 16);
-    packed.map_or(num_bytes, |packed| num_bytes.min(usize::try_from(weight(packed)).unwrap_or(usize::MAX)))
+    let most = packed.map_or(u64::MAX, |packed| packed.saturating_mul(COUNTED_PER_PACKED).saturating_add(1 << 16));
+    num_bytes.min(usize::try_from(most).unwrap_or(usize::MAX))
 }
 
 /// As [`read_file`], to a writer.
@@ -154,8 +154,8 @@ struct Last {
 
 /// Most bytes that a file of an archive may have for each byte that it takes there, beyond 64 MiB.
 const MOST_PACKED: u64 = 200;
-/// What a file may say for each byte that it takes in an archive (bytes). Motion is packed to about a tenth.
-const SAID_PACKED: u64 = 32;
+/// Bytes of a file that count for each byte that it takes in an archive, beyond 64 KiB. Motion is packed to about a tenth.
+const COUNTED_PER_PACKED: u64 = 32;
 /// Length of the end of an archive that is compared (bytes).
 const TAIL: u64 = 32 << 10;
 /// Most files of an archive.
@@ -181,7 +181,7 @@ fn open(archive: &Path) -> Result<ZipArchive<Shared>, ImportError> {
         let message = format!("it has {} files, expected {MAX_MEMBERS} at most", zip.len());
         return Err(content_error(archive, message, "Unpack it, or split it"));
     }
-    // Else a short archive may hold one long file thousands of times.
+    // A short archive could name one long file thousands of times.
     let mut ranges: Vec<[u64; 2]> = Vec::with_capacity(zip.len());
     for i in 0..zip.len() {
         let Ok(member) = zip.by_index_raw(i) else { continue };

@@ -196,7 +196,7 @@ fn rate_of(seconds: f64, written: &str) -> f64 {
 }
 
 fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<FrameSink, ImportError> {
-    let mut sink = FrameSink::new(h.joints, FrameSink::budget_of_text(archive::weight(scan.path(), scan.len())));
+    let mut sink = FrameSink::new(h.joints, FrameSink::budget_of_text(archive::counted_bytes(scan.path(), scan.len())));
     let num_channels = h.channels.len();
     if num_channels == 0 {
         return Err(content_error(scan.path(), "no joint has a channel", "A clip without motion cannot be used"));

@@ -47,7 +47,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<SourceClip>, ImportError> 
     Scene {
         path,
         format: SourceFormat::Fbx,
-        num_bytes: archive::weight(path, bytes.len()),
+        num_bytes: archive::counted_bytes(path, bytes.len()),
         nodes: nodes(&scene),
         skins: skins.collect(),
         animations: stacks.into_iter().map(|s| Box::new(s) as Box<dyn Animation>).collect(),

@@ -41,7 +41,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
         return Err(fail("it has no frames".into()));
     }
     let (rate_hz, name) = rate(&mut arrays).map_err(fail)?;
-    let mut sink = FrameSink::new(joints(), FrameSink::budget(archive::weight(path, bytes.len())));
+    let mut sink = FrameSink::new(joints(), FrameSink::budget(archive::counted_bytes(path, bytes.len())));
     for frame in 0..frames {
         let numbers: Vec<f64> = poses.iter().flat_map(|p| p.array.row(frame, p.width)).take(3 * NUM_JOINTS).collect();
         let way: Vec<f64> = trans.row(frame, 3).collect();

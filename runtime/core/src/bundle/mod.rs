@@ -294,7 +294,7 @@ impl Bundle {
         *self.shared.hash.get_or_init(|| Hash128::of(self.shared.storage.bytes()))
     }
 
-    /// True where both have the same content: that of a bundle that was opened once is told at once, that of others by their hashes.
+    /// True where both have the same content. Clones are compared at once, bundles that were opened one by one by [`Bundle::hash`].
     pub fn is_same(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.shared, &other.shared) || self.hash() == other.hash()
     }

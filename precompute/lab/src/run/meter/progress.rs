@@ -143,7 +143,9 @@ impl<V: Space> OnTheWay<V> {
             self.corner += 1;
         }
         let is_there = self.is_there(sight, at);
-        let left = if is_there { sight.left_m } else { self.left(sight.way, at) };
+        let left = self.left(sight.way, at);
+        // A way that begins again may have begun; one by other corners is longer by those of the way.
+        let left = if is_there { left.min(sight.left_m) } else { left };
         let gained = std::mem::replace(&mut self.left_m, left) - left;
         if (at - self.stays.0).length() > STUCK_M {
             self.stays = (at, time_s);

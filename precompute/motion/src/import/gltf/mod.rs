@@ -49,7 +49,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<SourceClip>, ImportError> 
     let fail = |what: String| content_error(path, what, HELP);
     let (document, binary) = document(bytes).map_err(fail)?;
     let reader = Reader::new(&document, binary, path)?;
-    let num_bytes = archive::weight(path, bytes.len()).saturating_add(reader.num_bytes());
+    let num_bytes = archive::counted_bytes(path, bytes.len()).saturating_add(reader.num_bytes());
     let mut scene_nodes = scene_nodes(&document).map_err(fail)?;
     bind(&document, &reader, &mut scene_nodes).map_err(fail)?;
     let mut samplers = Samplers::new(&reader, num_bytes);
