@@ -69,16 +69,19 @@ pub(crate) fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPo
     let d = distance.min(reach).max((l1 - l2).abs() + F::splat(1e-3));
     let direction = aim * (one / distance);
 
-    // The knee stays in the plane it bends in; where the leg is straight, it bends towards the toes.
+    // The leg swings as a whole, then its knee bends in the plane it bent in before: it would point the other way where the
+    // hip comes past the ankle. Where the leg is straight, it bends towards the toes.
+    let swing = Q::between(before, aim);
     let forward = pose.rotations[leg.thigh].rotate(V::splat(glam::Vec3::Z));
-    let new_knee = bend(hip, direction, d, [l1, l2], (knee - hip) + forward * F::splat(0.02));
+    let (upper, lower) = (swing.rotate(knee - hip), swing.rotate(ankle - knee));
+    let new_knee = bend(hip, direction, d, [l1, l2], upper + swing.rotate(forward) * F::splat(0.02));
     let new_ankle = hip + direction * d;
 
     // Lanes that need no correction keep their leg to the last bit, whatever their neighbours do.
     let amount = correction.dot(correction);
     let (thigh, shin) = (pose.rotations[leg.thigh], pose.rotations[leg.shin]);
-    pose.rotations[leg.thigh] = chosen_q(amount, thigh, Q::between(knee - hip, new_knee - hip) * thigh);
-    pose.rotations[leg.shin] = chosen_q(amount, shin, Q::between(ankle - knee, new_ankle - new_knee) * shin);
+    pose.rotations[leg.thigh] = chosen_q(amount, thigh, Q::between(upper, new_knee - hip) * swing * thigh);
+    pose.rotations[leg.shin] = chosen_q(amount, shin, Q::between(lower, new_ankle - new_knee) * swing * shin);
     let toe = pose.positions[leg.toe];
     pose.positions[leg.toe] = chosen_v(amount, toe, toe + (new_ankle - ankle));
     pose.positions[leg.shin] = chosen_v(amount, knee, new_knee);
@@ -107,4 +110,50 @@ fn chosen_v<F: Lanes>(amount: F, old: V<F>, new: V<F>) -> V<F> {
 #[inline(always)]
 fn chosen_q<F: Lanes>(amount: F, old: Q<F>, new: Q<F>) -> Q<F> {
     Q::new(chosen_v(amount, old.v, new.v), F::select_lt(F::splat(NO_CORRECTION), amount, new.w, old.w))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pose::hierarchy::{shared, to_model};
+    use crate::pose::sample::LanePose;
+    use glam::{Quat, Vec3};
+    use proptest::prelude::*;
+    use throng_base::simd::Array;
+
+    /// The axis that the knee bends about, in the thigh's own frame; longer where it bends more.
+    fn hinge(leg: &Leg, pose: &ModelPose<Array>) -> Vec3 {
+        let vec = |v: V<Array>| Vec3::from_array([v.x, v.y, v.z].map(|x| x.to_array()[0]));
+        let [hip, knee, ankle] = [leg.thigh, leg.shin, leg.foot].map(|j| vec(pose.positions[j]));
+        let thigh = pose.rotations[leg.thigh];
+        let turned = Quat::from_vec4(vec(thigh.v).extend(thigh.w.to_array()[0]));
+        turned.inverse() * (knee - hip).normalize().cross((ankle - knee).normalize())
+    }
+
+    proptest! {
+        /// Wherever the ankle is taken, as far as beyond the hip: a knee bends about the axis that it bent about, to the same side.
+        #[test]
+        fn knees_bend_about_their_hinges(
+            bent in 0.05f32..2.0,
+            thigh in prop::array::uniform3(-1.2f32..1.2),
+            to in prop::array::uniform3(-1.0f32..1.0),
+        ) {
+            let skeleton = Skeleton::default();
+            let leg = &Leg::both(&skeleton)[0];
+            let all = |q: Quat| Q::new(V::<Array>::splat(q.xyz()), Array::splat(q.w));
+            let mut rotations = [all(Quat::IDENTITY); crate::skeleton::NUM_JOINTS];
+            rotations[leg.thigh] = all(Quat::from_scaled_axis(Vec3::from_array(thigh)));
+            rotations[leg.shin] = all(Quat::from_rotation_x(bent));
+            let mut pose = to_model(shared(&skeleton), LanePose { root: V::<Array>::splat(Vec3::Y), rotations });
+            let before = hinge(leg, &pose);
+            let [hip, ankle] = [leg.thigh, leg.foot].map(|j| pose.positions[j]);
+            let aim = V::splat(Vec3::from_array(to));
+            // Half a turn has no axis of its own.
+            let [was, now] = [ankle - hip, aim].map(|v| v * (Array::splat(1.0) / v.length()));
+            prop_assume!(was.dot(now).to_array()[0] > -0.98 && aim.length().to_array()[0] > 0.15);
+            move_leg(leg, aim - (ankle - hip), &mut pose);
+            let after = hinge(leg, &pose);
+            prop_assert!(after.dot(before) > 0.0 && after.angle_between(before) < 0.02, "{} {}", before, after);
+        }
+    }
 }
