@@ -130,7 +130,7 @@ pub struct TrialRecord {
     pub arrivals_s: Vec<f32>,
     /// World positions of all joints of each character then (m).
     pub poses: Vec<[Vec3; NUM_JOINTS]>,
-    /// The recorded character, every step.
+    /// The recorded character, every step; the first 10 000.
     pub frames: Vec<TrialFrame>,
 }
 
@@ -225,6 +225,22 @@ fn stage_error(message: String) -> BuildError {
 /// Characters on a loose grid, each with a target in some direction; targets are apart where there is room. Those who make
 /// way start where somebody stands, if anybody does.
 pub(crate) fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
+    let mut spacing_m = SPACING_M;
+    loop {
+        match scatter_apart(tables, config, spacing_m) {
+            // Motion that does not stop soon takes more room.
+            Err(Error::Occupied { .. }) if spacing_m < MOST_SPACING_M => spacing_m *= 1.5,
+            done => return done,
+        }
+    }
+}
+
+/// Likewise, with so much between neighbours on the grid of starts (m).
+fn scatter_apart(
+    tables: &Bundle,
+    config: &TrialConfig,
+    spacing_m: f32,
+) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
     let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
     let states = starts(tables, &config.motion);
     let side = (config.characters as f32).sqrt().ceil() as usize;
@@ -234,7 +250,7 @@ pub(crate) fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCh
     cast.gather();
     let (mut targets, mut taken) = (Vec::new(), HashMap::new());
     for i in 0..config.characters {
-        let place = |k: usize| (k as f32 - middle) * SPACING_M;
+        let place = |k: usize| (k as f32 - middle) * spacing_m;
         let (x, z) = (place(i % side), place(i / side));
         let mut jitter = || rng.random_range(-JITTER_M..JITTER_M);
         let (x, z) = (x + jitter(), z + jitter());
@@ -270,8 +286,9 @@ pub fn starts(tables: &Bundle, motion: &CharactersConfig) -> Vec<u32> {
     }
 }
 
-/// Distance of neighbours on the grid of starts, and how far each is from its place along an axis (m).
+/// Distance of neighbours on the grid of starts at first and at most, and how far each is from its place along an axis (m).
 const SPACING_M: f32 = 2.0;
+const MOST_SPACING_M: f32 = 20.0;
 const JITTER_M: f32 = 0.6;
 /// Targets are this far apart (m).
 const APART_M: f32 = 0.8;
