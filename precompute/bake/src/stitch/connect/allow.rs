@@ -2,16 +2,11 @@
 
 use super::joined::{Joined, Overlap, Part, exits};
 use super::prepare::Prepared;
-use crate::stitch::library::STAGE;
 use crate::stitch::place::lay::Laid;
 use throng_core::patch::{NONE, Patches};
-use throng_motion::error::BuildError;
 
-/// Puts the graph of a world together (prepared for `laid`).
-///
-/// # Errors
-/// [`BuildError::Stage`] where there are more cells or links than numbers of 32 bits count.
-pub(in crate::stitch) fn allow(patches: &Patches, laid: &Laid, prepared: Prepared) -> Result<Joined, BuildError> {
+/// Puts the graph of a world together (prepared for `laid`, whose sizes are checked).
+pub(in crate::stitch) fn allow(patches: &Patches, laid: &Laid, prepared: Prepared) -> Joined {
     let mut joined = Joined {
         patches: patches.clone(),
         exits: exits(patches),
@@ -25,28 +20,14 @@ pub(in crate::stitch) fn allow(patches: &Patches, laid: &Laid, prepared: Prepare
         num_nodes: 0,
         num_words: 0,
     };
-    parts(laid, &prepared.situation_of, &mut joined)?;
+    parts(laid, &prepared.situation_of, &mut joined);
     overlaps(laid, &mut joined);
-    Ok(joined)
+    joined
 }
 
-fn parts(laid: &Laid, situations: &[u32], joined: &mut Joined) -> Result<(), BuildError> {
-    let mut num_words = 0u64;
+fn parts(laid: &Laid, situations: &[u32], joined: &mut Joined) {
     for (i, f) in laid.fitted.iter().enumerate() {
         let patch = &joined.patches.patches[f.patch as usize];
-        num_words += u64::from(patch.num_links.div_ceil(64));
-        if joined.num_nodes as u64 + u64::from(patch.num_cells) >= u64::from(NONE / 2) || num_words >= u64::from(NONE) {
-            return Err(BuildError::Stage {
-                stage: STAGE,
-                message: format!(
-                    "the first {} of {} instances have {} cells already",
-                    i,
-                    laid.fitted.len(),
-                    joined.num_nodes
-                ),
-                help: "Stitch a smaller world".into(),
-            });
-        }
         joined.parts.push(Part {
             patch: f.patch,
             situation: situations[i],
@@ -59,7 +40,6 @@ fn parts(laid: &Laid, situations: &[u32], joined: &mut Joined) -> Result<(), Bui
         joined.num_nodes += patch.num_cells as usize;
         joined.num_words += joined.exits[f.patch as usize].len();
     }
-    Ok(())
 }
 
 /// From each instance where it overlaps others, by their number.

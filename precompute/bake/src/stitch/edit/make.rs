@@ -52,7 +52,7 @@ pub(in crate::stitch) fn make<'a>(
     progress.check()?;
     let prepared = stitcher.prepare(&laid, past, progress);
     progress.check()?;
-    let joined = allow(&stitcher.placer.patches, &laid, prepared)?;
+    let joined = allow(&stitcher.placer.patches, &laid, prepared);
     progress.begin("component", joined.num_nodes as u64, "cells");
     let before = past.map(|Past { made, kept }| Before {
         joined: &made.joined,
@@ -85,8 +85,22 @@ pub(in crate::stitch) fn make<'a>(
     Ok(Made { laid, joined, settled, remains, report })
 }
 
-/// What is in the way of motion is measured on a grid.
+/// Most cells of a world, about 80 bytes each while it is stitched, and most words of 64 links.
+const MOST_CELLS: u64 = 50_000_000;
+const MOST_WORDS: u64 = 100_000_000;
+
+/// What follows takes memory with the number of cells; what is in the way of motion is measured on a grid.
 fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, laid: &Laid) -> Result<(), BuildError> {
+    let patch = |i: u32| &stitcher.placer.patches.patches[i as usize];
+    let cells: u64 = laid.fitted.iter().map(|f| u64::from(patch(f.patch).num_cells)).sum();
+    let words: u64 = laid.fitted.iter().map(|f| u64::from(patch(f.patch).num_links.div_ceil(64))).sum();
+    if cells > MOST_CELLS || words > MOST_WORDS {
+        let why = format!(
+            "{} instances have {cells} cells with {words} words of links, expected {MOST_CELLS} and {MOST_WORDS} at most",
+            laid.fitted.len()
+        );
+        return Err(refused(environment, why, "Stitch several smaller worlds, or bake patches of fewer cells"));
+    }
     let library = &stitcher.placer.library;
     let is_too_large: Vec<bool> = library.geometries.iter().map(|g| Field::is_too_large(g)).collect();
     let Some((_, unit, relation)) = laid.obstacles.iter().find(|o| is_too_large[o.2.b as usize]) else { return Ok(()) };
