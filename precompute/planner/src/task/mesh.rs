@@ -3,7 +3,7 @@
 use super::obj;
 use crate::shape::{Mesh, Shape};
 use glam::Vec3;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 use throng_base::file::{MAX_TEXT_BYTES, read_file};
@@ -33,6 +33,7 @@ pub(super) fn read(path: &Path, unit_m: f64, open: bool) -> Result<Shape, String
     for corner in triangles.iter_mut().flatten() {
         *corner *= unit_m as f32;
     }
+    once_each(&mut triangles);
     let holes = if open { 0 } else { open_edges(&triangles) };
     if holes > 0 {
         return Err(format!(
@@ -45,13 +46,27 @@ pub(super) fn read(path: &Path, unit_m: f64, open: bool) -> Result<Shape, String
     Ok(Shape::Mesh(Arc::new(mesh)))
 }
 
+/// Leaves one of the triangles that have the same corners in the same order, whichever comes first: others would cost time,
+/// and hide holes.
+pub(super) fn once_each(triangles: &mut Vec<[Vec3; 3]>) {
+    let mut seen = HashSet::new();
+    triangles.retain(|t| {
+        let corners = t.map(place);
+        let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
+        seen.insert([0, 1, 2].map(|k| corners[(first + k) % 3]))
+    });
+}
+
+/// A corner, to be compared: zero and minus zero are one place.
+fn place(corner: Vec3) -> [u32; 3] {
+    (corner + Vec3::ZERO).to_array().map(f32::to_bits)
+}
+
 /// Edges with an odd number of triangles; corners at the same place are one, triangles without an area do not count.
 pub(super) fn open_edges(triangles: &[[Vec3; 3]]) -> usize {
-    // Zero and minus zero are one place.
-    let key = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
     let mut odd: HashMap<[[u32; 3]; 2], bool> = HashMap::new();
     for t in triangles {
-        let corners = t.map(key);
+        let corners = t.map(place);
         if corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0] {
             continue;
         }

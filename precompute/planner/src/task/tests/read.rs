@@ -99,6 +99,13 @@ fn meshes_are_closed_or_said_to_be_open() {
     let e = read(&holed, 1.0, false).unwrap_err();
     assert!(e.contains("cube.obj: 4 edges") && e.contains("open = true"), "{e}");
     assert!(read(&holed, 1.0, true).is_ok());
+    // Faces that stand there again, from whichever corner on, neither hide holes nor cost time.
+    let again =
+        holed.replace("f 1 2 3 4\n", "f 1 2 3\nf 2 3 1\nf 3 1 2\nf 3 4 1\n") + &holed[holed.find('f').unwrap_or(0)..];
+    assert_eq!(read(&again, 1.0, false).unwrap_err(), e);
+    let mut corners = obj::triangles(&again).expect("triangles");
+    mesh::once_each(&mut corners);
+    assert_eq!(corners.len(), 10);
     for (text, unit_m, why) in [
         ("", 1.0, "no triangles"),
         (CUBE, 0.0, "positive `unit_m`"),
