@@ -68,6 +68,15 @@ fn starts_in_obstacles_and_goals_behind_walls_are_told() {
 }
 
 #[test]
+fn faults_of_the_field_name_its_line_and_key() {
+    let field = "[agents.field]\nhorizon_s = 2.0\nperception_m = 0.0\n";
+    let message = refused(&(group(3, PLACE, "{ stay = {} }") + field));
+    let line = (group(3, PLACE, "{ stay = {} }") + "x").lines().count() + 2;
+    let place = format!("made-up:{line}:1: key `agents.field.perception_m`: expected above 0");
+    assert!(message.contains(&place) && message.contains("found 0"), "{message} {place}");
+}
+
+#[test]
 fn times_out_of_range_are_refused() {
     let text = group(3, PLACE, "{ stay = {} }");
     for seconds in [0.0, -1.0, f64::NAN, 1e9] {

@@ -52,6 +52,10 @@ impl<V: Space> Layout<V> {
                 let who = self.setup.agents.iter().position(|m| m.route == Some(route)).unwrap_or(usize::MAX);
                 format!("subgoal {subgoal} of {} is in `{}`", self.who(who), obstacle(o))
             }
+            // All agents have the field of the scene.
+            CrowdError::Other(Error::Value { what, got, expected, .. }) if what.starts_with("field.") => {
+                return self.scene.fault(&format!("agents.{what}"), format!("expected {expected}, found {got}"));
+            }
             _ => e.to_string(),
         };
         self.fault(None, message, "correct the scene file")
