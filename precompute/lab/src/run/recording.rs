@@ -4,9 +4,9 @@ use super::report::{Moment, fault, play};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use throng_motion::error::BuildError;
-use throng_runtime::base::SnapshotKind;
 use throng_runtime::base::file::{MAX_TEXT_BYTES, read_file};
 use throng_runtime::base::limits::{SECONDS, STEP_HZ};
+use throng_runtime::base::{Error, SnapshotKind};
 use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
 
 const KIND: SnapshotKind = SnapshotKind { what: "recording", tag: *b"RCRD", version: 1, setup: 0 };
@@ -62,14 +62,20 @@ impl Recording {
     /// [`BuildError::Config`] for a file that is none, or damaged.
     pub fn load(path: &Path) -> Result<Self, BuildError> {
         let bytes = read_file(path, "a recording", MAX_TEXT_BYTES).map_err(fault)?;
-        Self::parse(&bytes).map_err(|e| BuildError::Config { message: format!("{}: {e}", path.display()) })
+        Self::parse(&bytes).map_err(|e| {
+            let why = match e {
+                Error::Snapshot { why, .. } => format!("expected a recording of `throng run --record`: {why}"),
+                e => e.to_string(),
+            };
+            BuildError::Config { message: format!("{}: {why}", path.display()) }
+        })
     }
 
     /// As [`Recording::load`], of bytes.
     ///
     /// # Errors
     /// What is wrong; the file is not named.
-    pub fn parse(bytes: &[u8]) -> Result<Self, throng_runtime::base::Error> {
+    pub fn parse(bytes: &[u8]) -> Result<Self, Error> {
         let read: Self = KIND.read_all(bytes)?;
         SECONDS.check("seconds", None, read.seconds)?;
         STEP_HZ.check("step_hz", None, read.step_hz)?;

@@ -32,6 +32,7 @@ pub use hit::SidecarHit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use throng_base::file::MAX_TEXT_BYTES;
 use throng_base::text::{Source, did_you_mean};
@@ -247,7 +248,9 @@ impl Sidecars {
             return self.insert_packed(clip_name, &path, source_rate_hz);
         }
         let source = match Source::read(&path, "a sidecar") {
-            Err(throng_base::Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
+            Err(throng_base::Error::Io { source, .. })
+                if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::InvalidFilename) =>
+            {
                 return Ok(false);
             }
             source => source?,
