@@ -109,7 +109,7 @@ pub fn plan(args: &WhatArgs) -> Result<Plan<'_>, Box<dyn std::error::Error>> {
         }
     };
     plan.config.import.strict |= args.strict;
-    plan.replaced.iter().for_each(|r| eprintln!("config: {r}"));
+    plan.replaced.iter().for_each(|r| output::tell(format_args!("config: {r}")));
     Ok(plan)
 }
 

@@ -102,7 +102,7 @@ fn ended(done: args::Outcome) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) if output::is_broken_pipe(e.as_ref()) => ExitCode::SUCCESS,
         Err(e) => {
-            eprintln!("error: {e}");
+            output::tell(format_args!("error: {e}"));
             ExitCode::FAILURE
         }
     }

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use std::io::Write;
+use throng_runtime::base::text::plain;
 
 /// Prints one JSON object on standard output.
 pub fn json(value: &impl Serialize) -> Result<(), Box<dyn std::error::Error>> {
@@ -11,10 +12,15 @@ pub fn json(value: &impl Serialize) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Prints text as it is. Unlike `print!`, a reader that has gone is an error here, not a panic.
+/// Prints text, in which nothing steers a terminal. Unlike `print!`, a reader that has gone is an error here, not a panic.
 pub fn text(text: impl std::fmt::Display) -> Result<(), Box<dyn std::error::Error>> {
-    write!(std::io::stdout().lock(), "{text}")?;
+    write!(std::io::stdout().lock(), "{}", plain(&text.to_string()))?;
     Ok(())
+}
+
+/// Prints a line on standard error, likewise.
+pub fn tell(line: impl std::fmt::Display) {
+    eprintln!("{}", plain(&line.to_string()));
 }
 
 /// Prints lines of a label and a text, aligned.
@@ -22,7 +28,7 @@ pub fn table(rows: &[(&str, String)]) -> Result<(), Box<dyn std::error::Error>> 
     let width = rows.iter().map(|r| r.0.chars().count()).max().unwrap_or(0);
     let mut out = std::io::stdout().lock();
     for (label, text) in rows {
-        writeln!(out, "{label:width$}  {text}")?;
+        writeln!(out, "{label:width$}  {}", plain(text))?;
     }
     Ok(())
 }
@@ -32,7 +38,7 @@ pub fn columns<'a>(
     heading: [&'a str; 3],
     rows: impl Iterator<Item = [&'a str; 3]>,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let rows: Vec<[&str; 3]> = std::iter::once(heading).chain(rows).collect();
+    let rows: Vec<_> = std::iter::once(heading).chain(rows).map(|row| row.map(plain)).collect();
     let width = |column: usize| rows.iter().map(|r| r[column].chars().count()).max().unwrap_or(0);
     let (first, second) = (width(0), width(1));
     let mut out = std::io::stdout().lock();
@@ -45,10 +51,10 @@ pub fn columns<'a>(
 /// Warnings and skipped files, on standard error.
 pub fn warnings(skipped: &[String], warnings: &[String]) {
     for w in warnings {
-        eprintln!("warning: {w}");
+        tell(format_args!("warning: {w}"));
     }
     for s in skipped {
-        eprintln!("skipped: {s}");
+        tell(format_args!("skipped: {s}"));
     }
     if !skipped.is_empty() {
         eprintln!("{} file(s) skipped; --strict stops at the first", skipped.len());

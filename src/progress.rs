@@ -1,5 +1,6 @@
 //! Progress of builds: a bar on a terminal, elsewhere a line every few seconds; and what is kept where one is interrupted.
 
+use crate::output;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -22,7 +23,11 @@ pub struct Scratch(TempDir);
 
 impl Scratch {
     pub fn new() -> std::io::Result<Self> {
-        let folder = tempfile::tempdir()?;
+        let folder = tempfile::tempdir().map_err(|e| {
+            let why =
+                format!("no room for temporary files: {e}; set TMPDIR to a folder that is there and may be written");
+            std::io::Error::new(e.kind(), why)
+        })?;
         lock(&FOLDERS).push(folder.path().to_path_buf());
         Ok(Self(folder))
     }
@@ -80,7 +85,7 @@ impl Default for Bar {
                     std::thread::sleep(EVERY);
                     let Some(now) = watched.upgrade() else { return };
                     if let Some(line) = lock(&now).status.line() {
-                        eprintln!("{line}");
+                        output::tell(line);
                     }
                 }
             });
@@ -103,7 +108,7 @@ impl Bar {
             }
             let now = lock(&now);
             if !now.is_over {
-                eprintln!("\n{}", now.status.farewell(cache.as_deref(), "the same command"));
+                output::tell(format_args!("\n{}", now.status.farewell(cache.as_deref(), "the same command")));
             }
             lock(&FOLDERS).iter().for_each(|folder| _ = std::fs::remove_dir_all(folder));
             std::process::exit(INTERRUPTED);

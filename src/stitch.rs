@@ -84,7 +84,7 @@ fn make(
 pub fn open(source: &WorldSource, file: &Path, tables: &Bundle) -> Result<World, Box<dyn std::error::Error>> {
     let out = source.stitched_path();
     let progress = progress::Bar::default();
-    let with = Cached { cache: &Cache::none(), progress: &progress, tell: &|news| eprintln!("{news}") };
+    let with = Cached { cache: &Cache::none(), progress: &progress, tell: &|news| output::tell(news) };
     run::ensure_world(source, file, tables, &out, &with)?;
     Ok(World::open(&out, tables)?)
 }

@@ -71,7 +71,9 @@ pub fn run(args: &Args) -> Outcome {
     let there = import::expand(std::slice::from_ref(&args.out))?.len();
     if there > clips {
         let (folder, more) = (args.out.display(), there - clips);
-        eprintln!("{folder}: {more} other motion file(s) are there, and a build of the folder takes them, too");
+        output::tell(format_args!(
+            "{folder}: {more} other motion file(s) are there, and a build of the folder takes them, too"
+        ));
     }
     let seconds = frames as f64 / args.rate_hz;
     let report = Report { set: args.set.clone(), clips, frames, seconds, out: args.out.clone() };

@@ -9,7 +9,7 @@ use throng_planner::task::Task;
 use throng_precompute::cache::Cache;
 use throng_precompute::plans;
 use throng_precompute::progress::Silent;
-use throng_precompute::run::Cached;
+use throng_precompute::run::{Cached, News};
 
 /// What is printed.
 #[derive(Serialize, JsonSchema)]
@@ -42,7 +42,7 @@ pub fn run(args: &super::Args, task: &Path) -> Outcome {
     }
     let task = Task::read(task)?;
     let config = args.read.config()?;
-    let tell = |news| eprintln!("{news}");
+    let tell = |news: News| output::tell(news);
     let clip = plans::file_clip(file, &config, &tell)?;
     let with = Cached { cache: &Cache::none(), progress: &Silent, tell: &tell };
     let (task, clips) = plans::sources(&task, &config, Some(clip), &with)?.staged(task, None)?;

@@ -5,6 +5,7 @@ use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
+use throng_runtime::base::text::plain;
 use throng_viewer::args::Args;
 use throng_viewer::{headless, window};
 
@@ -12,7 +13,7 @@ fn main() -> ExitCode {
     match run(&Args::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) => {
-            eprintln!("error: {e}");
+            eprintln!("error: {}", plain(&e.to_string()));
             ExitCode::FAILURE
         }
     }

@@ -28,6 +28,21 @@ pub fn brief(said: String) -> String {
     format!("{} ... {}", &said[..begin], &said[end..])
 }
 
+/// Text for a terminal: what would steer it, as names in files of others may, stands there as its code (`\u{1b}`).
+pub fn plain(text: &str) -> Cow<'_, str> {
+    // Controls other than ends of lines and tabs, and those that turn the direction of what follows.
+    let steers = |c: char| match c {
+        '\n' | '\t' => false,
+        '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => true,
+        c => c.is_control(),
+    };
+    if !text.contains(steers) {
+        return Cow::Borrowed(text);
+    }
+    let one = |c: char| if steers(c) { c.escape_default().to_string() } else { c.to_string() };
+    Cow::Owned(text.chars().map(one).collect())
+}
+
 /// A TOML text, and the file that it stands in.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Source {

@@ -169,3 +169,11 @@ fn messages_quote_no_more_than_a_page() {
     assert!(short.len() < 2100 && short.starts_with('\u{1f600}') && short.ends_with('\u{1f600}'));
     assert_eq!(brief("short".into()), "short");
 }
+
+#[test]
+fn nothing_in_a_name_steers_a_terminal() {
+    assert_eq!(plain("walk \u{1b}[31m\r\u{7}\u{9b}2J\u{202e}"), "walk \\u{1b}[31m\\r\\u{7}\\u{9b}2J\\u{202e}");
+    for kept in ["", "a\tb\nc", "Gehen \u{e4}\u{1f980} \u{65e5}"] {
+        assert!(matches!(plain(kept), Cow::Borrowed(same) if same == kept), "{kept}");
+    }
+}
