@@ -89,7 +89,13 @@ pub struct CacheArgs {
     #[arg(long, value_name = "DIR", default_value = Cache::FOLDER)]
     cache: PathBuf,
     /// Most that a folder may keep, in GB; what was not used for longest makes room.
-    #[arg(long, value_name = "GB", default_value_t = Cache::LIMIT_BYTES as f64 / 1e9, value_parser = Cache::parse_gb)]
+    #[arg(
+        long,
+        value_name = "GB",
+        default_value_t = Cache::LIMIT_BYTES as f64 / 1e9,
+        allow_negative_numbers = true,
+        value_parser = limits::number::<f64>(&limits::CACHE_GB)
+    )]
     cache_limit: f64,
     /// Run every stage, and keep nothing.
     #[arg(long)]

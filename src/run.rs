@@ -15,6 +15,7 @@ use throng_precompute::run::{self, Cached, Figures, RunConfig, SceneReport, Traj
 use throng_precompute::trial::{self, TrialConfig, TrialRecord, TrialReport};
 use throng_precompute::verdict::Verdict;
 use throng_runtime::Bundle;
+use throng_runtime::base::limits;
 use throng_runtime::simulation::scene::engine;
 use throng_runtime::simulation::{CompiledScene, Motion, Scene};
 
@@ -69,7 +70,14 @@ struct LiveArgs {
     #[arg(long, requires = "serve")]
     serve_anyone: bool,
     /// Of --serve, simulated seconds a second; 0 is as fast as it goes.
-    #[arg(long, value_name = "X", requires = "serve", default_value_t = 1.0, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "X",
+        requires = "serve",
+        default_value_t = 1.0,
+        allow_negative_numbers = true,
+        value_parser = limits::number::<f64>(&limits::LIVE_SPEED)
+    )]
     speed: f64,
 }
 
@@ -114,7 +122,8 @@ pub fn run(args: &Args) -> Outcome {
         [bundle] if is_bundle(bundle) => crate::args::open(bundle)?,
         motion => motion_bundle(motion, &args.cache)?,
     };
-    let config = args.crowd.trial();
+    let mut config = args.crowd.trial();
+    config.recorded = config.recorded.filter(|_| args.png.is_some());
     let (report, record) = trial::run(&tables, &config)?;
     if let Some(png) = &args.png {
         draw(&tables, &config, &report, &record, png)?;
@@ -172,7 +181,7 @@ fn run_scene(file: &Path, args: &Args) -> Outcome {
         write_trajectories(&record.trajectories, file)?;
     }
     for (time_s, character, what) in record.faults.iter().take(5) {
-        eprintln!("at {time_s:.1} s, character {character}: {what}");
+        output::tell(format_args!("at {time_s:.1} s, character {character}: {what}"));
     }
     if args.json { output::json(&report) } else { print_scene(&report) }
 }
@@ -248,7 +257,7 @@ pub fn make_bundle(bundle: &Path, config: Option<&Path>, cache: &CacheArgs) -> O
 /// Lets something be made with the cache, a progress bar, and messages on standard error.
 pub fn with<T>(cache: &CacheArgs, make: impl FnOnce(&Cached<'_>) -> T) -> Result<T, BuildError> {
     let (cache, progress) = (cache.cache()?, progress::Bar::on_interrupt(cache.folder()));
-    Ok(make(&Cached { cache: &cache, progress: &progress, tell: &|news| eprintln!("{news}") }))
+    Ok(make(&Cached { cache: &cache, progress: &progress, tell: &|news| output::tell(news) }))
 }
 
 /// What was measured of a scene, for people.

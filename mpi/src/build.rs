@@ -13,7 +13,7 @@ use throng_precompute::memory;
 use throng_precompute::parts::Parts;
 use throng_precompute::pipeline;
 use throng_precompute::report::{BuildReport, Spent};
-use throng_runtime::base::{Comm, out_of_step};
+use throng_runtime::base::{Comm, limits, out_of_step};
 
 /// Bake the motion of a config into a bundle in several processes.
 ///
@@ -33,7 +33,13 @@ pub struct Args {
     #[arg(long, value_name = "DIR", default_value = Cache::FOLDER)]
     cache: PathBuf,
     /// Most that a folder may keep, in GB; what was not used for longest makes room.
-    #[arg(long, value_name = "GB", default_value_t = Cache::LIMIT_BYTES as f64 / 1e9, value_parser = Cache::parse_gb)]
+    #[arg(
+        long,
+        value_name = "GB",
+        default_value_t = Cache::LIMIT_BYTES as f64 / 1e9,
+        allow_negative_numbers = true,
+        value_parser = limits::number::<f64>(&limits::CACHE_GB)
+    )]
     cache_limit: f64,
     /// Run every stage, and keep nothing: every process reads all files then.
     #[arg(long)]

@@ -11,6 +11,7 @@ use progress::{Board, LocalBoard};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
+use throng_runtime::base::text::plain;
 use throng_runtime::base::{Comm, LocalComm, limits};
 
 /// Moves crowds in several processes: `mpirun -n RANKS throng-mpi ...`.
@@ -49,7 +50,7 @@ fn main() -> ExitCode {
         // Those who waited for a rank that has failed fail too.
         return match failed.min_by_key(|e| e.ends_with("has ended")) {
             Some(e) => {
-                eprintln!("error: {e}");
+                eprintln!("error: {}", plain(&e));
                 ExitCode::FAILURE
             }
             None => ExitCode::SUCCESS,
@@ -68,7 +69,7 @@ fn main() -> ExitCode {
     if comm.rank() > 0 {
         std::thread::sleep(Duration::from_millis(500));
     }
-    eprintln!("error: rank {}: {e}", comm.rank());
+    eprintln!("error: rank {}: {}", comm.rank(), plain(&e.to_string()));
     comm.abort()
 }
 

@@ -13,6 +13,7 @@ use throng_precompute::perform::{self, PerformConfig, Show, perform};
 use throng_precompute::run::Recording;
 use throng_precompute::trial::TrialConfig;
 use throng_precompute::{Warnings, files, pipeline};
+use throng_runtime::base::limits;
 use throng_runtime::simulation::Scene;
 
 /// What of a run is written.
@@ -23,13 +24,13 @@ pub struct TakeArgs {
     #[arg(long, value_name = "N..N", value_parser = parse_range, value_delimiter = ',')]
     characters: Vec<RangeInclusive<usize>>,
     /// First moment (s); the start by default.
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::MOMENT_S))]
     from: Option<f64>,
     /// Last moment (s); by default the end of the scene or the recording, or 20 s of a bundle.
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::MOMENT_S))]
     to: Option<f64>,
     /// Frames a second, 1 to 1000; 30 by default.
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<f64>(&limits::EXPORT_HZ))]
     fps: Option<f64>,
     /// Of a bundle, write its clips instead of characters that run on it.
     #[arg(long)]

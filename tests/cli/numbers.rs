@@ -8,7 +8,7 @@ type Options = &'static [(&'static str, &'static Limit)];
 
 /// Commands, and their options that are numbers. `BUNDLE` and `OUT` stand for a file and a folder, and what else is given
 /// keeps runs short.
-const NUMBERS: [(&[&str], Options); 9] = [
+const NUMBERS: [(&[&str], Options); 11] = [
     (&["run", "BUNDLE", "--characters", "2", "--seconds", "0.1"], TRIAL),
     (&["demo", "--characters", "2", "--seconds", "0.1", "--out", "OUT/a.png", "--bundle", "OUT/a.throng"], TRIAL),
     (
@@ -36,6 +36,11 @@ const NUMBERS: [(&[&str], Options); 9] = [
     ),
     (&["bench", "blend", "BUNDLE"], &[("seconds", &limits::MEASURING_S)]),
     (&["bench", "world", "BUNDLE"], &[]),
+    (&["build", "OUT/absent.toml", "--out", "OUT/b.throng"], &[("cache-limit", &limits::CACHE_GB)]),
+    (
+        &["export", "BUNDLE", "--format", "csv", "--characters", "0", "--from", "0", "--to", "0.1", "--fps", "30"],
+        &[("from", &limits::MOMENT_S), ("to", &limits::MOMENT_S), ("fps", &limits::EXPORT_HZ)],
+    ),
     (
         &["query", "action", "BUNDLE", "--state", "0", "--target", "1,1"],
         &[

@@ -126,15 +126,6 @@ impl Cache {
     /// Bytes that a cache keeps at most unless something else is said.
     pub const LIMIT_BYTES: u64 = 5_000_000_000;
 
-    /// Reads a size that a disk may have (GB, 0 to 1 000 000).
-    ///
-    /// # Errors
-    /// What was expected and what was found.
-    pub fn parse_gb(text: &str) -> Result<f64, String> {
-        let number = text.parse::<f64>().ok().filter(|gb| (0.0..=1e6).contains(gb));
-        number.ok_or_else(|| format!("expected 0 to 1000000 (GB), found `{text}`"))
-    }
-
     fn new(storage: Option<Arc<dyn Storage>>, limit_bytes: u64) -> Self {
         Self { storage, limit_bytes, fault: Arc::default() }
     }

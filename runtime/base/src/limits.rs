@@ -61,12 +61,16 @@ macro_rules! limits {
 
 limits! {
     BEND = "how far a walked action may be bent": 0 to 10 " rad/m";
+    CACHE_GB = "most that a cache keeps": 0 to 1_000_000 " GB";
     CAPACITY = "places for characters or agents": 0 to 1_000_000 "";
     CHARACTERS = "number of characters or agents": 1 to 1_000_000 "";
     COORDINATE = "coordinate": -100_000 to 100_000 " m";
+    EXPORT_HZ = "frames a second that are written": 1 to 1000 " Hz";
     FOLLOWED = "number of a character": 0 to 999_999 "";
     FRAMES = "number of frames": 1 to 1_000_000 "";
+    LIVE_SPEED = "simulated seconds a second": 0 to 1000 "";
     MEASURING_S = "time given to a figure": 0.000_1 to 3600 " s";
+    MOMENT_S = "moment of a run": 0 to 100_000 " s";
     PAIRS = "number of pairs": 1 to 10_000_000 "";
     PATH_STEPS = "steps of all paths that are kept": 0 to 300_000_000 "";
     PICTURE_SIDE = "side of a picture or a window": 16 to 8192 " pixels";

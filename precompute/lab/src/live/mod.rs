@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use throng_motion::error::BuildError;
 use throng_motion::progress::Stopped;
-use throng_runtime::base::limits::{SECONDS, STEP_HZ};
+use throng_runtime::base::limits::{LIVE_SPEED, SECONDS, STEP_HZ};
 use throng_runtime::simulation::{CompiledScene, Simulation};
 
 /// Most clients at a time; more are turned away.
@@ -96,10 +96,7 @@ impl Server {
         let (seconds, hz) = (config.seconds.unwrap_or(scene.scene().seconds), config.step_hz);
         SECONDS.check("seconds", None, seconds)?;
         STEP_HZ.check("step_hz", None, hz)?;
-        if !(0.0..=1000.0).contains(&config.speed) {
-            let what = format!("--speed {}: expected 0 to 1000", config.speed);
-            return Err(refused(what, "1 is real time, 0 as fast as it goes"));
-        }
+        LIVE_SPEED.check("speed", None, config.speed)?;
         let mut sim = Simulation::new(scene)?;
         let hello = Arc::new(written(message::hello(&sim, hz))?);
         let mut clients = Clients { listener: &self.0, hello, all: Vec::new(), report: LiveReport::default() };

@@ -137,5 +137,5 @@ fn it_ends_when_told_and_is_for_this_machine_alone() {
     assert!(Server::bind(([0, 0, 0, 0], 0).into(), true).is_ok());
     let config = LiveConfig { speed: -1.0, ..LiveConfig::default() };
     let told = server.serve(&scene(1, 1.0), &config, &AtomicBool::new(false)).expect_err("time goes forwards");
-    assert!(told.to_string().contains("--speed -1: expected 0 to 1000"), "{told}");
+    assert!(told.to_string().contains("speed is -1, expected 0 to 1000"), "{told}");
 }

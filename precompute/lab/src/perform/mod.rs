@@ -13,13 +13,11 @@ use throng_motion::error::BuildError;
 use throng_motion::export::Take;
 use throng_motion::progress::Progress;
 use throng_runtime::Bundle;
-use throng_runtime::base::limits::{SECONDS, STEP_HZ};
+use throng_runtime::base::limits::{EXPORT_HZ, MOMENT_S, SECONDS, STEP_HZ};
 use throng_runtime::simulation::{CompiledScene, Simulation};
 
 /// Steps a simulated second where nothing else is said, as runs have it (Hz).
 const RUN_HZ: f64 = 60.0;
-/// Frames a second that may be asked for (Hz).
-const RATES_HZ: RangeInclusive<f64> = 1.0..=1000.0;
 /// Times nearer to each other than this are one (s).
 const SAME_S: f64 = 1e-6;
 
@@ -94,12 +92,8 @@ impl PerformConfig {
     /// Frames a second (Hz).
     fn rate_hz(&self) -> Result<f64, BuildError> {
         let hz = self.rate_hz.unwrap_or(FRAMES_HZ);
-        if RATES_HZ.contains(&hz) {
-            return Ok(hz);
-        }
-        let (least, most) = (RATES_HZ.start(), RATES_HZ.end());
-        let what = format!("--fps {hz}: expected {least} to {most} frames a second");
-        Err(refused(what, "30 suits most programs"))
+        EXPORT_HZ.check("fps", None, hz)?;
+        Ok(hz)
     }
 }
 
@@ -120,8 +114,10 @@ impl Span {
         let (from_s, to_s) = (config.from_s.unwrap_or(0.0), config.to_s.unwrap_or(end_s));
         let help = "Give --from and --to in seconds, the earlier one first";
         let most = most_s.unwrap_or(SECONDS.most);
-        if !(from_s >= 0.0 && to_s >= from_s) {
-            return Err(refused(format!("--from {from_s} --to {to_s}: expected 0 or later to no earlier"), help));
+        MOMENT_S.check("from", None, from_s)?;
+        MOMENT_S.check("to", None, to_s)?;
+        if to_s < from_s {
+            return Err(refused(format!("--from {from_s} --to {to_s}: the end is earlier than the start"), help));
         }
         if to_s > most + SAME_S {
             return Err(refused(format!("--to {to_s}: expected {most} s at most, where it ends"), help));

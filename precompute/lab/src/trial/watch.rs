@@ -16,6 +16,8 @@ const STILL_S: f32 = 1.0;
 const STANDING_MPS: f32 = 0.1;
 /// Characters whose motion is compared with the clips.
 const TRACKED: usize = 50;
+/// Of each of them, and of the one that is recorded, at most so many poses are kept.
+const MOST_POSES: usize = 10_000;
 /// Groups of targets by their distance.
 const RINGS: usize = 4;
 
@@ -141,7 +143,7 @@ impl<'a> Watch<'a> {
         }
         self.slip.observe_characters(characters, dt);
         self.track(characters);
-        let Some(c) = config.recorded else { return };
+        let Some(c) = config.recorded.filter(|_| self.record.frames.len() < MOST_POSES) else { return };
         self.record.frames.push(TrialFrame {
             time_s,
             root: characters.root(c),
@@ -155,7 +157,7 @@ impl<'a> Watch<'a> {
     fn track(&mut self, characters: &Characters) {
         let segments = &self.tables.graph().segments;
         for (c, (track, last)) in self.tracks.iter_mut().zip(&mut self.segments).enumerate() {
-            if self.record.arrivals_s[c].is_finite() {
+            if self.record.arrivals_s[c].is_finite() || track.positions.len() == MOST_POSES {
                 continue;
             }
             let now = characters.segment(c).0;
