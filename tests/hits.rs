@@ -52,7 +52,7 @@ fn synthetic_walking_has_no_hits() {
 
 #[test]
 fn recorded_punches_and_kicks_are_found() {
-    let Some(root) = common::mocap() else { return };
+    let Some(root) = common::mocap::recording("") else { return };
     type Counts<'a> = &'a [(&'a str, std::ops::RangeInclusive<usize>)];
     let expected: [(&str, Counts<'_>); 7] = [
         ("snu/single/punch.amc", &[("right_hand", 1..=1)]),
@@ -78,7 +78,7 @@ fn recorded_punches_and_kicks_are_found() {
 
 #[test]
 fn recorded_punches_land_with_the_arm_nearly_straight() {
-    let Some(root) = common::mocap() else { return };
+    let Some(root) = common::mocap::recording("") else { return };
     for take in ["Take03", "Take05", "Take06"] {
         let set = annotated(&root.join(format!("snu/session23/{take}.amc")));
         let clip = &set.clips[0];
@@ -92,7 +92,7 @@ fn recorded_punches_land_with_the_arm_nearly_straight() {
 
 #[test]
 fn recorded_walks_and_runs_have_next_to_no_hits() {
-    let Some(root) = common::mocap() else { return };
+    let Some(root) = common::mocap::recording("") else { return };
     let patterns = [
         "snu/single/walk_*.amc",
         "snu/single/run_*.amc",

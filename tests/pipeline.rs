@@ -2,7 +2,8 @@
 
 mod common;
 
-use common::{build, mocap, orders, small_config, starts, write_clips};
+use common::mocap::recording;
+use common::{build, orders, small_config, starts, write_clips};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use throng_precompute::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
@@ -177,7 +178,7 @@ fn a_synthetic_crowd_reaches_its_targets() {
 
 #[test]
 fn a_crowd_of_recorded_walkers_reaches_its_targets() {
-    let Some(mocap) = mocap() else { return };
+    let Some(mocap) = recording("") else { return };
     let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/snu-walk.toml");
     let mut config = BuildConfig::load(&config).expect("the config that comes with the project");
     let of_file = |p: &PathBuf| mocap.join("snu/single").join(p.file_name().expect("a pattern"));

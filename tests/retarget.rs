@@ -1,5 +1,9 @@
 //! Real clips on their own proportions keep their joints where they were, T-poses are found, feet stand.
 
+#[path = "common/mocap.rs"]
+mod mocap;
+
+use mocap::recording;
 use std::path::PathBuf;
 use throng_precompute::Warnings;
 use throng_precompute::annotate::{AnnotateConfig, Sidecars, annotate, sanity};
@@ -10,14 +14,9 @@ use throng_precompute::resample::{ResampleConfig, resample};
 use throng_precompute::retarget::{Proportions, RetargetConfig, onto, skeleton_of};
 use throng_runtime::Joint;
 
-/// Clips of the real recordings, or `None` with a word on standard error where they are absent.
+/// Clips of the recordings, where there are any.
 fn clips(patterns: &[&str]) -> Option<Vec<Imported>> {
-    let root = std::env::var_os("THRONG_MOCAP")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap"), PathBuf::from);
-    if !root.is_dir() {
-        eprintln!("skipped: no recordings at {}; set THRONG_MOCAP to their folder", root.display());
-        return None;
-    }
+    let root = recording("")?;
     let paths: Vec<PathBuf> = patterns.iter().map(|p| root.join(p)).collect();
     Some(read(&paths, &ImportConfig::default(), &Silent).expect("the recordings can be read").clips)
 }

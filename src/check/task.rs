@@ -4,7 +4,7 @@ use crate::args::{Outcome, fail};
 use crate::output;
 use schemars::JsonSchema;
 use serde::Serialize;
-use throng_planner::task::{Ahead, Task};
+use throng_planner::task::{Ahead, MeshAhead, Task};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::plans;
 
@@ -12,39 +12,11 @@ use throng_precompute::plans;
 #[derive(Serialize, JsonSchema)]
 pub struct Report {
     /// Every task, in the file's order.
-    tasks: Vec<TaskReport>,
+    tasks: Vec<Ahead>,
     /// Meshes of obstacles and objects.
-    meshes: Vec<MeshReport>,
+    meshes: Vec<MeshAhead>,
     /// Faults of all tasks; anything but 0 fails.
     faults: usize,
-}
-
-#[derive(Serialize, JsonSchema)]
-struct TaskReport {
-    /// Its name, or what it does.
-    name: String,
-    /// What no search can mend, and the way out.
-    faults: Vec<String>,
-    /// When it is reached; none of corrections (s).
-    at_s: Option<f64>,
-    /// Least time that joints need there and back at their speed limits (s).
-    least_s: Option<[f64; 2]>,
-    /// Time that there is (s).
-    given_s: Option<[f64; 2]>,
-    /// Hands within reach, within limits and free, and how many grips and turns allow.
-    reached: Option<[usize; 2]>,
-    /// Stretches in which the limb of a correction collides by the clip itself.
-    collisions: usize,
-}
-
-#[derive(Serialize, JsonSchema)]
-struct MeshReport {
-    /// Whose it is.
-    object: String,
-    /// Number of triangles.
-    triangles: usize,
-    /// Edges of one triangle only: where there are any, it has no inside.
-    open_edges: usize,
 }
 
 pub fn run(args: &super::Args) -> Outcome {
@@ -53,23 +25,8 @@ pub fn run(args: &super::Args) -> Outcome {
     let sources = crate::run::with(&args.cache, |with| plans::sources(&task, &config, None, with))??;
     let (task, clips) = sources.staged(task, None)?;
     let ahead = task.ahead(&clips)?;
-    let one = |a: &Ahead| TaskReport {
-        name: a.name.clone(),
-        faults: a.faults.clone(),
-        at_s: a.at_s,
-        least_s: a.least_s,
-        given_s: a.given_s,
-        reached: a.reached,
-        collisions: a.collisions.len(),
-    };
-    let meshes = task.meshes().into_iter();
-    let report = Report {
-        tasks: ahead.iter().map(one).collect(),
-        meshes: meshes
-            .map(|m| MeshReport { object: m.thing, triangles: m.triangles, open_edges: m.open_edges })
-            .collect(),
-        faults: ahead.iter().map(|a| a.faults.len()).sum(),
-    };
+    let faults = ahead.iter().map(|a| a.faults.len()).sum();
+    let report = Report { tasks: ahead, meshes: task.meshes(), faults };
     if args.json {
         output::json(&report)?;
     } else {
@@ -91,14 +48,14 @@ fn print(report: &Report) -> Outcome {
             text.push(format!("at least {} there, {} back", pair(0), pair(1)));
         }
         if t.at_s.is_none() {
-            text.push(format!("{} collisions to mend", t.collisions));
+            text.push(format!("{} collisions to mend", t.collisions.len()));
         }
         rows.push((if t.faults.is_empty() { "task" } else { "fault" }, format!("{}: {}", t.name, text.join(", "))));
         rows.extend(t.faults.iter().map(|f| ("", f.clone())));
     }
     for m in &report.meshes {
         let holes = if m.open_edges > 0 { format!(", {} open edges: no inside", m.open_edges) } else { String::new() };
-        rows.push(("mesh", format!("{}: {} triangles{holes}", m.object, m.triangles)));
+        rows.push(("mesh", format!("{}: {} triangles{holes}", m.thing, m.triangles)));
     }
     output::table(&rows)
 }

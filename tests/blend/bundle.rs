@@ -1,7 +1,7 @@
 //! Blend spaces in a bundle: they come back as they were written, and what cannot be is refused.
 
 use crate::made_up::{SIX, config, set, six};
-use crate::parts::{Parts, refusal};
+use crate::parts::{Change, Parts};
 use glam::Vec2;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,7 +13,7 @@ use throng_precompute::stops::Stops;
 use throng_precompute::write::{self, Baked};
 use throng_runtime::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow, channel};
 use throng_runtime::bundle::tags;
-use throng_runtime::format::{AlignedBytes, FormatError, Meta, Tag};
+use throng_runtime::format::{AlignedBytes, Meta, Tag};
 use throng_runtime::simulation::Scene;
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Bundle, Cast, Id, Inline};
@@ -122,22 +122,8 @@ fn the_same_clips_give_the_same_spaces_at_any_number_of_threads() {
     assert_eq!(on(1), on(8));
 }
 
-/// A change of the bundle's content and what it is.
-type Change<'a> = (&'a str, &'a dyn Fn(&mut Parts));
-
-/// Every change is refused by an error of that section; with `None`, by one of the layout.
 fn refuses(tag: Option<Tag>, changes: &[Change<'_>]) {
-    for (what, change) in changes {
-        let mut parts = Parts::of(bundle());
-        change(&mut parts);
-        let bytes = parts.join();
-        assert!(bytes != bundle(), "{what}: nothing was changed");
-        match (refusal(&bytes, what), tag) {
-            (FormatError::Value { tag: got, .. }, Some(wanted)) if got == wanted => {}
-            (FormatError::Layout { .. }, None) => {}
-            (e, _) => panic!("{what}: refused, but by {e:?}"),
-        }
-    }
+    crate::parts::refuses(bundle(), tag, changes);
 }
 
 const BAD: [f32; 4] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e9];

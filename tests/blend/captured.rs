@@ -1,6 +1,7 @@
 //! The blend spaces of captured locomotion that come with the project, where the recordings are.
 
-use crate::common::{build, mocap};
+use crate::common::build;
+use crate::common::mocap::recording;
 use glam::Vec2;
 use std::path::{Path, PathBuf};
 use throng_precompute::cache::Cache;
@@ -14,7 +15,7 @@ const DT_S: f32 = 1.0 / 60.0;
 
 /// Builds a config that comes with the project from the recordings; without them, says so and gives nothing.
 fn built(config: &str, folder_of_set: &str) -> Option<Bundle> {
-    let mocap = mocap()?;
+    let mocap = recording("")?;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(config);
     let mut config = BuildConfig::load(&path).expect("the config that comes with the project");
     let of_file = |p: &PathBuf| mocap.join(folder_of_set).join(p.file_name().expect("a pattern"));

@@ -1,6 +1,8 @@
 //! Small real bundles, made the ordinary way: synthetic clips are written as files and built from them.
 #![allow(dead_code, reason = "each test binary uses its own part of this module")]
 
+pub mod mocap;
+
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -118,15 +120,4 @@ pub fn starts(tables: &Bundle, n: usize) -> Vec<Start> {
 pub fn orders(n: usize) -> Vec<Order> {
     let target = |i: f32| Vec3::new(1.5 * i + 3.0 * i.sin(), 0.0, 4.0 * i.cos());
     (0..n).map(|i| Order::aim(0, target(i as f32))).collect()
-}
-
-/// The folder of real recordings, or `None` with a word on standard error where it is absent.
-pub fn mocap() -> Option<PathBuf> {
-    let root = std::env::var_os("THRONG_MOCAP")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap"), PathBuf::from);
-    if root.is_dir() {
-        return Some(root);
-    }
-    eprintln!("skipped: no recordings at {}; set THRONG_MOCAP to their folder", root.display());
-    None
 }

@@ -119,3 +119,23 @@ pub fn refusal(bytes: &[u8], what: &str) -> FormatError {
     assert!(open_unverified(bytes).is_err(), "{what}: opened without verification");
     open(bytes).err().unwrap_or_else(|| panic!("{what}: opened"))
 }
+
+/// What is changed in a bundle's content, and how.
+#[allow(dead_code, reason = "not every test that has this file asks why")]
+pub type Change<'a> = (&'a str, &'a dyn Fn(&mut Parts));
+
+/// Every change of a whole bundle is refused by an error of that section; with `None`, by one of the layout.
+#[allow(dead_code, reason = "not every test that has this file asks why")]
+pub fn refuses(whole: &[u8], tag: Option<Tag>, changes: &[Change<'_>]) {
+    for (what, change) in changes {
+        let mut parts = Parts::of(whole);
+        change(&mut parts);
+        let bytes = parts.join();
+        assert!(bytes != whole, "{what}: nothing was changed");
+        match (refusal(&bytes, what), tag) {
+            (FormatError::Value { tag: got, .. }, Some(wanted)) if got == wanted => {}
+            (FormatError::Layout { .. }, None) => {}
+            (e, _) => panic!("{what}: refused, but by {e:?}"),
+        }
+    }
+}

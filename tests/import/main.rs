@@ -6,5 +6,7 @@ mod detection;
 mod formats;
 mod malformed;
 mod mocap;
+#[path = "../common/mocap.rs"]
+mod recordings;
 mod roundtrip;
 mod surroundings;

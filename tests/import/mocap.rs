@@ -1,19 +1,13 @@
 //! Real motion capture reads as bodies of plausible size on plausible ground. Skipped where it is not at hand.
 
-use std::path::PathBuf;
+use super::recordings::recording;
 use throng_precompute::import::{ImportConfig, Imported, RestPoseKind, read};
 use throng_precompute::progress::Silent;
 use throng_runtime::Joint;
 
-/// The clips of a folder of the motion capture beside the repository, or in `THRONG_MOCAP`.
+/// The clips of a folder of the recordings.
 fn clips(folder: &str) -> Option<Vec<Imported>> {
-    let root = std::env::var_os("THRONG_MOCAP")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap"), PathBuf::from);
-    let folder = root.join(folder);
-    if !folder.is_dir() {
-        eprintln!("skipped: no motion capture at {}", folder.display());
-        return None;
-    }
+    let folder = recording(folder)?;
     let set = read(&[folder], &ImportConfig { strict: true, ..ImportConfig::default() }, &Silent).unwrap();
     assert!(set.skipped.is_empty());
     Some(set.clips)

@@ -1,7 +1,8 @@
 //! What real captured motion stood and hung on is inferred from its contacts, and blocks are built from it. Skipped
 //! where the recordings are not at hand.
 
-use std::path::{Path, PathBuf};
+use super::recordings::recording;
+use std::path::Path;
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::environment::{Inferred, PlacedGeometry, infer};
@@ -13,18 +14,6 @@ use throng_runtime::{Contacts, Joint, Skeleton};
 
 /// Planted feet are nearer than this to what was inferred (m).
 const NEAR: f32 = 0.08;
-
-/// A clip of the motion capture beside the repository, or in `THRONG_MOCAP`.
-fn recording(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("THRONG_MOCAP")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap"), PathBuf::from);
-    let file = root.join("cmu-asfamc").join(name);
-    if file.is_file() {
-        return Some(file);
-    }
-    eprintln!("skipped: no motion capture at {}; set THRONG_MOCAP to its folder", file.display());
-    None
-}
 
 /// The clip as a build has it before it knows of any surroundings.
 fn clips(file: &Path) -> ClipSet {
@@ -76,7 +65,7 @@ fn check(file: &Path) -> (Inferred, [usize; 2]) {
 
 #[test]
 fn uneven_ground_is_inferred_from_who_walked_on_it() {
-    let Some(file) = recording("03/03_01.amc") else { return };
+    let Some(file) = recording("cmu-asfamc/03/03_01.amc") else { return };
     let (inferred, [cells, links]) = check(&file);
     let r = &inferred.report;
     assert!(r.plates >= 2 && r.bars == 0 && r.residual_rms_m < 0.03 && r.penetrating_share < 0.02, "{r}");
@@ -85,7 +74,7 @@ fn uneven_ground_is_inferred_from_who_walked_on_it() {
 
 #[test]
 fn steps_and_rails_are_inferred_from_who_climbed_them() {
-    let Some(file) = recording("01/01_02.amc") else { return };
+    let Some(file) = recording("cmu-asfamc/01/01_02.amc") else { return };
     let (inferred, [cells, links]) = check(&file);
     let r = &inferred.report;
     assert!(r.plates >= 5 && r.bars >= 1 && r.residual_rms_m < 0.03 && r.penetrating_share < 0.02, "{r}");

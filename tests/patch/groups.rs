@@ -3,7 +3,7 @@
 use glam::Vec2;
 use proptest::prelude::*;
 use throng_precompute::clip::{Exclusion, ExclusionReason, FrameId};
-use throng_precompute::cluster::{ClusterConfig, PoseGroups, group, reference};
+use throng_precompute::cluster::{ClusterConfig, PoseGroups, group};
 use throng_precompute::features::{Features, FeaturesConfig, extract};
 use throng_precompute::progress::Silent;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
@@ -94,19 +94,6 @@ proptest! {
         }
         let firsts: Vec<FrameId> = members(&groups).iter().map(|frames| frames[0]).collect();
         prop_assert!(firsts.is_sorted(), "groups are numbered in order of their first frame");
-    }
-}
-
-#[test]
-fn there_are_hardly_more_groups_than_complete_linkage_has() {
-    let clips = walk(3, 1.2);
-    let features = features_of(&clips);
-    for threshold in [0.2, 0.3, 0.45] {
-        let config = ClusterConfig { threshold };
-        let exact = reference::complete_linkage(&clips, &features, &config).expect("groups").len() as f64;
-        let ours = group(&clips, &features, &config, &Silent, &Alone).expect("groups").num_groups() as f64;
-        assert!(ours < 1.2 * exact, "{ours} groups below {threshold} rad, {exact} of complete linkage");
-        assert!(ours < clips.num_frames() as f64 / 2.0, "frames come together at all");
     }
 }
 

@@ -4,13 +4,12 @@ mod common;
 
 use common::market::Market;
 use common::meeting::Meeting;
-use common::{Viewing, adapter};
+use common::{Viewing, adapter, assert_drawn_alike};
 use eframe::egui::{Key, vec2};
 use egui_kittest::kittest::Queryable;
 use throng_viewer::args::{Args, Character, PanelChoice, Size};
 use throng_viewer::command::{BoardCell, Command, SceneCommand};
 use throng_viewer::document::{SceneChoice, SceneDocument};
-use throng_viewer::headless::draw_picture;
 use throng_viewer::panels::PANELS;
 use throng_viewer::settings::PanelKind;
 
@@ -188,13 +187,5 @@ fn scenes_are_drawn_the_same_every_time() {
         frames: Some(60),
         ..Args::default()
     };
-    let (a, b) = (meeting.folder().join("a.png"), meeting.folder().join("b.png"));
-    for out in [&a, &b] {
-        let report = draw_picture(&args, out).expect("a picture");
-        assert_eq!(report.figures.characters, 24);
-    }
-    let read = |path| std::fs::read(path).expect("a picture");
-    assert!(read(&a) == read(&b), "two pictures differ");
-    draw_picture(&Args { characters: Some(10), ..args }, &b).expect("a picture");
-    assert!(read(&a) != read(&b), "the number of agents changes nothing");
+    assert_drawn_alike(meeting.folder(), &args, 24, &Args { characters: Some(10), ..args.clone() });
 }

@@ -3,14 +3,13 @@
 mod common;
 
 use common::square::Square;
-use common::{Viewing, adapter};
+use common::{Viewing, adapter, assert_drawn_alike};
 use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
 use throng_runtime::world::inhabitants::Wish;
 use throng_viewer::args::{Args, Character, PanelChoice, Size};
 use throng_viewer::command::{Command, Tool, WorldCommand};
-use throng_viewer::headless::draw_picture;
 use throng_viewer::settings::PanelKind;
 
 /// The panel Patches beside the view.
@@ -147,16 +146,8 @@ fn a_scene_in_a_world_is_drawn_the_same_every_time() {
         frames: Some(60),
         ..Args::default()
     };
-    let (a, b) = (square.folder().join("a.png"), square.folder().join("b.png"));
-    for out in [&a, &b] {
-        let report = draw_picture(&args, out).expect("a picture");
-        assert_eq!(report.figures.characters, 3);
-    }
-    let read = |path| std::fs::read(path).expect("a picture");
-    assert!(read(&a) == read(&b), "two pictures differ");
-    let one = Args { characters: Some(1), character: None, ..args };
-    draw_picture(&one, &b).expect("a picture");
-    assert!(read(&a) != read(&b), "the number of characters changes nothing");
+    let one = Args { characters: Some(1), character: None, ..args.clone() };
+    assert_drawn_alike(square.folder(), &args, 3, &one);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 pub mod abilities;
 pub mod damage;
+mod histogram;
 pub mod inspect;
 pub mod live;
 pub mod matching;

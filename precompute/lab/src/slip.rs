@@ -1,13 +1,14 @@
 //! Foot slip: how fast planted feet move.
 
+use crate::histogram::Histogram;
 use glam::{Vec2, Vec3};
 use throng_motion::annotate::contacts::PARTS;
 use throng_runtime::characters::{Characters, Level};
 use throng_runtime::simulation::Simulation;
 use throng_runtime::{Contacts, Joint};
 
-/// Bins of the histogram: 1 mm/s each.
-const BINS: usize = 4000;
+/// How often planted feet moved at each speed up to 4 m/s, to a millimetre a second.
+type Speeds = Histogram<1000, 4000>;
 
 /// The bottom of the heel and the ball of the left and of the right foot, in the world (m).
 pub type Soles = [[Vec3; 2]; 2];
@@ -33,15 +34,13 @@ impl Feet {
 pub struct SlipMeter {
     /// Feet and contacts of each character at the last step.
     before: Vec<Option<(Feet, Contacts)>>,
-    /// Number of speeds that were seen, by mm/s.
-    bins: Vec<u64>,
-    sum: f64,
+    speeds: Speeds,
 }
 
 impl SlipMeter {
     /// For so many characters.
     pub fn new(num_characters: usize) -> Self {
-        Self { before: vec![None; num_characters], bins: vec![0; BINS], sum: 0.0 }
+        Self { before: vec![None; num_characters], speeds: Speeds::default() }
     }
 
     /// Looks at one character after a step of `dt_s`; feet that were planted before and are now count.
@@ -51,13 +50,13 @@ impl SlipMeter {
         match (before, feet) {
             (Feet::Joints(was), Feet::Joints(now)) => {
                 for k in (0..PARTS.len()).filter(|&k| is_planted(PARTS[k].1)) {
-                    self.add((now[k] - was[k]).length() / dt_s);
+                    self.speeds.add((now[k] - was[k]).length() / dt_s);
                 }
             }
             (Feet::Soles(was), Feet::Soles(now)) => {
                 for k in (0..PARTS.len()).filter(|&k| is_planted(PARTS[k].1)) {
                     let by = now[k / 2][k % 2] - was[k / 2][k % 2];
-                    self.add(Vec2::new(by.x, by.z).length() / dt_s);
+                    self.speeds.add(Vec2::new(by.x, by.z).length() / dt_s);
                 }
             }
             _ => {}
@@ -96,8 +95,7 @@ impl SlipMeter {
 
     /// Forgets what was measured, not the last step.
     pub fn clear(&mut self) {
-        self.bins.fill(0);
-        self.sum = 0.0;
+        self.speeds = Speeds::default();
     }
 
     /// True where the last step had feet.
@@ -107,51 +105,23 @@ impl SlipMeter {
 
     /// Planted parts that were measured.
     pub fn samples(&self) -> u64 {
-        self.bins.iter().sum()
+        self.speeds.num()
     }
 
     /// (m/s)
     pub fn mean_mps(&self) -> f64 {
-        self.sum / self.samples().max(1) as f64
+        self.speeds.mean()
     }
 
     /// 95th percentile (m/s).
     pub fn p95_mps(&self) -> f64 {
-        percentile(&self.bins, 0.95)
+        self.speeds.middle_quantile(0.95)
     }
-
-    fn add(&mut self, speed_mps: f32) {
-        self.bins[((speed_mps * 1000.0) as usize).min(BINS - 1)] += 1;
-        self.sum += f64::from(speed_mps);
-    }
-}
-
-/// The value below which a share of a histogram of mm/s lies (m/s).
-fn percentile(bins: &[u64], share: f64) -> f64 {
-    let wanted = share * bins.iter().sum::<u64>() as f64;
-    let mut seen = 0.0;
-    for (i, &count) in bins.iter().enumerate() {
-        seen += count as f64;
-        if count > 0 && seen >= wanted {
-            return (i as f64 + 0.5) / 1000.0;
-        }
-    }
-    0.0
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn percentiles_of_a_histogram() {
-        let mut bins = vec![0; 100];
-        bins[10] = 95;
-        bins[50] = 5;
-        assert_eq!(percentile(&bins, 0.95), 0.0105);
-        assert_eq!(percentile(&bins, 0.96), 0.0505);
-        assert_eq!(percentile(&[0; 4], 0.5), 0.0);
-    }
 
     /// Slip of a left foot whose heel and ball move so fast; the right one is always in the air.
     fn slip(heel: Vec3, ball: Vec3, contacts: Contacts) -> SlipMeter {

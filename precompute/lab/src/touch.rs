@@ -1,10 +1,12 @@
 //! How opponents touch: arms and legs in bodies, arms in heads, heads too near each other, how fast elbows turn.
 
+use crate::histogram::Histogram;
 use crate::matching::runs;
+use crate::overlap::segment_distance;
 use crate::quality::clip_joints;
 use glam::Vec3;
 use serde::Serialize;
-use throng_runtime::sparring::{Part, Sparring, nearest_points};
+use throng_runtime::sparring::{Part, Sparring};
 use throng_runtime::{Bundle, Cast, Joint, NUM_JOINTS};
 
 /// What was measured of opponents: whether their limbs stop at each other.
@@ -41,9 +43,8 @@ const IN_LEG_M: f32 = 0.08;
 const CLOSE_M: f32 = 0.45;
 /// A wrist may be in a head this long after its blow landed there (s).
 const LANDING_S: f32 = 0.1;
-/// Bins of rates of elbows, and their width (rad/s).
-const BINS: usize = 4000;
-const BIN_RADPS: f32 = 0.02;
+/// How often elbows turned at each rate up to 80 rad/s.
+type Rates = Histogram<50, 4000>;
 
 const SPINE: [Joint; 5] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck];
 const ARMS: [[Joint; 3]; 2] = [
@@ -131,8 +132,9 @@ impl TouchMeter {
                 for (l, leg) in LEGS.into_iter().enumerate() {
                     let bones = lower_leg(leg, &joints[k]);
                     let others = LEGS.into_iter().flat_map(|leg| lower_leg(leg, &joints[k ^ 1]));
-                    let to_legs =
-                        others.flat_map(|other| bones.map(|bone| distance(bone, other))).fold(f32::MAX, f32::min);
+                    let to_legs = others
+                        .flat_map(|other| bones.map(|bone| segment_distance(bone, other)))
+                        .fold(f32::MAX, f32::min);
                     now.in_legs[l] = to_legs < IN_LEG_M;
                     now.legs_in_body[l] =
                         bones.into_iter().any(|bone| spine_distance(bone, &joints[k ^ 1]) < IN_BODY_M);
@@ -153,7 +155,7 @@ impl TouchMeter {
     pub fn figures(&self, bundle: &Bundle) -> Option<TouchFigures> {
         let boxer_minutes = 2.0 * self.pair_s / 60.0;
         let source = source_elbows(bundle);
-        let over = |here: f32, source: f32| f64::from(here) / f64::from(source).max(1e-6);
+        let over = |here: f64, source: f64| here / source.max(1e-6);
         (self.pair_s > 0.0).then(|| TouchFigures {
             arms_in_bodies_per_minute: self.arms_in_bodies as f64 / boxer_minutes,
             legs_in_bodies_per_minute: self.legs_in_bodies as f64 / boxer_minutes,
@@ -190,7 +192,7 @@ fn source_elbows(bundle: &Bundle) -> Rates {
 /// Distance between a bone and a spine (m).
 fn spine_distance(bone: [Vec3; 2], joints: &[Vec3; NUM_JOINTS]) -> f32 {
     let link = |w: &[Joint]| [joints[w[0].index()], joints[w[1].index()]];
-    SPINE.windows(2).map(|w| distance(bone, link(w))).fold(f32::INFINITY, f32::min)
+    SPINE.windows(2).map(|w| segment_distance(bone, link(w))).fold(f32::INFINITY, f32::min)
 }
 
 /// Shin and foot of a leg (m).
@@ -199,50 +201,9 @@ fn lower_leg(leg: [Joint; 3], joints: &[Vec3; NUM_JOINTS]) -> [[Vec3; 2]; 2] {
     [[knee, ankle], [ankle, toes]]
 }
 
-/// Distance between two bones (m).
-fn distance(a: [Vec3; 2], b: [Vec3; 2]) -> f32 {
-    let [p, q] = nearest_points(a, b);
-    p.distance(q)
-}
-
-/// A histogram of rates.
-#[derive(Default)]
-struct Rates {
-    bins: Vec<u64>,
-    most: f32,
-}
-
-impl Rates {
-    fn add(&mut self, rate: f32) {
-        self.bins.resize(BINS, 0);
-        self.bins[((rate / BIN_RADPS) as usize).min(BINS - 1)] += 1;
-        self.most = self.most.max(rate);
-    }
-
-    /// The rate below which a share of them lies (rad/s).
-    fn quantile(&self, share: f64) -> f32 {
-        let mut left = (self.bins.iter().sum::<u64>() as f64 * share).ceil() as u64;
-        let bin = self.bins.iter().position(|n| {
-            let is_here = *n >= left;
-            left = left.saturating_sub(*n);
-            is_here
-        });
-        bin.map_or(0.0, |bin| (bin + 1) as f32 * BIN_RADPS).min(self.most)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn quantiles_are_of_the_rates() {
-        let mut rates = Rates::default();
-        (1..=1000).for_each(|i| rates.add(i as f32 * 0.01));
-        assert!((rates.quantile(0.5) - 5.0).abs() < 0.03, "{}", rates.quantile(0.5));
-        assert_eq!(rates.quantile(1.0), 10.0);
-        assert_eq!(Rates::default().quantile(0.5), 0.0);
-    }
 
     #[test]
     fn feet_of_two_are_as_far_from_each_other_as_they_stand() {
@@ -251,7 +212,7 @@ mod tests {
         let apart = near[0][1].distance(ahead[0][1]);
         let least = |by: Vec3| {
             let moved = ahead.map(|bone| bone.map(|p| p + by));
-            near.iter().flat_map(|a| moved.map(|b| distance(*a, b))).fold(f32::MAX, f32::min)
+            near.iter().flat_map(|a| moved.map(|b| segment_distance(*a, b))).fold(f32::MAX, f32::min)
         };
         assert!((least(Vec3::ZERO) - apart).abs() < 0.02, "{} {apart}", least(Vec3::ZERO));
         // The right foot steps to where the left one stands.

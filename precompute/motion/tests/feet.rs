@@ -1,13 +1,16 @@
 //! Feet that are laid onto the database skeleton slide no more than the source's and stand on the ground.
 
+#[path = "common/mocap.rs"]
+mod mocap;
 #[path = "rigs/rig.rs"]
 mod rig;
 #[path = "rigs/tables.rs"]
 mod tables;
 
 use glam::{Quat, Vec3};
+use mocap::recording;
 use rig::{Rest, Style};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use throng_core::{Contacts, Joint};
 use throng_motion::annotate::ContactConfig;
 use throng_motion::annotate::contacts::{PARTS, detect};
@@ -16,16 +19,9 @@ use throng_motion::import::{ImportConfig, Imported, bvh, interpret, read};
 use throng_motion::progress::Silent;
 use throng_motion::retarget::{Proportions, RetargetConfig, onto};
 
-/// Clips of the recordings beside the repository, or in `THRONG_MOCAP`.
+/// Clips of a folder of the recordings.
 fn clips(folder: &str) -> Option<Vec<Imported>> {
-    let root = std::env::var_os("THRONG_MOCAP")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/mocap"), PathBuf::from);
-    let folder = root.join(folder);
-    if !folder.is_dir() {
-        eprintln!("skipped: no recordings at {}", folder.display());
-        return None;
-    }
-    Some(read(&[folder], &ImportConfig::default(), &Silent).unwrap().clips)
+    Some(read(&[recording(folder)?], &ImportConfig::default(), &Silent).unwrap().clips)
 }
 
 /// How feet behave while they stand.

@@ -1,5 +1,7 @@
 //! Faults put into motion are found, and good motion is left alone.
 
+#[path = "common/mocap.rs"]
+mod mocap;
 #[path = "rigs/rig.rs"]
 mod rig;
 #[path = "rigs/tables.rs"]
@@ -7,6 +9,7 @@ mod rig;
 mod tables;
 
 use glam::{Quat, Vec3};
+use mocap::recording;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -126,19 +129,14 @@ fn touches(g: &Glitch, frames: &Range<usize>) -> bool {
     g.frames.start <= frames.end && frames.start <= g.frames.end
 }
 
-/// The recordings beside the repository, or in `THRONG_MOCAP`.
+/// Folder and path of recordings.
 fn recordings() -> Vec<(String, PathBuf)> {
-    let root = std::env::var_os("THRONG_MOCAP")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/mocap"), PathBuf::from);
     let folders =
         ["cmu-asfamc/01", "cmu-asfamc/02", "cmu-asfamc/03", "snu/single", "snu/session23", "snu/multi", "bandai-1"];
     let mut out = Vec::new();
     for folder in folders {
-        if !root.join(folder).is_dir() {
-            eprintln!("skipped: no recordings at {}", root.join(folder).display());
-            continue;
-        }
-        out.extend(expand(&[root.join(folder)]).unwrap().into_iter().map(|path| (folder.to_owned(), path)));
+        let paths = expand(&Vec::from_iter(recording(folder))).unwrap();
+        out.extend(paths.into_iter().map(|path| (folder.to_owned(), path)));
     }
     out
 }

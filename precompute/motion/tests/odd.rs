@@ -1,5 +1,7 @@
 //! Motion that is odd as a whole is told before anything is built of it: walks on the spot, noise, two in one file, sizes.
 
+#[path = "common/mocap.rs"]
+mod mocap;
 #[path = "rigs/rig.rs"]
 mod rig;
 #[path = "rigs/tables.rs"]
@@ -7,6 +9,7 @@ mod rig;
 mod tables;
 
 use glam::{Quat, Vec3};
+use mocap::recording;
 use std::path::{Path, PathBuf};
 use throng_core::Joint;
 use throng_motion::error::ImportError;
@@ -84,22 +87,11 @@ fn noise_is_told_with_how_many_times_that_of_captured_motion_it_is() {
     assert!((15.0..40.0).contains(&times), "{told}");
 }
 
-/// The recordings beside the repository, or in `THRONG_MOCAP`.
-fn recordings() -> Vec<PathBuf> {
-    let root = std::env::var_os("THRONG_MOCAP")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/mocap"), PathBuf::from);
-    if !root.is_dir() {
-        eprintln!("skipped: no recordings at {}", root.display());
-        return Vec::new();
-    }
-    expand(&[root]).unwrap()
-}
-
 #[test]
 fn captured_motion_is_neither_noisy_nor_on_the_spot_and_is_told_where_it_was_made_so() {
     let profiles = load_profiles(&[]).unwrap();
     let (mut walks, mut missed) = (0, Vec::new());
-    for path in recordings() {
+    for path in expand(&Vec::from_iter(recording(""))).unwrap() {
         let source = read_source(&path, None).unwrap().swap_remove(0);
         let clean = read(source.clone(), &profiles);
         assert_eq!((told(&clean, "on the spot"), told(&clean, "noisy")), (None, None), "{}", path.display());

@@ -20,6 +20,7 @@ use throng_runtime::format::VERSION;
 use throng_viewer::app::Viewer;
 use throng_viewer::args::Args;
 use throng_viewer::command::Command;
+use throng_viewer::headless::draw_picture;
 use throng_viewer::model::Model;
 use throng_viewer::settings::Settings;
 
@@ -27,6 +28,18 @@ use throng_viewer::settings::Settings;
 pub fn golden() -> PathBuf {
     // Tests run in the package's folder; a path that is the same everywhere looks the same in pictures.
     PathBuf::from(format!("../data/golden/tables_v{VERSION}.throng"))
+}
+
+/// Draws a picture twice, the same both times, and another one with other arguments.
+pub fn assert_drawn_alike(folder: &Path, args: &Args, characters: usize, other: &Args) {
+    let [first, second, last] = [("a.png", args), ("b.png", args), ("c.png", other)].map(|(name, args)| {
+        let out = folder.join(name);
+        let report = draw_picture(args, &out).expect("a picture");
+        (report.figures.characters, std::fs::read(&out).expect("a picture"))
+    });
+    assert_eq!((first.0, second.0), (characters, characters));
+    assert!(first.1 == second.1, "two pictures differ");
+    assert!(first.1 != last.1, "the arguments change nothing");
 }
 
 /// A short synthetic walk as a BVH file in a folder.

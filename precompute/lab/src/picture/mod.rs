@@ -36,7 +36,7 @@ pub use colour::Colour;
 pub use crowd::{Arrival, CrowdCharacter, CrowdView, Focus, crowd_overview};
 pub use figure::{BodyColours, Figure};
 pub use hits::{HitView, hit_views};
-pub use plot::{Plot, plot};
+pub use plot::{Plot, plot, step_up};
 pub use scene::scene_sheet;
 pub use sheet::sheet;
 pub use strip::{PoseStrip, StripFrame, onion_skin, pose_strip};

@@ -58,7 +58,7 @@ fn line_colour(i: usize) -> Colour {
 fn draw_axes(page: &mut Picture, area: Area, names: [&str; 2], most: [f64; 2], place: impl Fn([f64; 2]) -> Vec2) {
     let style = TextStyle { size: 19.0, colour: colour::INK_SOFT, align: Align::Centre, bold: false };
     for axis in 0..2 {
-        let step = mark_step(most[axis] / MARKS);
+        let step = step_up(most[axis] / MARKS);
         for k in 0..=(most[axis] / step) as u32 {
             let value = f64::from(k) * step;
             let at = place(if axis == 0 { [value, 0.0] } else { [0.0, value] });
@@ -79,9 +79,9 @@ fn draw_axes(page: &mut Picture, area: Area, names: [&str; 2], most: [f64; 2], p
 }
 
 /// The smallest of 1, 2, 5 times a power of ten that is not below `wanted`.
-fn mark_step(wanted: f64) -> f64 {
+pub fn step_up(wanted: f64) -> f64 {
     let power = 10f64.powf(wanted.log10().floor());
-    let times = [1.0, 2.0, 5.0, 10.0].into_iter().find(|t| t * power >= wanted * (1.0 - 1e-9)).unwrap_or(10.0);
+    let times = [1.0, 2.0, 5.0, 10.0].into_iter().find(|t| t * power >= wanted * (1.0 - 1e-6)).unwrap_or(10.0);
     times * power
 }
 
@@ -98,7 +98,7 @@ mod tests {
     #[test]
     fn marks_are_round_and_have_the_digits_they_need() {
         for (wanted, step) in [(0.9, 1.0), (1.1, 2.0), (166.0, 200.0), (0.003, 0.005), (6.0, 10.0)] {
-            assert!((mark_step(wanted) / step - 1.0).abs() < 1e-9, "{wanted}: {}", mark_step(wanted));
+            assert!((step_up(wanted) / step - 1.0).abs() < 1e-9, "{wanted}: {}", step_up(wanted));
         }
         assert_eq!([number(0.15, 0.05), number(400.0, 200.0)], ["0.15", "400"]);
     }

@@ -80,16 +80,9 @@ pub struct TaskReport {
 /// A stretch in which a clip collides.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct CollisionReport {
-    /// From when on (s).
-    pub from_s: f64,
-    /// Until when (s).
-    pub to_s: f64,
-    /// Part of the body, where it is deepest.
-    pub part: String,
-    /// What it is in.
-    pub obstacle: String,
-    /// How deep at most (m).
-    pub depth_m: f64,
+    /// Where, and in what.
+    #[serde(flatten)]
+    pub span: Span,
     /// Why it stays so; none where it was corrected.
     pub why: Option<String>,
 }
@@ -149,14 +142,7 @@ pub fn report(task: &Task, found: &[(u64, TaskOutcome)]) -> Option<PlanReport> {
 fn collisions(done: &Done) -> Vec<CollisionReport> {
     let left = |s: &Span| done.left.iter().find(|l| l.span == *s).map(|l| l.why.clone());
     let driven = done.left.iter().map(|l| &l.span).filter(|s| !done.spans.contains(s));
-    let one = |s: &Span| CollisionReport {
-        from_s: s.from_s,
-        to_s: s.to_s,
-        part: s.part.clone(),
-        obstacle: s.with.clone(),
-        depth_m: s.depth_m,
-        why: left(s),
-    };
+    let one = |s: &Span| CollisionReport { span: s.clone(), why: left(s) };
     done.spans.iter().chain(driven).map(one).collect()
 }
 

@@ -1,5 +1,9 @@
 //! Hits that are found in captured motion against labels made by eye. Skipped where the recordings are not at hand.
 
+#[path = "../common/mocap.rs"]
+mod mocap;
+
+use mocap::recording;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -77,16 +81,6 @@ impl Score {
     }
 }
 
-fn recordings() -> Option<PathBuf> {
-    let root = std::env::var_os("THRONG_MOCAP")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/mocap"), PathBuf::from);
-    if !root.is_dir() {
-        eprintln!("skipped: no recordings at {}", root.display());
-        return None;
-    }
-    Some(root)
-}
-
 fn labels() -> Vec<Labelled> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/blows/labels.toml");
     Source::read(&path, "labels").unwrap().parse::<Labels>("").unwrap().clips
@@ -102,7 +96,7 @@ fn annotated(file: &Path) -> Clip {
 
 #[test]
 fn blows_are_found_as_they_are_seen() {
-    let Some(root) = recordings() else { return };
+    let Some(root) = recording("") else { return };
     let mut scores = [Score::default(), Score::default()];
     for labelled in labels() {
         let clip = annotated(&root.join(&labelled.file));
@@ -130,7 +124,7 @@ fn blows_are_found_as_they_are_seen() {
 
 #[test]
 fn motion_without_fights_has_few_hits() {
-    let Some(root) = recordings() else { return };
+    let Some(root) = recording("") else { return };
     let labelled: Vec<PathBuf> = labels().iter().map(|l| root.join(&l.file)).collect();
     let folders = ["snu/single", "snu/multi", "snu/session23", "bandai-1", "cmu-asfamc/01"].map(|f| root.join(f));
     let (mut seconds, mut hits) = (0.0, 0);

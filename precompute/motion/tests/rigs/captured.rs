@@ -1,21 +1,9 @@
 //! Captured skeletons have the roles by shape that their profiles name. Skipped where the recordings are not at hand.
 
-use std::path::PathBuf;
+use super::mocap::recording;
 use throng_core::Joint;
 use throng_motion::import::profile::load_profiles;
 use throng_motion::import::{ImportConfig, expand, interpret, read_source};
-
-/// Files of a folder of the recordings beside the repository, or in `THRONG_MOCAP`.
-fn files(folder: &str) -> Vec<PathBuf> {
-    let root = std::env::var_os("THRONG_MOCAP")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/mocap"), PathBuf::from);
-    let folder = root.join(folder);
-    if !folder.is_dir() {
-        eprintln!("skipped: no recordings at {}", folder.display());
-        return Vec::new();
-    }
-    expand(&[folder]).unwrap()
-}
 
 #[test]
 fn captured_skeletons_are_recognised_as_their_profiles_have_them() {
@@ -25,7 +13,7 @@ fn captured_skeletons_are_recognised_as_their_profiles_have_them() {
         ["cmu-asfamc/01", "cmu-asfamc/02", "cmu-asfamc/03", "snu/single", "snu/session23", "snu/multi", "bandai-1"]
     {
         let (mut clips, mut differ) = (0, Vec::new());
-        for path in files(folder) {
+        for path in expand(&Vec::from_iter(recording(folder))).unwrap() {
             let source = read_source(&path, None).unwrap().swap_remove(0);
             let named = interpret(source.clone(), &config, &profiles).unwrap();
             let shaped = interpret(source, &config, &[]).unwrap();

@@ -2,19 +2,22 @@
 
 use crate::collide::Checker;
 use crate::problem::{PRESENT_STEP_S, Problem, State};
+use schemars::JsonSchema;
+use serde::Serialize;
 
-/// A stretch of time in which the motion itself has a limb in something.
-#[derive(Clone, Debug, PartialEq)]
+/// A stretch of time in which the motion itself has a limb in something. The names of the fields are keys of JSON reports.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Span {
-    /// (s)
+    /// From when on (s).
     pub from_s: f64,
-    /// (s)
+    /// Until when (s).
     pub to_s: f64,
-    /// Of the limb, where it is deepest.
+    /// Part of the limb, or what it holds, where it is deepest.
     pub part: String,
-    /// What it is deepest in.
+    /// What it is in.
+    #[serde(rename = "obstacle")]
     pub with: String,
-    /// (m)
+    /// How deep at most (m).
     pub depth_m: f64,
 }
 

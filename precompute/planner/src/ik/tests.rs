@@ -45,7 +45,7 @@ fn error(chain: &Chain, base: &Rigid, pose: &LimbPose, goal: &Rigid) -> (f64, f6
 /// Forward, then back: what a pose within limits reaches is reached, within limits, exactly.
 #[test]
 fn what_forward_kinematics_reaches_is_reached() {
-    // A quick look here; `cargo bench --bench planner` has the million.
+    // A quick look here; `throng bench plan` has more.
     for skeleton in [Skeleton::default(), crooked()] {
         for limb in Limb::ALL {
             let s = setup(limb, &skeleton);

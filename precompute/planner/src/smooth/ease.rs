@@ -77,7 +77,7 @@ fn profile(x: f64, [start, goal]: [bool; 2]) -> f64 {
 }
 
 /// From 0 to 1 with velocity and acceleration 0 at both ends.
-pub(super) fn smoothstep(x: f64) -> f64 {
+pub(crate) fn smoothstep(x: f64) -> f64 {
     x * x * x * (10.0 + x * (6.0 * x - 15.0))
 }
 

@@ -8,6 +8,7 @@ mod straighten;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use ease::smoothstep;
 pub use jerk::{Roughness, roughness};
 pub(crate) use round::Window;
 

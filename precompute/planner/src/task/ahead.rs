@@ -17,31 +17,40 @@ use crate::rotation::Rigid;
 use crate::setup::{Allowed, ProblemSpec};
 use crate::shape::Shape;
 use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Serialize, Serializer};
 use throng_core::{Contacts, Joint};
 
-/// What is known of one thing to do.
-#[derive(Clone, Debug, PartialEq)]
+/// What is known of one thing to do. The names of the fields are keys of JSON reports.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Ahead {
-    /// Its name.
+    /// Its name, or what it does.
     pub name: String,
     /// What no search can mend, and the way out.
     pub faults: Vec<String>,
     /// When it is reached; none of corrections (s).
     pub at_s: Option<f64>,
-    /// Least time that joints need there and back, of the hand that is there soonest (s).
+    /// Least time that joints need there and back at their speed limits, of the hand that is there soonest (s).
     pub least_s: Option<[f64; 2]>,
     /// Time that there is (s).
     pub given_s: Option<[f64; 2]>,
-    /// Hands that are within reach, within limits and free, of all that grips and turns allow.
+    /// Hands within reach, within limits and free, and how many grips and turns allow.
     pub reached: Option<[usize; 2]>,
-    /// Where the limb of a correction collides by the clip itself.
+    /// Stretches in which the limb of a correction collides by the clip itself; in JSON their number.
+    #[serde(serialize_with = "number")]
+    #[schemars(with = "usize")]
     pub collisions: Vec<Span>,
 }
 
+fn number<S: Serializer>(collisions: &[Span], out: S) -> Result<S::Ok, S::Error> {
+    collisions.len().serialize(out)
+}
+
 /// What is known of a mesh.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct MeshAhead {
     /// Whose it is.
+    #[serde(rename = "object")]
     pub thing: String,
     /// Number of triangles.
     pub triangles: usize,

@@ -1,6 +1,7 @@
 //! Head and neck turn to what a limb reaches for, and back.
 
 use super::ahead::target;
+use super::lean::ease;
 use super::stage::{Looked, Stage, Whereabouts};
 use super::step::{Anchor, Step};
 use crate::rotation::{about, wrap};
@@ -180,12 +181,6 @@ fn off(stage: &Stage<'_>, step: &Step, time_s: f64) -> [f64; 2] {
 /// Angles to the left and up (rad).
 fn direction(v: DVec3) -> [f64; 2] {
     [maths::atan2(v.x, v.z), maths::atan2(v.y, maths::hypot(v.x, v.z))]
-}
-
-/// From 0 to 1, without a jump in speed or acceleration.
-fn ease(x: f64) -> f64 {
-    let x = x.clamp(0.0, 1.0);
-    x * x * x * (x * (6.0 * x - 15.0) + 10.0)
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use crate::ik::{LimbIk, Swivel};
 use crate::limits::BodyLimits;
 use crate::linkage::{Chain, Limb, LimbPose, Linkage};
 use crate::rotation::{Rigid, about, angle};
+use crate::smooth::smoothstep;
 use glam::{DQuat, DVec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
@@ -238,7 +239,6 @@ pub(super) fn joints(leaned: &Leaned) -> impl Iterator<Item = Joint> {
 }
 
 /// From 0 to 1, without a jump in speed or acceleration.
-fn ease(x: f64) -> f64 {
-    let x = x.clamp(0.0, 1.0);
-    x * x * x * (x * (6.0 * x - 15.0) + 10.0)
+pub(super) fn ease(x: f64) -> f64 {
+    smoothstep(x.clamp(0.0, 1.0))
 }

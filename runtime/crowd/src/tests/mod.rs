@@ -136,25 +136,6 @@ fn settings_of_other_engines_are_no_part_of_a_state() {
 }
 
 #[test]
-fn loaded_crowd_goes_on_as_the_saved_one() {
-    let mut crowd = Engine::new(crossing::<Vec2>(100, 1.0)).unwrap();
-    crowd.advance(2.0, &mut |_| {}).unwrap();
-    crowd.add_route(to(Vec2::ZERO)).unwrap();
-    let kept = crowd.bytes();
-    let (hash, counts) = (crowd.hash(), crowd.counts);
-    crowd.advance(5.0, &mut |_| {}).unwrap();
-    let later = crowd.hash();
-    assert_ne!(hash, later);
-    let mut other = Engine::new(crossing::<Vec2>(100, 1.0)).unwrap();
-    for crowd in [&mut crowd, &mut other] {
-        crowd.load(&kept).unwrap();
-        assert_eq!((crowd.hash(), crowd.counts, crowd.now), (hash, counts, 2.0));
-        crowd.advance(5.0, &mut |_| {}).unwrap();
-        assert_eq!(crowd.hash(), later);
-    }
-}
-
-#[test]
 fn repeated_orders_take_no_more_memory() {
     let mut setup = crossing::<Vec2>(9, 2.0);
     (setup.config.capacity, setup.config.largest_radius_m) = (10, 0.3);
@@ -202,21 +183,6 @@ fn damaged_snapshot_is_refused() {
     assert!(Engine::new(crossing::<Vec2>(21, 1.0)).unwrap().load(&kept).is_err());
     assert!(Engine::new(crossing::<Vec3>(20, 1.0)).unwrap().load(&kept).is_err());
     assert_eq!(crowd.hash(), hash);
-}
-
-#[test]
-fn nobody_acts_twice_within_the_smallest_interval() {
-    let mut crowd = Engine::new(crossing::<Vec2>(100, 0.8)).unwrap();
-    let ids: Vec<_> = crowd.ids().collect();
-    let mut last = vec![-1.0; ids.len()];
-    while crowd.now < 3.0 {
-        crowd.advance(crowd.now + 0.01, &mut |_| {}).unwrap();
-        for (id, last) in ids.iter().zip(&mut last) {
-            let time = crowd.last_event(*id).unwrap();
-            assert!(time == *last || time - *last >= 0.0999, "{last} {time}");
-            *last = time;
-        }
-    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use eframe::egui::{Pos2, Rect, pos2};
 use std::ops::RangeInclusive;
+use throng_precompute::picture::step_up;
 use throng_runtime::blend::{AxisRecord, ExampleRecord, MAX_AXES, axis};
 
 /// A place on the map that is this far from an example is still taken as that example (points).
@@ -156,8 +157,7 @@ fn value(ratio: f32, [low, high]: [f32; 2]) -> f32 {
 /// Multiples of 1, 2 or 5 times a power of ten within a range, about `most` of them.
 fn ticks([low, high]: [f32; 2], most: usize) -> impl Iterator<Item = f32> {
     let least = (high - low) / most.max(1) as f32;
-    let power = 10f32.powf(least.log10().floor());
-    let step = [1.0, 2.0, 5.0].map(|m| m * power).into_iter().find(|s| *s >= least * 0.999).unwrap_or(10.0 * power);
+    let step = step_up(f64::from(least)) as f32;
     let steps: RangeInclusive<i32> = (low / step - 1e-3).ceil() as i32..=(high / step + 1e-3).floor() as i32;
     steps.filter(move |_| most > 0).map(move |i| i as f32 * step)
 }

@@ -5,6 +5,7 @@ use crate::bundle::OpenBundle;
 use crate::document::RawMotion;
 use crate::panels::glitches::{self, Mark};
 use std::ops::Range;
+use throng_precompute::clip;
 use throng_runtime::Contacts;
 
 /// The four parts of the feet, from the top lane to the bottom one.
@@ -147,20 +148,8 @@ fn planted(contacts: &[Contacts]) -> [Vec<Range<u32>>; 4] {
 
 /// The longest runs of items for which `holds` is true, in order.
 fn runs<T>(items: &[T], holds: impl Fn(&T) -> bool) -> Vec<Range<u32>> {
-    let mut out = Vec::new();
-    let mut start = None;
-    for (i, item) in items.iter().enumerate() {
-        match (holds(item), start) {
-            (true, None) => start = Some(i),
-            (false, Some(s)) => {
-                out.push(s as u32..i as u32);
-                start = None;
-            }
-            _ => {}
-        }
-    }
-    out.extend(start.map(|s| s as u32..items.len() as u32));
-    out
+    let runs = clip::runs(0..items.len(), |i| holds(&items[i]));
+    runs.into_iter().map(|r| r.start as u32..r.end as u32).collect()
 }
 
 /// Sorts runs by their start and lays each into the first lane that is free.

@@ -2,6 +2,7 @@
 
 use super::Axis;
 use eframe::egui::{Align2, FontId, Rect, Stroke, Ui, Visuals};
+use throng_precompute::picture::step_up;
 
 /// Height of a ruler (points).
 pub const RULER_HEIGHT: f32 = 20.0;
@@ -18,7 +19,7 @@ pub fn ruler(ui: &Ui, rect: Rect, axis: &Axis) {
     let visuals = ui.visuals();
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
     let points_per_s = axis.points_per_frame() * axis.rate_hz;
-    let step = nice_step(LABEL_DISTANCE / points_per_s);
+    let step = step_up(f64::from((LABEL_DISTANCE / points_per_s).clamp(1e-3, 1e6)));
     let base = rect.bottom();
     painter.hline(rect.x_range(), base, Stroke::new(1.0, line(visuals)));
     ticks(axis, step / 5.0, |x, _| {
@@ -50,13 +51,6 @@ fn ticks(axis: &Axis, step_s: f64, mut tick: impl FnMut(f32, f64)) {
     }
 }
 
-/// The smallest of 1, 2 and 5 times a power of ten that is not below `least` (s).
-fn nice_step(least: f32) -> f64 {
-    let least = f64::from(least.clamp(1e-3, 1e6));
-    let power = 10f64.powf(least.log10().floor());
-    [1.0, 2.0, 5.0].into_iter().map(|m| m * power).find(|s| *s >= least * (1.0 - 1e-6)).unwrap_or(10.0 * power)
-}
-
 fn label(seconds: f64, step: f64) -> String {
     let decimals = (-step.log10().floor()).clamp(0.0, 3.0) as usize;
     format!("{seconds:.decimals$} s")
@@ -67,10 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_are_round() {
-        for (least, step) in [(0.013, 0.02), (0.02, 0.02), (0.3, 0.5), (0.6, 1.0), (1.0, 1.0), (7.0, 10.0)] {
-            assert!((nice_step(least) - step).abs() < 1e-9, "{least}");
-        }
+    fn labels_have_the_digits_of_their_step() {
         assert_eq!(label(1.5, 0.5), "1.5 s");
         assert_eq!(label(20.0, 10.0), "20 s");
         assert_eq!(label(0.04, 0.02), "0.04 s");

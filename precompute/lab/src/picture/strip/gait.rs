@@ -5,6 +5,7 @@ use super::super::colour;
 use super::super::text::{Align, TextStyle, draw_text};
 use super::{Layout, StripFrame};
 use glam::Vec2;
+use throng_motion::clip::runs;
 use throng_runtime::Contacts;
 
 /// Draws a lane for each foot, heel above and toe below, over the columns of the strip.
@@ -19,8 +20,8 @@ pub(super) fn draw(page: &mut Picture, layout: &Layout, frames: &[StripFrame]) {
         let y = area.min.y + i as f32 * (lane + 6.0 * unit);
         page.fill_rect(Area::new(area.min.x, y, area.size.x, lane), 4.0 * unit, colour::GROUND);
         for (part, offset) in [(heel, 0.14), (toe, 0.54)] {
-            for (start, end) in runs(frames, part) {
-                let (x0, x1) = (frame_x(layout, frames, start as f32 - 0.5), frame_x(layout, frames, end as f32 - 0.5));
+            for run in runs(0..frames.len(), |f| frames[f].contacts.any(part)) {
+                let [x0, x1] = [run.start, run.end].map(|f| frame_x(layout, frames, f as f32 - 0.5));
                 let bar = Area::new(x0, y + offset * lane, x1 - x0, 0.32 * lane);
                 page.fill_rect(bar, 3.0 * unit, tint);
             }
@@ -34,37 +35,4 @@ pub(super) fn draw(page: &mut Picture, layout: &Layout, frames: &[StripFrame]) {
 fn frame_x(layout: &Layout, frames: &[StripFrame], frame: f32) -> f32 {
     let last = frames.len().saturating_sub(1).max(1) as f32;
     layout.column_x(frame.clamp(0.0, last) / last * (layout.columns - 1) as f32)
-}
-
-/// Runs of frames with the contact, as `[start, end)`.
-fn runs(frames: &[StripFrame], part: Contacts) -> Vec<(usize, usize)> {
-    let mut out: Vec<(usize, usize)> = Vec::new();
-    for (i, _) in frames.iter().enumerate().filter(|(_, f)| f.contacts.any(part)) {
-        match out.last_mut() {
-            Some(run) if run.1 == i => run.1 = i + 1,
-            _ => out.push((i, i + 1)),
-        }
-    }
-    out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::picture::figure::Figure;
-    use throng_runtime::{Planar, Skeleton};
-
-    #[test]
-    fn runs_are_the_longest_ones() {
-        let figure = Figure::from_positions(&Skeleton::default().rest_positions());
-        let frame = |on: bool| StripFrame {
-            time_s: 0.0,
-            root: Planar::IDENTITY,
-            figure,
-            contacts: if on { Contacts::LEFT_HEEL } else { Contacts::RIGHT },
-        };
-        let frames = [true, true, false, true, false, false, true, true].map(frame);
-        assert_eq!(runs(&frames, Contacts::LEFT_HEEL), [(0, 2), (3, 4), (6, 8)]);
-        assert_eq!(runs(&frames, Contacts::LEFT_TOE), []);
-    }
 }

@@ -1,5 +1,6 @@
 //! Watches what two people do together: how often, how near to the capture, and how long they wait for each other.
 
+use crate::histogram::Histogram;
 use serde::Serialize;
 use throng_core::Cast;
 use throng_core::planar::wrap_angle;
@@ -34,6 +35,9 @@ pub struct PartnerFigures {
     pub partner_wait_max_s: f64,
 }
 
+/// Values up to a thousand, to a hundredth.
+type Hundredths = Histogram<100, 100_001>;
+
 /// Looks at pairs after each step.
 #[derive(Default)]
 pub(super) struct PartnerMeter {
@@ -41,43 +45,9 @@ pub(super) struct PartnerMeter {
     finished: u64,
     broken_off: u64,
     given_up: u64,
-    off_mm: Histogram,
-    turned_deg: Histogram,
-    waited_s: Histogram,
-}
-
-/// Counts of values in bins of a hundredth.
-#[derive(Default)]
-struct Histogram {
-    counts: Vec<u64>,
-    sum: f64,
-    num: u64,
-    max: f64,
-}
-
-impl Histogram {
-    fn add(&mut self, value: f32) {
-        let bin = ((value * 100.0) as usize).min(100_000);
-        if self.counts.len() <= bin {
-            self.counts.resize(bin + 1, 0);
-        }
-        self.counts[bin] += 1;
-        (self.sum, self.num, self.max) = (self.sum + f64::from(value), self.num + 1, self.max.max(f64::from(value)));
-    }
-
-    fn mean(&self) -> f64 {
-        self.sum / self.num.max(1) as f64
-    }
-
-    /// The value that 95 of 100 do not pass.
-    fn p95(&self) -> f64 {
-        let mut left = (self.num * 95).div_ceil(100);
-        let within = |n: &u64| {
-            left = left.saturating_sub(*n);
-            left == 0
-        };
-        self.counts.iter().position(within).map_or(0.0, |bin| ((bin + 1) as f64 / 100.0).min(self.max))
-    }
+    off_mm: Hundredths,
+    turned_deg: Hundredths,
+    waited_s: Hundredths,
 }
 
 impl PartnerMeter {
@@ -123,13 +93,13 @@ impl PartnerMeter {
             pairs_finished: self.finished / 2,
             pairs_broken_off: self.broken_off / 2,
             pairs_given_up: self.given_up / 2,
-            partner_off_p95_m: 1e-3 * self.off_mm.p95(),
-            partner_off_max_m: 1e-3 * self.off_mm.max,
-            partner_turned_p95_deg: self.turned_deg.p95(),
-            partner_turned_max_deg: self.turned_deg.max,
+            partner_off_p95_m: 1e-3 * self.off_mm.quantile(0.95),
+            partner_off_max_m: 1e-3 * self.off_mm.max(),
+            partner_turned_p95_deg: self.turned_deg.quantile(0.95),
+            partner_turned_max_deg: self.turned_deg.max(),
             partner_wait_mean_s: self.waited_s.mean(),
-            partner_wait_p95_s: self.waited_s.p95(),
-            partner_wait_max_s: self.waited_s.max,
+            partner_wait_p95_s: self.waited_s.quantile(0.95),
+            partner_wait_max_s: self.waited_s.max(),
         })
     }
 }

@@ -151,6 +151,7 @@ fn run_after_load_repeats() {
         let setup = meeting::<Vec3>(scheme, 4);
         let mut crowd = Engine::new(setup.clone()).unwrap();
         crowd.advance(2.34, &mut |_| ()).unwrap();
+        crowd.add_route(setup.routes[0].clone()).unwrap();
         let kept = crowd.bytes();
         crowd.advance(6.0, &mut |_| ()).unwrap();
         let (hash, counts) = (crowd.hash(), crowd.counts);
