@@ -171,11 +171,12 @@ fn settle(
     }
     for p in 0..plan.performers.len() {
         let telling = &plan.performers[p].telling;
-        let find = || plan.find_slope(p, &*lender);
-        plan.performers[p].slope = match telling.iter().map(|&i| keys[i]).collect::<Option<Vec<Key>>>() {
+        let find = || plan.find_floor(p, &*lender);
+        let floor = match telling.iter().map(|&i| keys[i]).collect::<Option<Vec<Key>>>() {
             Some(keys) => cache.each("floor", Key::of("floor", &keys, &plan.basis(telling[0]))?, find)?.0,
             None => find()?,
         };
+        plan.lay_floor(p, floor, &*lender)?;
     }
     Ok(plan)
 }

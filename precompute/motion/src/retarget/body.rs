@@ -18,12 +18,14 @@ pub struct Source<'a> {
     pub roles: &'a Roles,
     /// Heading that the rest pose faces where it is given; found from the thighs elsewhere (rad).
     pub heading: Option<f32>,
+    /// What turns the motion upright where its floor was tilted.
+    pub turn: Option<Quat>,
 }
 
 impl<'a> From<&'a Imported> for Source<'a> {
     fn from(imported: &'a Imported) -> Self {
         let heading = imported.forward.map(Forward::heading);
-        Self { clip: &imported.clip, roles: &imported.roles.joints, heading }
+        Self { clip: &imported.clip, roles: &imported.roles.joints, heading, turn: None }
     }
 }
 
@@ -87,7 +89,12 @@ pub fn role_joint(roles: &Roles, j: Joint) -> usize {
 pub fn role_pose(source: Source, frame: usize, scratch: &mut Vec<(Vec3, Quat)>) -> RolePose {
     let n = source.clip.joints.len();
     let base = frame * n;
-    chain(source, scratch, |j| (source.clip.translations[base + j], source.clip.rotations[base + j]))
+    let clip = source.clip;
+    chain(source, scratch, |j| {
+        let (t, r) = (clip.translations[base + j], clip.rotations[base + j]);
+        let turn = source.turn.filter(|_| clip.joints[j].parent.is_none());
+        turn.map_or((t, r), |turn| (turn * t, maths::compose(turn, r).normalize()))
+    })
 }
 
 /// World transforms of the roles in the rest pose.
