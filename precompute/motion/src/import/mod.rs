@@ -39,6 +39,7 @@ pub use files::{
 pub use glitches::{Glitch, GlitchKind, Glitches, Treated};
 use profile::Profile;
 use rayon::prelude::*;
+pub(crate) use rest::{LEG_DOWN, LEG_SEGMENTS};
 pub use rest::{RestPose, RestPoseKind};
 pub use roles::RoleMap;
 pub use source::SourceClip;

@@ -413,3 +413,41 @@ fn stairs_stay_stairs() {
         assert!(off_ground(&laid).1 < 1e-3);
     }
 }
+
+#[test]
+fn rest_poses_that_crouch_or_lean_are_aligned() {
+    use Joint::*;
+    let s = Skeleton::default();
+    let clip = motion(&s);
+    for (thigh, shin, lean) in [
+        (10.0, 20.0, 0.0),
+        (20.0, 34.0, 0.0),
+        (34.0, 34.0, 0.0),
+        (40.0, 43.0, 15.0),
+        (0.0, 0.0, 12.0),
+        (0.0, 0.0, 25.0),
+        (0.0, 0.0, -14.0),
+        (5.0, 33.0, 35.0),
+        (30.0, 40.0, -10.0),
+        (43.0, 43.0, 40.0),
+    ] {
+        // How the joints are turned in the rest pose; its feet stand flat.
+        let turned = |j: Joint| match j {
+            LeftThigh | RightThigh => Quat::from_rotation_x(-f32::to_radians(thigh)),
+            LeftShin | RightShin => Quat::from_rotation_x(f32::to_radians(shin)),
+            LeftFoot | LeftToe | RightFoot | RightToe => Quat::IDENTITY,
+            _ => Quat::from_rotation_x(f32::to_radians(lean)),
+        };
+        let (raw, roles) = rig(&clip, &s, &Joint::ALL.map(|j| turned(j).inverse()), &[]);
+        let body = Body::measure(&[Source { clip: &raw, roles: &roles, heading: None, turn: None }]);
+        assert!(body.rest.is_some(), "the rest pose must be a body");
+        let set = lay(&raw, &roles, Proportions::Default, false);
+        for f in 0..FRAMES {
+            let both = clip.joint_transforms(&s, f).into_iter().zip(set.clips[0].joint_transforms(&set.skeleton, f));
+            for (j, (a, b)) in Joint::ALL.iter().zip(both) {
+                let off = a.1.angle_between(b.1).to_degrees();
+                assert!(off < 3.5, "{thigh} {shin} {lean}, frame {f}, {}: {off} degrees", j.name());
+            }
+        }
+    }
+}
