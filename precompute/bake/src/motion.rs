@@ -94,7 +94,8 @@ fn begin<'a>(
     } else {
         warnings.messages.extend(repeated)
     }
-    warnings.messages.extend(raw.clips.iter().flat_map(|c| c.warnings.messages.iter().cloned()));
+    warnings.messages.extend(raw.clips.iter().flat_map(Imported::own_warnings).map(str::to_owned));
+    warnings.messages.extend(import::skeleton_warnings(&raw.clips));
     resample::check_length(raw.clips.iter().map(|c| c.clip.num_frames as f64 / c.clip.rate_hz), &cfg.resample)?;
     let keys: Vec<Option<Key>> = match &cfg.synth {
         Some(_) => vec![None; raw.clips.len()],
