@@ -17,7 +17,7 @@ pub type Alignment = [Quat; NUM_JOINTS];
 const MAX_HINGE_ERROR: f32 = 0.26;
 
 /// Trunks of rest poses that lean by more stand upright in a T-pose all the same (rad).
-const LEANING: f32 = 0.14;
+const LEANING: f32 = 0.17;
 
 /// Knees of rest poses that bend by more stand on flat feet (rad).
 const BENT_KNEE: f32 = 0.2;
@@ -112,8 +112,8 @@ fn from_rest(body: &Body) -> Alignment {
 /// The turn from upright to how the trunk of a rest pose leans, where that is more than bodies do who stand.
 fn lean(rest: &RolePose) -> Option<Quat> {
     use Joint::*;
-    let middle = |l: Joint, r: Joint| (rest[l.index()].0 + rest[r.index()].0) * 0.5;
-    let up = (middle(LeftUpperArm, RightUpperArm) - middle(LeftThigh, RightThigh)).try_normalize()?;
+    let at = |j: Joint| rest[j.index()].0;
+    let up = ((at(LeftUpperArm) + at(RightUpperArm)) * 0.5 - at(Hips)).try_normalize()?;
     (up.y < LEANING.cos()).then(|| Quat::from_rotation_arc(Vec3::Y, up))
 }
 
