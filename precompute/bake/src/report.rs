@@ -123,7 +123,8 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
     let Built { motion, baked, blends, graph, stops, written, ref sanity } = *built;
     let (blends, blend_warnings) = (&blends.report, &blends.warnings);
     let mut warnings = [&motion.warnings, blend_warnings, &odd].map(|w| w.messages.clone()).concat();
-    warnings.extend(far_from_ground(motion, sanity));
+    // Who keeps heights as they were captured has terrain.
+    warnings.extend(far_from_ground(motion, sanity).filter(|_| cfg.retarget.align_ground));
     warnings.extend(baked.policies.iter().filter_map(|p| p.report.promise.warning.clone()));
     let groups = baked.groups.cloned().unwrap_or_default();
     let mut spent = BTreeMap::<_, Spent>::new();
