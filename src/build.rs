@@ -174,6 +174,7 @@ pub fn print(r: &BuildReport, out: &str) -> Outcome {
                 r.contacts.mean_speed_mps
             ),
         ),
+        ("feet", format!("stand up to {}", r.contacts.stance)),
         ("hits", r.hits.to_string()),
         (
             "graph",

@@ -94,7 +94,8 @@ fn begin<'a>(
     } else {
         warnings.messages.extend(repeated)
     }
-    warnings.messages.extend(raw.clips.iter().flat_map(|c| c.warnings.messages.iter().cloned()));
+    warnings.messages.extend(raw.clips.iter().flat_map(Imported::own_warnings).map(str::to_owned));
+    warnings.messages.extend(import::skeleton_warnings(&raw.clips));
     resample::check_length(raw.clips.iter().map(|c| c.clip.num_frames as f64 / c.clip.rate_hz), &cfg.resample)?;
     let keys: Vec<Option<Key>> = match &cfg.synth {
         Some(_) => vec![None; raw.clips.len()],
@@ -171,11 +172,12 @@ fn settle(
     }
     for p in 0..plan.performers.len() {
         let telling = &plan.performers[p].telling;
-        let find = || plan.find_slope(p, &*lender);
-        plan.performers[p].slope = match telling.iter().map(|&i| keys[i]).collect::<Option<Vec<Key>>>() {
+        let find = || plan.find_floor(p, &*lender);
+        let floor = match telling.iter().map(|&i| keys[i]).collect::<Option<Vec<Key>>>() {
             Some(keys) => cache.each("floor", Key::of("floor", &keys, &plan.basis(telling[0]))?, find)?.0,
             None => find()?,
         };
+        plan.lay_floor(p, floor, &*lender)?;
     }
     Ok(plan)
 }

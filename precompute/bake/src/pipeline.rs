@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use throng_base::{Alone, Comm};
 use throng_core::format::{ActivityMeta, MAGIC};
-use throng_motion::clip::ClipSet;
+use throng_motion::clip::{ClipSet, FrameRange};
 use throng_motion::error::{BuildError, Warnings};
 use throng_motion::import::Imported;
 use throng_motion::progress::Progress;
@@ -207,10 +207,17 @@ fn there_is(clips: &ClipSet) -> String {
 fn walks(clips: &ClipSet) -> bool {
     /// Slower than this over a second, nobody walks (m/s).
     const WALKING_MPS: f32 = 0.3;
+    /// Less motion shows no walk (s).
+    const SHORTEST_S: f32 = 0.2;
     clips.clips.iter().filter(|c| !c.mirrored).any(|clip| {
         let second = clip.rate_hz.round().max(1.0) as usize;
-        let goes = |w: &[Vec3]| (w[second] - w[0]).with_y(0.0).length() > WALKING_MPS;
-        clip.usable_ranges().into_iter().any(|r| clip.root_positions[r].windows(second + 1).any(goes))
+        let goes = |w: &[Vec3]| {
+            let seconds = (w.len() - 1) as f32 / clip.rate_hz as f32;
+            seconds > SHORTEST_S && (w[w.len() - 1] - w[0]).with_y(0.0).length() > WALKING_MPS * seconds
+        };
+        // Of a shorter clip, all of it.
+        let window = |r: &FrameRange| r.len().min(second + 1).max(1);
+        clip.usable_ranges().into_iter().any(|r| clip.root_positions[r.clone()].windows(window(&r)).any(goes))
     })
 }
 
@@ -335,4 +342,25 @@ pub fn clips_of(raw: &[Imported], cfg: &BuildConfig, warnings: &mut Warnings) ->
     let clips = retarget::onto(raw, &cfg.retarget, warnings)?;
     let clips = resample::resample(&clips, &ResampleConfig { mirror: false, ..cfg.resample.clone() })?;
     annotate::annotate(&clips, &cfg.annotate, &Default::default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_core::{NUM_JOINTS, Skeleton};
+    use throng_motion::clip::Clip;
+
+    #[test]
+    fn who_walks_for_less_than_a_second_walks() {
+        let set = |frames: usize, by: f32| {
+            let roots = (0..frames).map(|f| Vec3::new(by * f as f32 / 30.0, 0.9, 0.0)).collect();
+            let rotations = vec![glam::Quat::IDENTITY; frames * NUM_JOINTS];
+            ClipSet { skeleton: Skeleton::default(), clips: vec![Clip::new("a", 30.0, roots, rotations)] }
+        };
+        for frames in [15, 31, 90] {
+            assert!(walks(&set(frames, 1.2)) && !walks(&set(frames, 0.1)), "{frames} frames");
+        }
+        assert!(!walks(&set(1, 1.2)) && !walks(&set(4, 1.2)));
+        assert!(there_is(&set(15, 1.2)).contains("somebody walks in it"));
+    }
 }

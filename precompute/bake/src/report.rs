@@ -123,6 +123,8 @@ pub(crate) fn of_build(cfg: &BuildConfig, built: &Built<'_>, timing: Timing, odd
     let Built { motion, baked, blends, graph, stops, written, ref sanity } = *built;
     let (blends, blend_warnings) = (&blends.report, &blends.warnings);
     let mut warnings = [&motion.warnings, blend_warnings, &odd].map(|w| w.messages.clone()).concat();
+    // Who keeps heights as they were captured has terrain.
+    warnings.extend(far_from_ground(motion, sanity).filter(|_| cfg.retarget.align_ground));
     warnings.extend(baked.policies.iter().filter_map(|p| p.report.promise.warning.clone()));
     let groups = baked.groups.cloned().unwrap_or_default();
     let mut spent = BTreeMap::<_, Spent>::new();
@@ -209,7 +211,20 @@ fn group_frames(groups: &PoseGroups) -> Spread {
     Spread::of(frames.into_iter().map(f64::from))
 }
 
-/// Sanity of all originals, weighted by their frames; the 95th percentile is the largest of any clip.
+/// The clip whose standing feet are farthest from the ground, and how many others are as odd.
+fn far_from_ground(motion: &Motion, of_clips: &[ContactSanity]) -> Option<String> {
+    let originals = motion.clips.clips.iter().zip(of_clips).filter(|(c, _)| !c.mirrored);
+    let far: Vec<_> = originals.filter_map(|(c, s)| Some((c, s.stance.p95_cm, s.stance.advice()?))).collect();
+    let (clip, _, advice) = far.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let more = if far.len() > 1 {
+        format!(", farthest of {} clips whose feet are off the ground", far.len())
+    } else {
+        String::new()
+    };
+    Some(format!("{}{more}: {advice}. `throng inspect` has all of them.", clip.name))
+}
+
+/// Sanity of all originals, weighted by their frames; 95th percentiles and distances are the largest of any clip.
 fn contacts(motion: &Motion, of_clips: &[ContactSanity]) -> ContactSanity {
     let (mut sum, mut frames) = (ContactSanity::default(), 0.0f32);
     for (c, s) in motion.clips.clips.iter().zip(of_clips).filter(|(c, _)| !c.mirrored) {
@@ -218,6 +233,7 @@ fn contacts(motion: &Motion, of_clips: &[ContactSanity]) -> ContactSanity {
         sum.right_share += n * s.right_share;
         sum.mean_speed_mps += n * s.mean_speed_mps;
         sum.p95_speed_mps = sum.p95_speed_mps.max(s.p95_speed_mps);
+        sum.stance = sum.stance.or_worse(s.stance);
         frames += n;
     }
     let share = |v: f32| v / frames.max(1.0);

@@ -116,12 +116,14 @@ fn excluded_in_source(e: &Exclusion, clip: &Clip, source: &RawClip) -> (String, 
 impl ClipReport {
     /// What import knows of a clip, and what the stages of a build made of it.
     fn of(imported: &Imported, clip: &Clip, skeleton: &Skeleton) -> Self {
-        Self {
+        let mut report = Self {
             contact: annotate::sanity(clip, skeleton),
             hits: HitReport::new(&HitPoint::of_clip(clip)),
             excluded: clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect(),
             ..Self::new(imported)
-        }
+        };
+        report.warnings.extend(report.contact.stance.advice().map(|advice| format!("{}: {advice}.", report.file)));
+        report
     }
 
     /// Collects what import knows of a clip.
@@ -181,6 +183,7 @@ impl fmt::Display for ClipReport {
             c.mean_speed_mps,
             c.p95_speed_mps
         )?;
+        writeln!(f, "  feet     stand {}", c.stance)?;
         writeln!(f, "  hits     {}", self.hits)?;
         for (reason, start, end) in &self.excluded {
             writeln!(f, "  excluded frames {start} to {end}: {reason}")?;

@@ -15,6 +15,7 @@ pub mod raw;
 pub mod resample;
 pub mod retarget;
 mod smpl;
+pub mod stance;
 
 pub use clip::{Clip, ClipSet};
 pub use error::{BuildError, ImportError, Warnings};

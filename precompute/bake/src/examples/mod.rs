@@ -401,7 +401,7 @@ fn cardinal_fault(
     };
     let names = || {
         let found: Vec<String> = chosen.iter().map(|c| format!("`{}`", c.name)).collect();
-        let lacking = lacking.iter().map(|l| l.trim_start_matches(&format!("blend.{space}: ")).trim_end_matches('.'));
+        let lacking = lacking.iter().map(|l| within_sentence(l, space));
         let parts = std::iter::once(found.join(", ")).chain(lacking.map(str::to_owned));
         parts
             .filter(|p| !p.is_empty())
@@ -446,6 +446,11 @@ fn cardinal_fault(
     fault(&key, what, &help)
 }
 
+/// A warning about a space as part of a sentence on it.
+fn within_sentence<'a>(warning: &'a str, space: &str) -> &'a str {
+    warning.trim_start_matches(&format!("blend.{space}: ")).trim_end_matches("; ...").trim_end_matches('.')
+}
+
 fn too_large(config: &BlendConfig, large: &grid::TooLarge) -> BuildError {
     let axis = |((name, knots), error): ((&String, &usize), &f64)| format!("{knots} along `{name}` (error {error:.4})");
     let axes: Vec<_> = config.axis_names().iter().zip(&large.knots).zip(&large.errors).map(axis).collect();
@@ -460,4 +465,18 @@ fn too_large(config: &BlendConfig, large: &grid::TooLarge) -> BuildError {
     let help = "Raise `max_weight_bytes` or `weight_tolerance`, leave out examples that lie close together, or narrow the \
                 `range` of an axis that is much wider than its examples";
     fault("max_weight_bytes", message, help)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::within_sentence;
+
+    #[test]
+    fn warnings_end_within_a_sentence_as_words_do() {
+        assert_eq!(
+            within_sentence("blend.a: no steady walk in 9 clips: `b`; ...", "a"),
+            "no steady walk in 9 clips: `b`"
+        );
+        assert_eq!(within_sentence("blend.a: `b` stands.", "a"), "`b` stands");
+    }
 }

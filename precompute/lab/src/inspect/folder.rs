@@ -9,11 +9,11 @@ use std::path::PathBuf;
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
 use throng_bake::report::Performer;
-use throng_motion::clip::{Clip, ClipSet};
+use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, ImportError, Warnings};
 use throng_motion::import::{self, Imported, ImportedSet};
 use throng_motion::progress::Progress;
-use throng_motion::{annotate, retarget};
+use throng_motion::retarget;
 
 /// Of a foot, less of the time on the ground than this makes a clip odd.
 const LITTLE_CONTACT: f32 = 0.05;
@@ -75,7 +75,7 @@ pub fn inspect_all(
         repeated: set.repeated().into_iter().map(|[first, i]| [path(i), path(first)]).collect(),
         motion,
         missing,
-        warnings: warnings.messages,
+        warnings: import::skeleton_warnings(&set.clips).into_iter().chain(warnings.messages).collect(),
     })
 }
 
@@ -103,7 +103,7 @@ fn lines(set: &ImportedSet, clips: &ClipSet) -> Vec<FileLine> {
         let report = ClipReport::of(imported, clip, &clips.skeleton);
         let original =
             copies.get(&i).map(|&first| format!("the same motion as {}", set.clips[first].clip.path.display()));
-        let why = original.or_else(|| oddity(clip, &clips.skeleton, usable_s, &report)).unwrap_or_default();
+        let why = original.or_else(|| oddity(imported, usable_s, &report)).unwrap_or_default();
         let verdict = if why.is_empty() { "good" } else { "odd" };
         FileLine { file: report.file.clone(), verdict, why, clip: Some(report), usable_s }
     });
@@ -117,8 +117,8 @@ fn lines(set: &ImportedSet, clips: &ClipSet) -> Vec<FileLine> {
 }
 
 /// What is odd about a clip, if anything.
-fn oddity(clip: &Clip, skeleton: &throng_runtime::Skeleton, usable_s: f64, report: &ClipReport) -> Option<String> {
-    let contact = annotate::sanity(clip, skeleton);
+fn oddity(imported: &Imported, usable_s: f64, report: &ClipReport) -> Option<String> {
+    let contact = &report.contact;
     if usable_s < 0.5 {
         let parts: Vec<String> =
             report.excluded.iter().map(|(why, from, to)| format!("{why} {from} to {to}")).collect();
@@ -130,7 +130,9 @@ fn oddity(clip: &Clip, skeleton: &throng_runtime::Skeleton, usable_s: f64, repor
     if contact.left_share < LITTLE_CONTACT || contact.right_share < LITTLE_CONTACT {
         return Some("feet hardly touch the ground".into());
     }
-    report.warnings.first().map(|w| w.strip_prefix(&format!("{}: ", report.file)).unwrap_or(w).to_owned())
+    let within = |w: &str| w.strip_prefix(&format!("{}: ", report.file)).unwrap_or(w).to_owned();
+    let all: Vec<String> = imported.own_warnings().map(within).chain(contact.stance.advice()).collect();
+    (!all.is_empty()).then(|| all.join(" "))
 }
 
 /// The file of an error, and the rest of its message.
@@ -189,5 +191,32 @@ impl fmt::Display for FolderReport {
         self.repeated.iter().try_for_each(|[one, other]| writeln!(f, "twice       {one} is {other}"))?;
         self.missing.iter().try_for_each(|what| writeln!(f, "missing     {what}"))?;
         self.warnings.iter().try_for_each(|what| writeln!(f, "warning     {what}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+    use throng_motion::clip::Clip;
+    use throng_runtime::{NUM_JOINTS, Skeleton};
+
+    #[test]
+    fn all_that_is_odd_about_a_file_is_told_and_what_is_odd_about_a_skeleton_once() {
+        let skeleton = Skeleton::default();
+        let clip = |name| Clip::new(name, 30.0, vec![skeleton.offsets[0]; 60], vec![Quat::IDENTITY; 60 * NUM_JOINTS]);
+        let set = ClipSet { clips: ["a", "b"].map(clip).to_vec(), skeleton };
+        let mut set = import::made(&set, "folder".as_ref(), &Default::default()).unwrap();
+        for clip in &mut set.clips {
+            clip.roles.warnings.push("its neck is odd.".into());
+            for what in ["its neck is odd.", "it shakes.", "walks on the spot."] {
+                clip.warnings.push(format!("{}: {what}", clip.clip.path.display()));
+            }
+            let mut report = ClipReport::new(clip);
+            (report.contact.left_share, report.contact.right_share) = (0.6, 0.6);
+            assert_eq!(oddity(clip, 2.0, &report).unwrap(), "it shakes. walks on the spot.");
+        }
+        let told = import::skeleton_warnings(&set.clips);
+        assert!(told.len() == 1 && told[0].ends_with("a.bvh and 1 more: its neck is odd."), "{told:?}");
     }
 }

@@ -5,6 +5,7 @@ use crate::trial::{Share, TrialReport};
 use serde::Serialize;
 use throng_bake::examples::{BlendReport, ExampleReport, WIDEST_SEAM};
 use throng_bake::policy::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart};
+use throng_motion::stance::{self, Stance};
 use throng_runtime::Bundle;
 
 /// Words of a measure, from the best.
@@ -48,20 +49,24 @@ pub(super) struct Facts<'a> {
     pub motion: &'a Abilities,
     /// Mirrored copies are made.
     pub mirrored: bool,
-    pub source_slip: SourceSlip,
+    pub source: SourceFeet,
     pub longest: Option<Longest>,
     /// Names of policies, what each promises and keeps, and what would mend that.
     pub promises: Vec<(&'a str, Promise, String)>,
     pub blends: &'a [BlendReport],
 }
 
-/// How fast planted heels and toes move in the clips.
+/// How fast planted heels and toes move in the clips, and how far feet stand from the ground.
 #[derive(Default)]
-pub(super) struct SourceSlip {
+pub(super) struct SourceFeet {
     /// (m/s)
     pub mean_mps: f64,
     /// Clip by clip, the fastest first (m/s).
     pub of_clips: Vec<(String, f64)>,
+    /// Of all clips.
+    pub stance: Stance,
+    /// Of a few clips, the farthest first.
+    pub stances: Vec<(String, Stance)>,
 }
 
 /// The longest stretch without a choice.
@@ -89,7 +94,8 @@ pub(super) fn all(facts: &Facts<'_>) -> Vec<Measure> {
     all.push(stopped(facts.trial));
     all.push(wait(facts));
     all.extend(slip(facts));
-    all.extend(source_slip(&facts.source_slip));
+    all.extend(source_slip(&facts.source));
+    all.push(from_ground(&facts.source));
     all.push(toes(facts.trial));
     all.extend(promises(facts));
     all.extend(seam(facts.blends));
@@ -220,7 +226,7 @@ fn wait(facts: &Facts<'_>) -> Measure {
 
 /// Slip of characters, beside that of the clips.
 fn slip(facts: &Facts<'_>) -> Vec<Measure> {
-    let (here, there) = (facts.trial.foot_slip_mean_mps, facts.source_slip.mean_mps);
+    let (here, there) = (facts.trial.foot_slip_mean_mps, facts.source.mean_mps);
     if there <= 0.0 {
         return Vec::new();
     }
@@ -238,7 +244,7 @@ fn slip(facts: &Facts<'_>) -> Vec<Measure> {
 }
 
 /// Slip of the clips themselves.
-fn source_slip(slip: &SourceSlip) -> Option<Measure> {
+fn source_slip(slip: &SourceFeet) -> Option<Measure> {
     let mps = slip.mean_mps;
     if mps <= 0.0 {
         return None;
@@ -253,6 +259,22 @@ fn source_slip(slip: &SourceSlip) -> Option<Measure> {
             most.join(", ")
         )]
     }))
+}
+
+/// How far feet stand from the ground in the clips.
+fn from_ground(source: &SourceFeet) -> Measure {
+    let far = source.stance.p95_cm;
+    let told =
+        format!("feet stand up to {far:.1} cm from the ground in the clips, {:.1} cm at worst", source.stance.worst_cm);
+    let m = measure("feet from the ground (cm)", f64::from(far), stance::FAR_CM.map(f64::from), told);
+    m.advised(|| {
+        let most: Vec<String> =
+            source.stances.iter().take(NAMED).map(|(clip, s)| format!("`{clip}` {:.0}", s.p95_cm)).collect();
+        vec![format!(
+            "farthest in {} cm: level the floor where it was captured, or leave out what steps onto things",
+            most.join(", ")
+        )]
+    })
 }
 
 fn toes(trial: &TrialReport) -> Measure {
@@ -357,7 +379,12 @@ mod tests {
             trial: &trial,
             motion: &motion,
             mirrored: false,
-            source_slip: SourceSlip { mean_mps: rest.source_slip_mps, of_clips },
+            source: SourceFeet {
+                mean_mps: rest.source_slip_mps,
+                of_clips,
+                stance: Stance::of(vec![rest.far_m; 20]),
+                stances: vec![("floater".to_owned(), Stance::of(vec![rest.far_m; 20]))],
+            },
             longest: Some(Longest { clip: "long".into(), seconds: 8.0 }),
             promises,
             blends: &rest.blends,
@@ -368,6 +395,7 @@ mod tests {
     #[derive(Default)]
     struct Rest {
         source_slip_mps: f64,
+        far_m: f32,
         promises: Vec<(&'static str, Promise)>,
         blends: Vec<BlendReport>,
     }
@@ -457,6 +485,9 @@ mod tests {
         );
         let source = "foot slip in the clips (m/s)";
         check(verdict(|_, _, r| r.source_slip_mps = 0.7), "poor", source, "700 mm/s", "`slider` 500, `walker` 10 mm/s");
+        let far = "feet from the ground (cm)";
+        check(verdict(|_, _, r| r.far_m = 0.04), "fair", far, "up to 4.0 cm", "farthest in `floater` 4 cm");
+        check(verdict(|_, _, r| r.far_m = 0.12), "poor", far, "12.0 cm at worst", "level the floor");
         let low = "low toes, 95th percentile (m/s)";
         check(verdict(|t, _, _| t.quality = toes(1.2)), "fair", low, "up to 1.20 m/s (0.10", "alike");
         let kept = |p| verdict(|_, _, r| r.promises = vec![("ok", promise(1.0, 0.9)), ("punch", p)]);

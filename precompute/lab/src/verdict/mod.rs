@@ -8,12 +8,13 @@ use crate::quality::clip_joints;
 use crate::slip::{Feet, SlipMeter};
 use crate::trial::{self, TrialConfig, TrialReport};
 pub use measure::Measure;
-use measure::{Facts, GOOD_REACH, Longest, SourceSlip};
+use measure::{Facts, GOOD_REACH, Longest, SourceFeet};
 use serde::Serialize;
 use throng_bake::config::BuildConfig;
 use throng_bake::examples::BlendReport;
 use throng_bake::policy::{self, BehaviourKind, promise};
 use throng_motion::error::BuildError;
+use throng_motion::stance::{self, Stance};
 use throng_runtime::Bundle;
 use throng_runtime::characters::CharactersConfig;
 
@@ -87,7 +88,7 @@ impl Verdict {
             trial,
             motion: &motion,
             mirrored,
-            source_slip: source_slip(tables),
+            source: source_feet(tables),
             longest: Longest::of(tables),
             promises: policies
                 .map(|(name, table)| (name.as_str(), promise(table, name), policy::help(table)))
@@ -128,7 +129,7 @@ impl Verdict {
             advice,
             motion: facts.motion.clone(),
             walking_unused_s: 0.0,
-            source_slip_mean_mps: facts.source_slip.mean_mps,
+            source_slip_mean_mps: facts.source.mean_mps,
             measures,
         }
     }
@@ -153,11 +154,12 @@ fn named(clips: &[&str]) -> String {
     clips.iter().take(NAMED).map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ") + more
 }
 
-/// How fast planted heels and toes move in the clips.
-fn source_slip(tables: &Bundle) -> SourceSlip {
+/// How fast planted heels and toes move in the clips, and how far feet stand from the ground.
+fn source_feet(tables: &Bundle) -> SourceFeet {
     let (clips, dt_s) = (tables.clips(), 1.0 / tables.meta().rate_hz as f32);
     let mut all = SlipMeter::new(1);
     let mut each = vec![(0.0, 0u64); clips.len()];
+    let mut far: Vec<Vec<f32>> = vec![Vec::new(); clips.len()];
     for run in runs(tables) {
         let clip = clips.partition_point(|c| c.first_frame <= run.start).saturating_sub(1);
         if clips[clip].mirrored != 0 {
@@ -165,8 +167,10 @@ fn source_slip(tables: &Bundle) -> SourceSlip {
         }
         let mut one = SlipMeter::new(1);
         all.forget_step();
+        let mut at = Vec::new();
         for f in run {
             let joints = clip_joints(tables, f);
+            at.push(stance::FEET.map(|j| joints[j.index()].0));
             let feet = Feet::joints(|j| joints[j.index()].0);
             all.observe(0, dt_s, tables.contacts()[f as usize], feet);
             one.observe(0, dt_s, tables.contacts()[f as usize], feet);
@@ -174,6 +178,8 @@ fn source_slip(tables: &Bundle) -> SourceSlip {
         let (sum, samples) = &mut each[clip];
         *sum += one.mean_mps() * one.samples() as f64;
         *samples += one.samples();
+        let stands = stance::lowest(at.into_iter(), tables.skeleton(), tables.meta().rate_hz);
+        far[clip].extend(stance::distances(&stands, tables.meta().rate_hz));
     }
     let mut of_clips: Vec<(String, f64)> = each
         .iter()
@@ -182,7 +188,11 @@ fn source_slip(tables: &Bundle) -> SourceSlip {
         .map(|(&(sum, samples), meta)| (meta.name.clone(), sum / samples as f64))
         .collect();
     of_clips.sort_by(|a, b| b.1.total_cmp(&a.1));
-    SourceSlip { mean_mps: all.mean_mps(), of_clips }
+    let names = tables.meta().clips.iter().map(|c| c.name.clone());
+    let mut stances: Vec<(String, Stance)> = names.zip(far.iter().map(|f| Stance::of(f.clone()))).collect();
+    stances.sort_by(|a, b| b.1.p95_cm.total_cmp(&a.1.p95_cm));
+    stances.truncate(NAMED);
+    SourceFeet { mean_mps: all.mean_mps(), of_clips, stance: Stance::of(far.concat()), stances }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::contacts::PARTS;
 use crate::clip::Clip;
+use crate::stance::{self, Stance};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_core::{Contacts, Skeleton};
@@ -17,6 +18,8 @@ pub struct ContactSanity {
     pub mean_speed_mps: f32,
     /// 95th percentile of that speed (m/s).
     pub p95_speed_mps: f32,
+    /// How far feet are from the ground while they stand, whether contacts were found there or not.
+    pub stance: Stance,
 }
 
 /// Measures the contacts of an annotated clip over its usable frames.
@@ -24,9 +27,11 @@ pub struct ContactSanity {
 /// The speed is that of a heel or toe between neighbouring frames that both have it planted.
 pub fn sanity(clip: &Clip, skeleton: &Skeleton) -> ContactSanity {
     let (mut frames, mut left, mut right) = (0usize, 0usize, 0usize);
-    let mut speeds = Vec::new();
+    let (mut speeds, mut far) = (Vec::new(), Vec::new());
     for range in clip.usable_ranges() {
         let mut before = None;
+        let feet = range.clone().map(|f| clip.joint_positions(skeleton, f)).map(|p| stance::FEET.map(|j| p[j.index()]));
+        far.extend(stance::distances(&stance::lowest(feet, skeleton, clip.rate_hz), clip.rate_hz));
         for f in range {
             let Some(contacts) = clip.contacts.get(f).copied() else { break };
             frames += 1;
@@ -43,13 +48,20 @@ pub fn sanity(clip: &Clip, skeleton: &Skeleton) -> ContactSanity {
     let share = |count: usize| if frames == 0 { 0.0 } else { count as f32 / frames as f32 };
     let mean = speeds.iter().fold(0.0, |a, b| a + b) / speeds.len().max(1) as f32;
     let p95 = speeds.get((speeds.len() * 95 / 100).min(speeds.len().saturating_sub(1))).copied().unwrap_or(0.0);
-    ContactSanity { left_share: share(left), right_share: share(right), mean_speed_mps: mean, p95_speed_mps: p95 }
+    ContactSanity {
+        left_share: share(left),
+        right_share: share(right),
+        mean_speed_mps: mean,
+        p95_speed_mps: p95,
+        stance: Stance::of(far),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::clip::{Exclusion, ExclusionReason};
+    use crate::stance::Grade;
     use glam::{Quat, Vec3};
     use throng_core::NUM_JOINTS;
 
@@ -70,5 +82,28 @@ mod tests {
         assert!((r.left_share - 10.0 / 15.0).abs() < 1e-6);
         assert!((r.right_share - 5.0 / 15.0).abs() < 1e-6);
         assert!((r.mean_speed_mps - 1.0).abs() < 1e-4 && (r.p95_speed_mps - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn feet_that_stand_above_or_below_the_ground_are_told() {
+        let s = Skeleton::default();
+        // Stands on the ground, then on something, then jumps for a tenth of a second.
+        let of = |height: f32, share: usize| {
+            let up = |f: usize| match f {
+                _ if f < share => height,
+                95..98 => 0.4,
+                _ => 0.0,
+            };
+            let roots = (0..100).map(|f| s.offsets[0] + Vec3::Y * up(f)).collect();
+            sanity(&Clip::new("stands", 30.0, roots, vec![Quat::IDENTITY; 100 * NUM_JOINTS]), &s).stance
+        };
+        for (height, share, grade) in
+            [(0.0, 0, Grade::Good), (0.2, 5, Grade::Good), (0.05, 50, Grade::Fair), (-0.07, 9, Grade::Poor)]
+        {
+            let found = of(height, share);
+            assert_eq!(found.grade, grade, "{found:?}");
+            assert!((found.worst_cm - 100.0 * height.abs()).abs() < 0.01, "{found:?}");
+            assert_eq!(found.advice().is_some(), grade != Grade::Good);
+        }
     }
 }

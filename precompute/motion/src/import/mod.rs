@@ -39,6 +39,7 @@ pub use files::{
 pub use glitches::{Glitch, GlitchKind, Glitches, Treated};
 use profile::Profile;
 use rayon::prelude::*;
+pub(crate) use rest::{LEG_DOWN, LEG_SEGMENTS};
 pub use rest::{RestPose, RestPoseKind};
 pub use roles::RoleMap;
 pub use source::SourceClip;
@@ -102,6 +103,31 @@ impl ImportedSet {
         let same = |i: usize, j: usize| Ok::<_, ImportError>(self.clips[i].clip.has_motion_of(&self.clips[j].clip));
         repeated(&hashes, same).unwrap_or_default()
     }
+}
+
+impl Imported {
+    /// What is odd about the clip, but for its skeleton.
+    pub fn own_warnings(&self) -> impl Iterator<Item = &str> {
+        let path = format!("{}: ", self.clip.path.display());
+        let of_skeleton = move |w: &str| {
+            let what = w.strip_prefix(&path).unwrap_or(w);
+            self.roles.warnings.iter().any(|of| of == what)
+        };
+        self.warnings.messages.iter().map(String::as_str).filter(move |w| !of_skeleton(w))
+    }
+}
+
+/// What is odd about the skeletons of clips, once for all that have one.
+pub fn skeleton_warnings(clips: &[Imported]) -> Vec<String> {
+    let mut of = BTreeMap::<&str, Vec<usize>>::new();
+    for (i, clip) in clips.iter().enumerate() {
+        clip.roles.warnings.iter().for_each(|w| of.entry(w).or_default().push(i));
+    }
+    let told = |(what, which): (&str, Vec<usize>)| {
+        let more = if which.len() > 1 { format!(" and {} more", which.len() - 1) } else { String::new() };
+        format!("{}{more}: {what}", clips[which[0]].clip.path.display())
+    };
+    of.into_iter().map(told).collect()
 }
 
 /// As [`ImportedSet::repeated`], of clips of which hashes of the motion are known ([`crate::raw::RawClip::motion_hash`]).

@@ -7,6 +7,13 @@ use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_core::Joint;
 
+/// Thighs and shins of a body that stands, and how much of them points down at least: knees may bend by 45 degrees.
+pub(crate) const LEG_DOWN: f32 = 0.7;
+pub(crate) const LEG_SEGMENTS: [(Joint, Joint); 4] = {
+    use Joint::*;
+    [(LeftThigh, LeftShin), (LeftShin, LeftFoot), (RightThigh, RightShin), (RightShin, RightFoot)]
+};
+
 /// What the pose is that a source skeleton has when all rotations are zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum RestPoseKind {
@@ -83,18 +90,16 @@ fn body_axes(world: &[(Vec3, Quat)], roles: &RoleMap) -> Option<(Vec3, Vec3)> {
 fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<Stance, String> {
     use Joint::*;
     let (up, left) = body_axes(world, roles).ok_or("its hips, thighs and head are in one line")?;
+    let vertical = nearest_axis(up);
     let segment = |a: Joint, b: Joint| {
         let (a, b) = (roles.get(a)?, roles.get(b)?);
         (world[b].0 - world[a].0).try_normalize()
     };
-    for (thigh, shin, foot, side) in
-        [(LeftThigh, LeftShin, LeftFoot, "left"), (RightThigh, RightShin, RightFoot, "right")]
-    {
-        for (from, to) in [(thigh, shin), (shin, foot)] {
-            let down = segment(from, to).map_or(0.0, |d| -d.dot(up));
-            if down < 35f32.to_radians().cos() {
-                return Err(format!("its {side} leg does not point down"));
-            }
+    for (from, to) in LEG_SEGMENTS {
+        let down = segment(from, to).map_or(0.0, |d| -d.dot(vertical));
+        if down < LEG_DOWN {
+            let side = if from < from.mirrored() { "left" } else { "right" };
+            return Err(format!("its {side} leg does not point down"));
         }
     }
     let mut raised = 0f32;

@@ -4,7 +4,7 @@
 //! the body stands in a T-pose. Where the source's rest pose is a standing body it says how trunk and limbs are
 //! turned; the rest of the sources (whose rest pose only lists segment lengths) are aligned by their geometry.
 
-use super::body::{Body, Sample};
+use super::body::{Body, RolePose, Sample};
 use super::geometry;
 use glam::{Mat3, Quat, Vec3};
 use throng_base::maths;
@@ -15,6 +15,12 @@ pub type Alignment = [Quat; NUM_JOINTS];
 
 /// A rest pose is believed where the hinges of its limbs are this near to those the motion shows (rad).
 const MAX_HINGE_ERROR: f32 = 0.26;
+
+/// Trunks of rest poses that lean by more stand upright in a T-pose all the same (rad).
+const LEANING: f32 = 0.17;
+
+/// Knees of rest poses that bend by more stand on flat feet (rad).
+const BENT_KNEE: f32 = 0.2;
 
 /// Fewer frames show nothing.
 pub const MIN_SAMPLES: usize = 5;
@@ -82,21 +88,33 @@ pub fn main_child(j: Joint) -> Option<Joint> {
 fn from_rest(body: &Body) -> Alignment {
     let mut out = [Quat::IDENTITY; NUM_JOINTS];
     let Some(rest) = &body.rest else { return out };
+    let lean = lean(rest);
     let mut arc = [Quat::IDENTITY; NUM_JOINTS];
     for j in Joint::ALL {
         let child = main_child(j).filter(|c| body.has(*c));
         arc[j.index()] = match (limb_direction(j), child) {
             (Some(from), Some(c)) => {
                 let to = rest[c.index()].0 - rest[j.index()].0;
-                to.try_normalize().map_or(Quat::IDENTITY, |to| Quat::from_rotation_arc(from, to))
+                // Arms hang on the trunk.
+                let hung = lean.filter(|_| from.y == 0.0).unwrap_or(Quat::IDENTITY);
+                let turn = |to| maths::compose(Quat::from_rotation_arc(hung * from, to), hung);
+                to.try_normalize().map_or(hung, turn)
             }
             (Some(_), None) => j.parent().map_or(Quat::IDENTITY, |p| arc[p.index()]),
-            (None, _) => Quat::IDENTITY,
+            (None, _) => lean.unwrap_or(Quat::IDENTITY),
         };
         let a = maths::compose(rest[j.index()].1.inverse(), arc[j.index()]).normalize();
         out[j.index()] = onto_hinge(body, j, a);
     }
     out
+}
+
+/// The turn from upright to how the trunk of a rest pose leans, where that is more than bodies do who stand.
+fn lean(rest: &RolePose) -> Option<Quat> {
+    use Joint::*;
+    let at = |j: Joint| rest[j.index()].0;
+    let up = ((at(LeftUpperArm) + at(RightUpperArm)) * 0.5 - at(Hips)).try_normalize()?;
+    (up.y < LEANING.cos()).then(|| Quat::from_rotation_arc(Vec3::Y, up))
 }
 
 /// Turns a limb about its segment so that its hinge lies as in a T-pose, where the motion shows it far from there.
@@ -125,10 +143,19 @@ fn foot_alignment(body: &Body, side: usize, shin: Joint, foot: Joint, toe: Joint
             let left = carried * Vec3::X;
             Quat::from_axis_angle(left, -0.42) * ahead.cross(left).normalize_or(Vec3::Y)
         }
+        // Where the rest pose bends the knee, the foot is flat rather than square to the shin.
+        Some(rest) if knee(rest, shin, foot) > BENT_KNEE => rest[foot.index()].1.inverse() * Vec3::Y,
         _ => carried * Vec3::Y,
     };
     let up = sole_normal(body, side, foot).filter(|u| u.dot(fallback) > 0.85).unwrap_or(fallback);
     frame(up, ahead).unwrap_or(carried)
+}
+
+/// How far a rest pose bends a knee (rad).
+fn knee(rest: &RolePose, shin: Joint, foot: Joint) -> f32 {
+    let at = |j: Joint| rest[j.index()].0;
+    let thigh = shin.parent().map_or(Vec3::NEG_Y, |thigh| at(shin) - at(thigh));
+    thigh.angle_between(at(foot) - at(shin))
 }
 
 /// The toe's frame: up is the vertical while the foot stands, forward that of the foot.

@@ -1,6 +1,6 @@
 //! What a source skeleton looks like: where its roles sit, how they hang together, sampled over its clips.
 
-use crate::import::{Forward, Imported};
+use crate::import::{Forward, Imported, LEG_DOWN, LEG_SEGMENTS};
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_base::maths;
@@ -18,12 +18,14 @@ pub struct Source<'a> {
     pub roles: &'a Roles,
     /// Heading that the rest pose faces where it is given; found from the thighs elsewhere (rad).
     pub heading: Option<f32>,
+    /// What turns the motion upright where its floor was tilted.
+    pub turn: Option<Quat>,
 }
 
 impl<'a> From<&'a Imported> for Source<'a> {
     fn from(imported: &'a Imported) -> Self {
         let heading = imported.forward.map(Forward::heading);
-        Self { clip: &imported.clip, roles: &imported.roles.joints, heading }
+        Self { clip: &imported.clip, roles: &imported.roles.joints, heading, turn: None }
     }
 }
 
@@ -87,7 +89,12 @@ pub fn role_joint(roles: &Roles, j: Joint) -> usize {
 pub fn role_pose(source: Source, frame: usize, scratch: &mut Vec<(Vec3, Quat)>) -> RolePose {
     let n = source.clip.joints.len();
     let base = frame * n;
-    chain(source, scratch, |j| (source.clip.translations[base + j], source.clip.rotations[base + j]))
+    let clip = source.clip;
+    chain(source, scratch, |j| {
+        let (t, r) = (clip.translations[base + j], clip.rotations[base + j]);
+        let turn = source.turn.filter(|_| clip.joints[j].parent.is_none());
+        turn.map_or((t, r), |turn| (turn * t, maths::compose(turn, r).normalize()))
+    })
 }
 
 /// World transforms of the roles in the rest pose.
@@ -189,12 +196,13 @@ fn tip_of(clip: &RawClip, joint: usize) -> Option<Vec3> {
     (offset.length() > 0.005).then_some(offset)
 }
 
-/// The pose turned so that its left side is +X, or by the heading that is given, where it is a body on straight legs.
+/// The pose turned so that its left side is +X, or by the heading that is given, where it is a body that stands, as
+/// import has it.
 fn standing(pose: RolePose, heading: Option<f32>) -> Option<RolePose> {
     let at = |j: Joint| pose[j.index()].0;
     use Joint::*;
-    let down = |a: Joint, b: Joint| (at(b) - at(a)).normalize_or_zero().y < -0.7;
-    let legs = down(LeftThigh, LeftShin) && down(LeftShin, LeftFoot) && down(RightThigh, RightShin);
+    let down = |(a, b)| (at(b) - at(a)).normalize_or_zero().y < -LEG_DOWN;
+    let legs = LEG_SEGMENTS.into_iter().all(down);
     let trunk = (at(Head) - at(Hips)).normalize_or_zero().y > 0.7;
     let left = at(LeftThigh) - at(RightThigh);
     if !(legs && trunk && left.length() > 0.02 && left.normalize().y.abs() < 0.3) {

@@ -1,111 +1,209 @@
 //! Where the ground is: one height per clip and one slope per source skeleton, so that feet stand on y = 0.
 //!
-//! Floors of capture volumes are not level: the first test recordings rise by 1 to 1.5 cm a metre.
+//! Floors of capture volumes are not level: the first test recordings rise by 1 to 1.5 cm a metre. One that rises more is a
+//! volume that was set up tilted, and people in it lean: all is turned upright. Clips whose floor is another one, or
+//! moves up or down as time goes by, have a slope of their own. What no plane fits is terrain, and stays.
 
 use super::transfer::Motion;
-use glam::{Vec2, Vec3};
+use crate::stance::{self, Stand};
+use glam::{DMat3, DVec3, Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
-
-/// The lowest part of the feet may be standing where it is slower than this (m/s).
-const STANDING_SPEED: f32 = 0.4;
 
 /// Which of the sorted heights of standing feet counts as the ground: low, because feet also stand on things.
 const GROUND_QUANTILE: f32 = 0.25;
 
-/// Floors slope less than this (tangent); more is terrain.
+/// Floors that slope less than this need no turn of the body (tangent).
 const MAX_SLOPE: f32 = 0.03;
+
+/// Floors slope less than this (tangent): 8 degrees, on top of which measuring errs; more is terrain.
+const MAX_TILT: f32 = 0.16;
+
+/// Floors rise and fall by less than this (m/s).
+const MAX_DRIFT: f32 = 0.03;
 
 /// Feet on a floor are nearer to it than this (m).
 const FLOOR_NOISE: f32 = 0.02;
 
-/// Clips that stay within this say little about the slope (m).
-const SLOPE_REACH: f32 = 0.1;
+/// Most feet on a floor that is tilted or moves are nearer to it: those on kerbs and steps are not (m).
+const TILT_NOISE: f32 = 0.01;
 
-/// The lowest part of the feet at each frame where it hardly moves: place, and height above where that joint is
-/// when the foot stands flat. Every frame where there is no such one (m).
-pub fn standing(motion: &Motion, skeleton: &Skeleton, rate_hz: f64) -> Vec<Vec3> {
-    let rest = skeleton.rest_positions();
-    let feet = [Joint::LeftFoot, Joint::LeftToe, Joint::RightFoot, Joint::RightToe].map(Joint::index);
-    let mut standing = Vec::new();
-    let mut all = Vec::new();
-    let mut before: Option<[Vec3; 4]> = None;
-    for (frame, root) in motion.root_positions.iter().enumerate() {
-        let local = &motion.rotations[frame * NUM_JOINTS..(frame + 1) * NUM_JOINTS];
-        let at = foot_positions(*root, local, skeleton);
-        let clearance = |i: usize| at[i].y - rest[feet[i]].y;
-        let lowest = (0..4).min_by(|&a, &b| clearance(a).total_cmp(&clearance(b))).unwrap_or(0);
-        let point = at[lowest].with_y(clearance(lowest));
-        all.push(point);
-        if before.is_some_and(|b| (at[lowest] - b[lowest]).length() * (rate_hz as f32) < STANDING_SPEED) {
-            standing.push(point);
-        }
-        before = Some(at);
-    }
-    if standing.is_empty() { all } else { standing }
+/// A floor fits better where it leaves less than this share of the distances.
+const CLEARLY: f32 = 0.65;
+
+/// Clips that stay within this say little about the slope; of a tilt, less does, such as the way from foot to foot (m).
+const SLOPE_REACH: f32 = 0.1;
+const TILT_REACH: f32 = 0.05;
+
+/// Feet that are nearer to the floor than these count, round by round, for one whose slope is not known (m).
+const NEARER: [f32; 7] = [f32::INFINITY, 0.16, 0.08, 0.04, 0.04, 0.04, 0.04];
+
+/// A step leads farther than this, or comes later: so many at least tell of a floor (m, s).
+const STEP: (f32, f32) = (0.15, 1.0);
+const MIN_STEPS: usize = 4;
+
+/// Where feet stand at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Above where that joint is when the foot stands flat (m).
+    pub height: f32,
+    /// What heights go with: x and z (m) and time (s).
+    pub place: Vec3,
 }
 
-/// Slope of the floor (rise per metre along x and z) that clips of one source skeleton share, each at a height of
-/// its own: least squares, with steps and other outliers dropped. Zero where the ground is no plane.
-pub fn slope(clips: &[&[Vec3]]) -> Vec2 {
-    let mut slope = Vec2::ZERO;
-    for _ in 0..4 {
-        let (mut xx, mut xz, mut zz, mut xy, mut zy) = (0.0f64, 0.0f64, 0.0f64, 0.0f64, 0.0f64);
-        let (mut kept, mut total) = (0usize, 0usize);
-        for points in clips.iter().filter(|p| !p.is_empty()) {
-            let level = median(points.iter().map(|p| above(*p, slope)).collect());
-            let near: Vec<Vec3> =
-                points.iter().copied().filter(|p| (above(*p, slope) - level).abs() < 2.0 * FLOOR_NOISE).collect();
-            let mean = near.iter().sum::<Vec3>() / near.len().max(1) as f32;
-            for p in &near {
-                let d = (*p - mean).as_dvec3();
-                xx += d.x * d.x;
-                xz += d.x * d.z;
-                zz += d.z * d.z;
-                xy += d.x * d.y;
-                zy += d.z * d.y;
-            }
-            kept += near.iter().filter(|p| (above(**p, slope) - level).abs() < FLOOR_NOISE).count();
-            total += points.len();
-        }
-        let ridge = total as f64 * f64::from(SLOPE_REACH * SLOPE_REACH);
-        let (a, c) = (xx + ridge, zz + ridge);
-        let determinant = a * c - xz * xz;
-        let is_plane = kept * 4 > total * 3 || slope == Vec2::ZERO;
-        if total == 0 || determinant <= 0.0 || !is_plane {
-            return Vec2::ZERO;
-        }
-        slope = Vec2::new(((c * xy - xz * zy) / determinant) as f32, ((a * zy - xz * xy) / determinant) as f32);
-        if slope.length() > MAX_SLOPE {
-            return Vec2::ZERO;
-        }
+/// The lowest part of the feet at each frame where it hardly moves. Every frame where there is no such one.
+pub fn standing(motion: &Motion, skeleton: &Skeleton, rate_hz: f64) -> Vec<Point> {
+    let frames = motion.root_positions.iter().zip(motion.rotations.chunks(NUM_JOINTS));
+    let all = stance::lowest(frames.map(|(root, local)| foot_positions(*root, local, skeleton)), skeleton, rate_hz);
+    let point = |s: &Stand| {
+        let time_s = (s.frame as f64 / rate_hz) as f32;
+        Point { height: s.at.y, place: Vec3::new(s.at.x, s.at.z, time_s) }
+    };
+    let standing: Vec<Point> = all.iter().filter(|s| s.stands).map(point).collect();
+    if standing.is_empty() { all.iter().map(point).collect() } else { standing }
+}
+
+/// Slope of the floor (rise per metre along x and z; as time goes by none) that clips of one source skeleton share, each
+/// at a height of its own. Zero where the ground is no plane.
+pub fn slope(clips: &[&[Point]]) -> Vec3 {
+    let gentle = gentle(clips);
+    let Some(tilt) = tilt(clips, false).filter(|t| is_steep(*t)) else { return gentle.unwrap_or(Vec3::ZERO) };
+    match gentle {
+        Some(gentle) if spread(clips, tilt) > CLEARLY * spread(clips, gentle) => gentle,
+        _ => tilt,
     }
-    slope
+}
+
+/// The slope of a floor that hardly has one: least squares, with steps and other outliers dropped.
+fn gentle(clips: &[&[Point]]) -> Option<Vec3> {
+    let mut slope = Vec3::ZERO;
+    for _ in 0..4 {
+        let is_plane = slope == Vec3::ZERO || share_within(clips, slope, FLOOR_NOISE) > 0.75;
+        slope = fit(clips, slope, (2.0 * FLOOR_NOISE, SLOPE_REACH), false).filter(|s| is_plane && !is_steep(*s))?;
+    }
+    Some(slope)
+}
+
+/// Slope of the floor of one clip, as time goes by (m/s), too: the one its source skeleton shares, but where that one does not
+/// fit and another one does.
+pub fn own_slope(points: &[Point], shared: Vec3) -> Vec3 {
+    let points = &[points];
+    let mut best = (shared, spread(points, shared));
+    for drifts in [false, true] {
+        if best.1 < FLOOR_NOISE {
+            break;
+        }
+        let found = tilt(points, drifts).map(|s| (s, spread(points, s)));
+        best = found.filter(|f| f.1 < CLEARLY * best.1).unwrap_or(best);
+    }
+    best.0
+}
+
+/// True for floors of which bodies are turned upright.
+pub fn is_steep(slope: Vec3) -> bool {
+    slope.truncate().length() > MAX_SLOPE
+}
+
+/// The turn that lays a floor level.
+pub fn upright(slope: Vec3) -> Quat {
+    Quat::from_rotation_arc(Vec3::new(-slope.x, 1.0, -slope.y).normalize(), Vec3::Y)
+}
+
+/// The slope of a floor that may be steep, where enough steps lie on one plane.
+fn tilt(clips: &[&[Point]], drifts: bool) -> Option<Vec3> {
+    let found = NEARER.into_iter().try_fold(Vec3::ZERO, |slope, near| fit(clips, slope, (near, TILT_REACH), drifts))?;
+    let is_floor = found.truncate().length() < MAX_TILT && found.z.abs() < MAX_DRIFT;
+    let fits = || share_within(clips, found, TILT_NOISE) > 0.75;
+    (is_floor && clips.iter().map(|c| steps(c)).sum::<usize>() >= MIN_STEPS && fits()).then_some(found)
+}
+
+/// One round of least squares over the points that are near the floor as it is known (m); time counts where it drifts.
+fn fit(clips: &[&[Point]], slope: Vec3, (near, reach): (f32, f32), drifts: bool) -> Option<Vec3> {
+    let (mut squares, mut heights) = (DMat3::ZERO, DVec3::ZERO);
+    let mut total = 0usize;
+    let counts = if drifts { Vec3::ONE } else { Vec3::new(1.0, 1.0, 0.0) };
+    for points in clips.iter().filter(|p| !p.is_empty()) {
+        let level = level_of(points, slope);
+        let near: Vec<(f32, Vec3)> = points
+            .iter()
+            .filter(|p| (above(p, slope) - level).abs() < near)
+            .map(|p| (p.height, p.place * counts))
+            .collect();
+        let (height, place) = near.iter().fold((0.0, Vec3::ZERO), |(h, p), n| (h + n.0, p + n.1));
+        let (height, place) = (height / near.len().max(1) as f32, place / near.len().max(1) as f32);
+        for (h, p) in &near {
+            let d = (*p - place).as_dvec3();
+            squares += DMat3::from_cols(d * d.x, d * d.y, d * d.z);
+            heights += d * f64::from(*h - height);
+        }
+        total += points.len();
+    }
+    let ridge = total as f64 * f64::from(reach * reach);
+    (total > 0).then(|| ((squares + DMat3::from_diagonal(DVec3::splat(ridge))).inverse() * heights).as_vec3())
+}
+
+/// Share of the points that are so near to the floors of their clips (m).
+fn share_within(clips: &[&[Point]], slope: Vec3, near: f32) -> f32 {
+    let (mut kept, mut total) = (0usize, 0usize);
+    for points in clips {
+        let level = level_of(points, slope);
+        kept += points.iter().filter(|p| (above(p, slope) - level).abs() < near).count();
+        total += points.len();
+    }
+    kept as f32 / total.max(1) as f32
+}
+
+/// How far nine in ten points are from the floors of their clips at most (m).
+fn spread(clips: &[&[Point]], slope: Vec3) -> f32 {
+    let mut far = Vec::new();
+    for points in clips {
+        let level = level_of(points, slope);
+        far.extend(points.iter().map(|p| (above(p, slope) - level).abs()));
+    }
+    quantile(far, 0.9)
+}
+
+/// The height in the middle of those of the points (m).
+fn level_of(points: &[Point], slope: Vec3) -> f32 {
+    let mut heights: Vec<f32> = points.iter().map(|p| above(p, slope)).collect();
+    heights.sort_by(f32::total_cmp);
+    heights.get(heights.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// How many steps feet make, at least.
+fn steps(points: &[Point]) -> usize {
+    let is_next = |a: &Point, b: &Point| {
+        let by = (a.place - b.place).abs();
+        by.truncate().length() > STEP.0 || by.z > STEP.1
+    };
+    let step = |(count, last): (usize, Option<_>), p| match last {
+        Some(l) if !is_next(l, p) => (count, last),
+        _ => (count + 1, Some(p)),
+    };
+    points.iter().fold((0, None), step).0
 }
 
 /// Height of the floor of one clip at the origin, given its slope: the lower quartile of where feet stand, which a
 /// bad frame, jumps and steps leave in place (m).
-pub fn height(points: &[Vec3], slope: Vec2) -> f32 {
-    let mut heights: Vec<f32> = points.iter().map(|p| above(*p, slope)).collect();
-    heights.sort_by(f32::total_cmp);
-    let last = heights.len().saturating_sub(1);
-    heights.get((last as f32 * GROUND_QUANTILE) as usize).copied().unwrap_or(0.0)
+pub fn height(points: &[Point], slope: Vec3) -> f32 {
+    quantile(points.iter().map(|p| above(p, slope)).collect(), GROUND_QUANTILE)
 }
 
-/// Moves the motion down onto y = 0. The slope is taken out of heights only: it is too small to turn the body for.
-pub fn level(motion: &mut Motion, height: f32, slope: Vec2) {
-    for p in &mut motion.root_positions {
-        p.y -= height + slope.dot(Vec2::new(p.x, p.z));
+/// Moves the motion down onto y = 0. What slope is left is taken out of heights only: it is too small to turn the body for.
+pub fn level(motion: &mut Motion, height: f32, slope: Vec3, rate_hz: f64) {
+    for (f, p) in motion.root_positions.iter_mut().enumerate() {
+        p.y -= height + slope.dot(Vec3::new(p.x, p.z, (f as f64 / rate_hz) as f32));
     }
 }
 
-fn above(p: Vec3, slope: Vec2) -> f32 {
-    p.y - slope.dot(Vec2::new(p.x, p.z))
+fn above(p: &Point, slope: Vec3) -> f32 {
+    p.height - slope.dot(p.place)
 }
 
-fn median(mut values: Vec<f32>) -> f32 {
+fn quantile(mut values: Vec<f32>, share: f32) -> f32 {
     values.sort_by(f32::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+    let last = values.len().saturating_sub(1);
+    values.get((last as f32 * share) as usize).copied().unwrap_or(0.0)
 }
 
 /// World positions of left ankle, left toe, right ankle, right toe.
@@ -132,18 +230,25 @@ mod tests {
     use super::*;
 
     /// Feet that stand along a line on a floor of the given slope, and on a box now and then.
-    fn walk(slope: Vec2, offset: f32, boxes: bool) -> Vec<Vec3> {
+    fn walk(slope: Vec3, offset: f32, boxes: bool) -> Vec<Point> {
         let at = |i: usize| {
             let (x, z) = (i as f32 * 0.03, (i as f32 * 0.11).sin());
             let step = if boxes && i.is_multiple_of(10) { 0.3 } else { 0.0 };
-            Vec3::new(x, offset + slope.dot(Vec2::new(x, z)) + step + 0.004 * (i as f32 * 1.7).sin(), z)
+            let place = Vec3::new(x, z, 0.1 * i as f32);
+            Point { height: offset + slope.dot(place) + step + 0.004 * (i as f32 * 1.7).sin(), place }
         };
         (0..200).map(at).collect()
     }
 
+    /// Feet that go forth along x, at heights of their own.
+    fn along(height: impl Fn(f32) -> f32) -> Vec<Point> {
+        let at = |x: f32| Point { height: height(x), place: Vec3::new(x, 0.1 * (7.0 * x).sin(), x) };
+        (0..200).map(|i| at(i as f32 * 0.02)).collect()
+    }
+
     #[test]
     fn finds_the_floor_that_clips_share_at_different_heights() {
-        let truth = Vec2::new(0.01, -0.006);
+        let truth = Vec3::new(0.01, -0.006, 0.0);
         let clips = [walk(truth, 0.1, false), walk(truth, -0.3, true)];
         let found = slope(&[&clips[0], &clips[1]]);
         assert!((found - truth).length() < 0.0015, "{found}");
@@ -151,17 +256,55 @@ mod tests {
     }
 
     #[test]
-    fn stairs_are_no_floor() {
-        assert_eq!(slope(&[&walk(Vec2::new(0.4, 0.0), 0.0, false)]), Vec2::ZERO);
-        let stairs: Vec<Vec3> = (0..200).map(|i| Vec3::new(i as f32 * 0.02, (i / 20) as f32 * 0.17, 0.0)).collect();
-        assert_eq!(slope(&[&stairs]), Vec2::ZERO);
-        assert_eq!(slope(&[&[]]), Vec2::ZERO);
+    fn tilts_of_up_to_eight_degrees_are_floors_whichever_way_they_go() {
+        for k in 0..24 {
+            let (degrees, way) = (1.0 + 7.0 * k as f32 / 23.0, 2.4 * k as f32);
+            let truth = (Vec3::X * way.cos() + Vec3::Y * way.sin()) * degrees.to_radians().tan();
+            let clips = [walk(truth, 0.1, false), walk(truth, -0.3, true)];
+            let found = slope(&[&clips[0], &clips[1]]);
+            // At 4 m, so many millimetres.
+            assert!((found - truth).length() < 0.004, "{degrees} degrees: {found} is not {truth}");
+        }
+    }
+
+    #[test]
+    fn stairs_kerbs_and_ramps_are_no_floor() {
+        assert_eq!(slope(&[&walk(Vec3::X * 0.4, 0.0, false)]), Vec3::ZERO);
+        for (rise, tread) in [(0.17, 0.4), (0.17, 1.0), (0.17, 2.0), (0.1, 1.0), (0.06, 0.6), (0.05, 0.8), (0.3, 2.0)] {
+            let stairs = along(|x| (x / tread).floor() * rise);
+            assert_eq!(slope(&[&stairs]), Vec3::ZERO, "{rise} {tread}");
+            assert_eq!(own_slope(&stairs, Vec3::ZERO), Vec3::ZERO, "{rise} {tread}");
+        }
+        for ramp in [along(|x| 0.2 * (x - 2.0).max(0.0)), along(|x| 0.1 * (3.0 * x).sin())] {
+            assert_eq!(own_slope(&ramp, slope(&[&ramp])), Vec3::ZERO);
+        }
+        assert_eq!(slope(&[&[]]), Vec3::ZERO);
+    }
+
+    #[test]
+    fn a_clip_on_a_floor_of_its_own_is_laid_on_that_one() {
+        for (k, drift) in [0.0, 0.004, -0.01, 0.02].into_iter().enumerate() {
+            let truth = Vec3::new(0.05, -0.04, drift);
+            let points = walk(truth, 0.2, k % 2 == 1);
+            let found = own_slope(&points, Vec3::X * 0.01);
+            // Who goes straight on cannot tell what rises with the way from what rises with time.
+            assert!(is_steep(found) && share_within(&[&points], found, TILT_NOISE) > 0.85, "{found} is not {truth}");
+        }
+        // Who stands where he is and sinks is no terrain; a single step tells nothing.
+        let still = |n: usize| -> Vec<Point> {
+            (0..n).map(|i| Point { height: -0.001 * i as f32, place: Vec3::Z * (0.1 * i as f32) }).collect()
+        };
+        assert!((own_slope(&still(200), Vec3::ZERO).z + 0.01).abs() < 1e-3);
+        assert_eq!(own_slope(&walk(Vec3::X * 0.08, 0.0, false)[..20], Vec3::ZERO), Vec3::ZERO);
+        // The shared one stays where it fits.
+        let shared = Vec3::X * 0.01;
+        assert_eq!(own_slope(&walk(shared, 0.2, false), shared), shared);
     }
 
     #[test]
     fn standing_in_place_shows_no_slope() {
-        let points: Vec<Vec3> =
-            (0..100).map(|i| Vec3::new(0.01 * (i as f32).sin(), 0.003 * (i as f32).sin(), 0.0)).collect();
+        let at = |i: f32| Point { height: 0.003 * i.sin(), place: Vec3::new(0.01 * i.sin(), 0.0, 0.1 * i) };
+        let points: Vec<Point> = (0..100).map(|i| at(i as f32)).collect();
         assert!(slope(&[&points]).length() < 0.003);
     }
 }

@@ -23,7 +23,7 @@ use body::Body;
 pub use body::{Roles, Source};
 use glam::Vec3;
 pub use names::tell_from_mirrored;
-pub use plan::{Lender, Performer, Plan, lend};
+pub use plan::{Floor, Lender, Performer, Plan, lend};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -38,7 +38,9 @@ pub struct RetargetConfig {
     /// Whose proportions the database skeleton has.
     pub proportions: Proportions,
     /// Move each clip up or down, as a whole, so that its feet stand on the ground, and take out the slope of the
-    /// floor that clips of one source skeleton share, where they show one.
+    /// floor that clips of one source skeleton share, where they show one, up to 8 degrees: above 1.7 the body is turned
+    /// with it. A clip whose floor is another one, or rises or falls steadily by up to 3 cm/s, is levelled by itself. Stairs
+    /// and terrain stay.
     pub align_ground: bool,
 }
 
@@ -135,7 +137,7 @@ fn lay_all(sources: &[Source], cfg: &RetargetConfig, warnings: &mut Warnings) ->
     let lender = lend(sources);
     let mut plan = Plan::new(sources, &*lender, cfg, warnings)?;
     for p in 0..plan.performers.len() {
-        plan.performers[p].slope = plan.find_slope(p, &*lender)?;
+        plan.lay_floor(p, plan.find_floor(p, &*lender)?, &*lender)?;
     }
     let clips = sources.par_iter().enumerate().map(|(i, source)| plan.lay_source(i, source)).collect();
     Ok(ClipSet { skeleton: plan.skeleton, clips })

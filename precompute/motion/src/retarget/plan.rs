@@ -2,15 +2,17 @@
 
 use super::align::{self, Alignment};
 use super::body::{Body, Source};
+use super::ground::Point;
 use super::names::unique_names;
 use super::transfer::{Motion, transfer};
 use super::{Proportions, RetargetConfig, check, check_legs, ground, group, proportions};
 use crate::clip::{Clip, Exclusion, ExclusionReason};
 use crate::error::{BuildError, Warnings};
 use crate::import::{Glitch, Imported, Treated};
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec3};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use throng_base::maths;
 use throng_core::Skeleton;
 
 /// The first clips of a source skeleton, up to this length, say what its body and floor are like (s).
@@ -29,14 +31,23 @@ pub struct Plan {
     align_ground: bool,
 }
 
+/// The floor that clips of one source skeleton share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Floor {
+    /// What turns motion upright, where the floor was tilted.
+    turn: Option<Quat>,
+    /// How it rises along x and z then (per metre), and with time (0).
+    slope: Vec3,
+}
+
 /// Clips of one source skeleton, and what they share.
 #[derive(Serialize)]
 pub struct Performer {
     /// Places of its first clips, which alone were measured: a later one changes nothing for the others.
     #[serde(skip)]
     pub telling: Vec<usize>,
-    /// Slope of its floor (rise per metre along x and z); level until [`Plan::find_slope`] says otherwise.
-    pub slope: Vec2,
+    /// Level until [`Plan::lay_floor`] says otherwise.
+    pub floor: Floor,
     body: Body,
     alignment: Alignment,
     own: Skeleton,
@@ -49,11 +60,27 @@ impl Performer {
         let body = Body::measure(sources);
         let alignment = align::align(&body);
         let own = proportions::own(&body, &alignment);
-        Self { telling, slope: Vec2::ZERO, body, alignment, own }
+        Self { telling, floor: Floor::default(), body, alignment, own }
     }
 
-    fn transfer(&self, source: &Source, skeleton: &Skeleton) -> Motion {
-        transfer(*source, &self.body, &self.alignment, &self.own, skeleton)
+    /// Measured again, upright: a foot is level where it stands.
+    fn turned(&self, turn: Quat, sources: &[Source]) -> Self {
+        let sources: Vec<Source> = sources.iter().map(|s| Source { turn: Some(turn), ..*s }).collect();
+        Self::new(self.telling.clone(), &sources)
+    }
+
+    /// A clip on the skeleton, and where its feet stand.
+    fn transfer(&self, source: &Source, turn: Option<Quat>, skeleton: &Skeleton) -> (Motion, Vec<Point>) {
+        let source = Source { turn, ..*source };
+        let motion = transfer(source, &self.body, &self.alignment, &self.own, skeleton);
+        let standing = ground::standing(&motion, skeleton, source.clip.rate_hz);
+        (motion, standing)
+    }
+
+    /// Slope of the floor that clips show together.
+    fn slope(&self, sources: &[Source], turn: Option<Quat>, skeleton: &Skeleton) -> Vec3 {
+        let points: Vec<Vec<Point>> = sources.par_iter().map(|s| self.transfer(s, turn, skeleton).1).collect();
+        ground::slope(&points.iter().map(Vec::as_slice).collect::<Vec<_>>())
     }
 }
 
@@ -122,21 +149,34 @@ impl Plan {
         Ok(Self { skeleton, performers, names, performer_of, align_ground: cfg.align_ground })
     }
 
-    /// Slope of the floor that the first clips of a source skeleton show.
-    pub fn find_slope(&self, performer: usize, lender: &Lender<'_>) -> Result<Vec2, BuildError> {
-        let (p, mut slope) = (&self.performers[performer], Vec2::ZERO);
+    /// The floor that the first clips of a source skeleton show.
+    pub fn find_floor(&self, performer: usize, lender: &Lender<'_>) -> Result<Floor, BuildError> {
+        let (p, mut floor) = (&self.performers[performer], Floor::default());
         if !self.align_ground {
-            return Ok(slope);
+            return Ok(floor);
         }
-        let standing = |source: &Source| {
-            let motion = p.transfer(source, &self.skeleton);
-            ground::standing(&motion, &self.skeleton, source.clip.rate_hz)
-        };
         lender(&p.telling, &mut |sources| {
-            let points: Vec<Vec<Vec3>> = sources.par_iter().map(standing).collect();
-            slope = ground::slope(&points.iter().map(Vec::as_slice).collect::<Vec<_>>());
+            floor.slope = p.slope(sources, None, &self.skeleton);
+            if ground::is_steep(floor.slope) {
+                let turn = ground::upright(floor.slope);
+                let slope = p.turned(turn, sources).slope(sources, Some(turn), &self.skeleton);
+                let slope = if ground::is_steep(slope) { Vec3::ZERO } else { slope };
+                floor = Floor { turn: Some(turn), slope };
+            }
         })?;
-        Ok(slope)
+        Ok(floor)
+    }
+
+    /// Lays the clips of a source skeleton onto the floor that was found.
+    pub fn lay_floor(&mut self, performer: usize, floor: Floor, lender: &Lender<'_>) -> Result<(), BuildError> {
+        let p = &mut self.performers[performer];
+        if let Some(turn) = floor.turn {
+            let mut turned = None;
+            lender(&p.telling, &mut |sources| turned = Some(p.turned(turn, sources)))?;
+            turned.into_iter().for_each(|turned| *p = turned);
+        }
+        p.floor = floor;
+        Ok(())
     }
 
     /// All that laying a clip takes besides the clip and its name, for its key: skeletons, body and floor.
@@ -155,10 +195,17 @@ impl Plan {
 
     pub(super) fn lay_source(&self, clip: usize, source: &Source) -> Clip {
         let p = &self.performers[self.performer_of[clip]];
-        let mut motion = p.transfer(source, &self.skeleton);
+        let Floor { turn, mut slope } = p.floor;
+        let (mut motion, mut standing) = p.transfer(source, turn, &self.skeleton);
         if self.align_ground {
-            let standing = ground::standing(&motion, &self.skeleton, source.clip.rate_hz);
-            ground::level(&mut motion, ground::height(&standing, p.slope), p.slope);
+            slope = ground::own_slope(&standing, slope);
+            if ground::is_steep(slope) {
+                let upright = ground::upright(slope);
+                let turn = turn.map_or(upright, |turn| maths::compose(upright, turn).normalize());
+                (motion, standing) = p.transfer(source, Some(turn), &self.skeleton);
+                slope = ground::own_slope(&standing, Vec3::ZERO);
+            }
+            ground::level(&mut motion, ground::height(&standing, slope), slope, source.clip.rate_hz);
         }
         let Motion { root_positions, rotations } = motion;
         Clip {

@@ -89,7 +89,7 @@ fn rig(clip: &Clip, skeleton: &Skeleton, axes: &[Quat; NUM_JOINTS], left_out: &[
 
 fn lay(raw: &RawClip, roles: &Roles, proportions: Proportions, align_ground: bool) -> ClipSet {
     let cfg = RetargetConfig { proportions, align_ground };
-    lay_all(&[Source { clip: raw, roles, heading: None }], &cfg, &mut Warnings::default()).unwrap()
+    lay_all(&[Source { clip: raw, roles, heading: None, turn: None }], &cfg, &mut Warnings::default()).unwrap()
 }
 
 /// Largest distance between a role's joint and the source's (m).
@@ -115,10 +115,11 @@ fn a_performer_is_measured_on_the_first_ten_minutes_alone() {
     let mut odd = slow.clone();
     odd.rotations.iter_mut().for_each(|q| *q = q.inverse());
     let plan = |clips: &[&RawClip]| {
-        let sources: Vec<Source> = clips.iter().map(|clip| Source { clip, roles: &roles, heading: None }).collect();
+        let sources: Vec<Source> =
+            clips.iter().map(|clip| Source { clip, roles: &roles, heading: None, turn: None }).collect();
         let mut plan =
             Plan::new(&sources, &*lend(&sources), &RetargetConfig::default(), &mut Warnings::default()).unwrap();
-        plan.performers[0].slope = plan.find_slope(0, &*lend(&sources)).unwrap();
+        plan.lay_floor(0, plan.find_floor(0, &*lend(&sources)).unwrap(), &*lend(&sources)).unwrap();
         (plan.performers[0].telling.clone(), serde_json::to_string(&plan.basis(0)).unwrap())
     };
     let two = plan(&[&slow, &slow]);
@@ -160,7 +161,7 @@ fn a_rig_with_all_segments_along_one_axis_gives_the_same_rotations() {
         };
     }
     let (raw, roles) = rig(&clip, &s, &axes, &[]);
-    let body = Body::measure(&[Source { clip: &raw, roles: &roles, heading: None }]);
+    let body = Body::measure(&[Source { clip: &raw, roles: &roles, heading: None, turn: None }]);
     assert!(body.rest.is_none(), "the rest pose must not be a body");
     let set = lay(&raw, &roles, Proportions::Default, false);
     for f in 0..FRAMES {
@@ -233,7 +234,7 @@ fn a_given_heading_of_the_rest_pose_turns_the_body() {
     let s = Skeleton::default();
     let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[]);
     let hips = |heading| {
-        let sources = [Source { clip: &raw, roles: &roles, heading }];
+        let sources = [Source { clip: &raw, roles: &roles, heading, turn: None }];
         let set = lay_all(&sources, &RetargetConfig::default(), &mut Warnings::default()).unwrap();
         set.clips[0].planar(0).heading
     };
@@ -249,7 +250,8 @@ fn clips_of_one_name_are_told_apart_by_folders() {
     let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[]);
     let at = |path: &str| RawClip { path: path.into(), ..raw.clone() };
     let clips = [at("a/made.bvh"), at("b/made.bvh"), at("b/made.bvh")];
-    let sources: Vec<Source> = clips.iter().map(|clip| Source { clip, roles: &roles, heading: None }).collect();
+    let sources: Vec<Source> =
+        clips.iter().map(|clip| Source { clip, roles: &roles, heading: None, turn: None }).collect();
     let mut warnings = Warnings::default();
     let names = unique_names(&sources, &mut warnings);
     assert_eq!(&names[..2], ["a/made", "b/made"]);
@@ -261,7 +263,8 @@ fn clips_of_one_name_are_told_apart_by_folders() {
     // Names are relative to the folder that was given: what tells them apart stands before that.
     let within = |path: &str| RawClip { path: path.into(), name: "slow/made".into(), ..raw.clone() };
     let clips = [within("x/a/slow/made.bvh"), within("y/a/slow/made.bvh"), at("x/a/slow/other.bvh")];
-    let sources: Vec<Source> = clips.iter().map(|clip| Source { clip, roles: &roles, heading: None }).collect();
+    let sources: Vec<Source> =
+        clips.iter().map(|clip| Source { clip, roles: &roles, heading: None, turn: None }).collect();
     let names = unique_names(&sources, &mut Warnings::default());
     assert_eq!(names, ["x/a/slow/made", "y/a/slow/made", "made"]);
 }
@@ -270,7 +273,7 @@ fn clips_of_one_name_are_told_apart_by_folders() {
 fn refuses_what_has_no_legs() {
     let s = Skeleton::default();
     let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[Joint::LeftShin]);
-    let sources = [Source { clip: &raw, roles: &roles, heading: None }];
+    let sources = [Source { clip: &raw, roles: &roles, heading: None, turn: None }];
     let e = lay_all(&sources, &RetargetConfig::default(), &mut Warnings::default()).unwrap_err().to_string();
     assert!(e.contains("made.bvh") && e.contains("left_shin") && e.contains("profile"), "{e}");
     let wrong = ExplicitProportions { offsets: [("left_shine".to_string(), [0.0; 3])].into() };
@@ -294,7 +297,7 @@ proptest! {
         let (raw, roles) = rig(&motion(&s), &s, &axes, &[]);
         let set = lay(&raw, &roles, Proportions::Clip, false);
         prop_assert!(worst_distance(&set, &raw, &roles) < 1e-4);
-        let own = own_skeleton(Source { clip: &raw, roles: &roles, heading: None }).unwrap();
+        let own = own_skeleton(Source { clip: &raw, roles: &roles, heading: None, turn: None }).unwrap();
         prop_assert_eq!(&set.skeleton, &own);
         for f in 1..FRAMES {
             let pairs = set.clips[0].frame_rotations(f - 1).iter().zip(set.clips[0].frame_rotations(f));
@@ -319,7 +322,7 @@ proptest! {
         }
         let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[LeftToe, RightToe]);
         let set = lay(&raw, &roles, Proportions::Default, false);
-        let own = own_skeleton(Source { clip: &raw, roles: &roles, heading: None }).unwrap();
+        let own = own_skeleton(Source { clip: &raw, roles: &roles, heading: None, turn: None }).unwrap();
         let scale = set.skeleton.leg_length() / own.leg_length();
         for foot in [LeftFoot, RightFoot] {
             let off = |f: usize| {
@@ -348,5 +351,103 @@ fn written_back_and_read_again_nothing_moves() {
         }
         let head = want[Joint::Head.index()];
         assert!((world[NUM_JOINTS].0 - (head.0 + head.1 * s.tips[0])).length() < 1e-5);
+    }
+}
+
+/// A body that stands at places along a winding way, and hops from each to the next.
+fn stops(skeleton: &Skeleton, stops: usize) -> Clip {
+    let at = |k: usize| Vec3::new((0.7 * k as f32).sin(), 0.0, 0.25 * k as f32);
+    let (mut roots, mut rotations) = (Vec::new(), Vec::new());
+    for f in 0..stops * 15 {
+        let (k, ratio) = (f / 15, ((f % 15) as f32 - 10.0).max(0.0) / 5.0);
+        roots.push(skeleton.offsets[0] + at(k).lerp(at(k + 1), ratio));
+        let mut local = [Quat::IDENTITY; NUM_JOINTS];
+        local[0] = Quat::from_rotation_y(0.9 * (k as f32 + ratio));
+        rotations.extend(local);
+    }
+    Clip::new("stops", 30.0, roots, rotations)
+}
+
+/// How far feet stand from the ground (m), and the body leans (rad), at most.
+fn off_ground(set: &ClipSet) -> (f32, f32) {
+    let clip = &set.clips[0];
+    let lean = |f: usize| (clip.frame_rotations(f)[0] * Vec3::Y).angle_between(Vec3::Y);
+    let lean = (0..clip.num_frames()).map(lean).fold(0.0, f32::max);
+    (crate::annotate::sanity(clip, &set.skeleton).stance.p95_cm / 100.0, lean)
+}
+
+#[test]
+fn people_stand_upright_on_floors_that_were_tilted_or_drift() {
+    let s = Skeleton::default();
+    let (raw, roles) = rig(&stops(&s, 20), &s, &PLAIN, &[]);
+    for k in 0..12 {
+        let (degrees, way, drift) = ([2.5, 4.0, 6.0, 8.0][k % 4], 0.7 * k as f32, [0.0, 0.006, -0.015][k / 4]);
+        let tilt = Quat::from_axis_angle(Vec3::new(way.cos(), 0.0, way.sin()), f32::to_radians(degrees));
+        let mut raw = raw.clone();
+        for f in 0..raw.num_frames {
+            let (hips, rise) = (f * NUM_JOINTS, Vec3::Y * (drift * f as f32 / 30.0));
+            raw.translations[hips] = tilt * raw.translations[hips] + rise;
+            raw.rotations[hips] = tilt * raw.rotations[hips];
+        }
+        let (far, lean) = off_ground(&lay(&raw, &roles, Proportions::Default, true));
+        // On a way that leads on, some of what rises with time seems to rise with the way.
+        assert!(far < 0.01 && lean < 0.02 + drift.abs(), "{degrees} degrees, {drift} m/s: {far} m, {lean} rad");
+        let (far, _) = off_ground(&lay(&raw, &roles, Proportions::Default, false));
+        assert!(far > 0.05, "{far}");
+    }
+}
+
+#[test]
+fn stairs_stay_stairs() {
+    let s = Skeleton::default();
+    let clip = stops(&s, 20);
+    for (rise, every) in [(0.17, 1), (0.17, 3), (0.06, 2), (0.1, 4)] {
+        let mut clip = clip.clone();
+        for (f, p) in clip.root_positions.iter_mut().enumerate() {
+            p.y += rise * (f / 15 / every) as f32;
+        }
+        let (raw, roles) = rig(&clip, &s, &PLAIN, &[]);
+        let laid = lay(&raw, &roles, Proportions::Default, true);
+        let climbed = |c: &Clip| c.root_positions[c.num_frames() - 1].y - c.root_positions[0].y;
+        assert!((climbed(&laid.clips[0]) - climbed(&clip)).abs() < 1e-3, "{rise} m each {every}");
+        assert!(off_ground(&laid).1 < 1e-3);
+    }
+}
+
+#[test]
+fn rest_poses_that_crouch_or_lean_are_aligned() {
+    use Joint::*;
+    let s = Skeleton::default();
+    let clip = motion(&s);
+    for (thigh, shin, lean) in [
+        (10.0, 20.0, 0.0),
+        (20.0, 34.0, 0.0),
+        (34.0, 34.0, 0.0),
+        (40.0, 43.0, 15.0),
+        (0.0, 0.0, 13.0),
+        (0.0, 0.0, 25.0),
+        (0.0, 0.0, -14.0),
+        (5.0, 33.0, 35.0),
+        (30.0, 40.0, -13.0),
+        (43.0, 43.0, 40.0),
+    ] {
+        // How the joints are turned in the rest pose; its feet stand flat.
+        let turned = |j: Joint| match j {
+            LeftThigh | RightThigh => Quat::from_rotation_x(-f32::to_radians(thigh)),
+            LeftShin | RightShin => Quat::from_rotation_x(f32::to_radians(shin)),
+            LeftFoot | LeftToe | RightFoot | RightToe => Quat::IDENTITY,
+            _ => Quat::from_rotation_x(f32::to_radians(lean)),
+        };
+        let (raw, roles) = rig(&clip, &s, &Joint::ALL.map(|j| turned(j).inverse()), &[]);
+        let body = Body::measure(&[Source { clip: &raw, roles: &roles, heading: None, turn: None }]);
+        assert!(body.rest.is_some(), "the rest pose must be a body");
+        let set = lay(&raw, &roles, Proportions::Default, false);
+        for f in 0..FRAMES {
+            let both = clip.joint_transforms(&s, f).into_iter().zip(set.clips[0].joint_transforms(&set.skeleton, f));
+            for (j, (a, b)) in Joint::ALL.iter().zip(both) {
+                let off = a.1.angle_between(b.1).to_degrees();
+                assert!(off < 3.5, "{thigh} {shin} {lean}, frame {f}, {}: {off} degrees", j.name());
+            }
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! What the figures on contacts mean, in plain words.
 
 use throng_precompute::annotate::ContactSanity;
+use throng_precompute::stance::Grade;
 
 /// Slower than this, planted feet do not visibly slide (m/s).
 const STILL_MPS: f32 = 0.15;
@@ -30,6 +31,9 @@ pub fn verdict(c: &ContactSanity) -> Vec<(Mood, String)> {
     }
     if c.left_share.max(c.right_share) > 0.0 {
         out.push(sliding(c));
+    }
+    if c.stance.grade != Grade::Good {
+        out.push((Mood::Odd, format!("Feet stand {}. Is the floor level?", c.stance)));
     }
     out
 }
@@ -62,7 +66,7 @@ mod tests {
     use super::*;
 
     fn moods(left_share: f32, right_share: f32, mean_speed_mps: f32, p95_speed_mps: f32) -> Vec<Mood> {
-        let c = ContactSanity { left_share, right_share, mean_speed_mps, p95_speed_mps };
+        let c = ContactSanity { left_share, right_share, mean_speed_mps, p95_speed_mps, ..Default::default() };
         verdict(&c).into_iter().map(|v| v.0).collect()
     }
 

@@ -186,7 +186,14 @@ impl Tracks {
         };
         let found = runs(1..self.num_frames, still).into_iter().filter(dead);
         found
-            .map(|r| glitch(GlitchKind::Freeze, r.start, r.end, "nothing moves in the middle of motion".into()))
+            .map(|r| {
+                let what = match r {
+                    _ if r.start == 1 => "a pose is held before the motion begins",
+                    _ if r.end == self.num_frames => "nothing moves any more",
+                    _ => "nothing moves in the middle of motion",
+                };
+                glitch(GlitchKind::Freeze, r.start, r.end, what.into())
+            })
             .collect()
     }
 
@@ -292,6 +299,21 @@ impl Tracks {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_held_at_an_end_is_not_in_the_middle() {
+        let told = |held: std::ops::Range<usize>| {
+            let places =
+                (0..60usize).map(|f| Vec3::X * (0.03 * (f.min(held.start) + f.saturating_sub(held.end)) as f32));
+            let joints = vec![(Joint::Hips, vec![Quat::IDENTITY; 60], places.collect())];
+            let found = Tracks { joints, rate_hz: 30.0, num_frames: 60 }.freezes();
+            assert_eq!(found.len(), 1);
+            found[0].what.clone()
+        };
+        assert_eq!(told(0..20), "a pose is held before the motion begins");
+        assert_eq!(told(20..40), "nothing moves in the middle of motion");
+        assert_eq!(told(40..60), "nothing moves any more");
+    }
 
     #[test]
     fn glitches_that_touch_are_one_that_has_each_joint_once() {

@@ -1,0 +1,124 @@
+//! Feet that stand: where the lowest part of them hardly moves, and how far from the ground that is.
+
+use glam::Vec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use throng_core::{Joint, Skeleton};
+
+/// The joints of the feet.
+pub const FEET: [Joint; 4] = [Joint::LeftFoot, Joint::LeftToe, Joint::RightFoot, Joint::RightToe];
+
+/// The lowest part of the feet may be standing where it is slower than this (m/s).
+const STANDING_SPEED: f32 = 0.4;
+/// Who jumps hardly moves at the top, for a shorter time than this (s).
+const SHORTEST: f64 = 0.12;
+
+/// The lowest part of the feet at one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stand {
+    /// Which frame.
+    pub frame: usize,
+    /// Where it is, and as y its height above where that joint is when the foot stands flat (m).
+    pub at: Vec3,
+    /// Whether it hardly moves.
+    pub stands: bool,
+}
+
+/// The lowest part of the feet at every frame.
+///
+/// - `feet`: where [`FEET`] are, frame by frame.
+pub fn lowest(feet: impl Iterator<Item = [Vec3; 4]>, skeleton: &Skeleton, rate_hz: f64) -> Vec<Stand> {
+    let rest = skeleton.rest_positions();
+    let mut before: Option<[Vec3; 4]> = None;
+    let stand = |(frame, at): (usize, [Vec3; 4])| {
+        let clearance = |i: usize| at[i].y - rest[FEET[i].index()].y;
+        let lowest = (0..4).min_by(|&a, &b| clearance(a).total_cmp(&clearance(b))).unwrap_or(0);
+        let slow = |b: [Vec3; 4]| (at[lowest] - b[lowest]).length() * (rate_hz as f32) < STANDING_SPEED;
+        let stands = before.replace(at).is_some_and(slow);
+        Stand { frame, at: at[lowest].with_y(clearance(lowest)), stands }
+    };
+    feet.enumerate().map(stand).collect()
+}
+
+/// How far standing feet are from the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Stance {
+    /// 95th percentile (cm).
+    pub p95_cm: f32,
+    /// The farthest (cm).
+    pub worst_cm: f32,
+    /// What to think of the 95th percentile.
+    pub grade: Grade,
+}
+
+/// How well feet stand on the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Grade {
+    /// Nobody sees that they do not.
+    #[default]
+    Good,
+    /// It shows from near by.
+    Fair,
+    /// People float or are sunk, or step onto things.
+    Poor,
+}
+
+/// Where good ends, and where fair ends (cm).
+pub const FAR_CM: [f32; 2] = [3.0, 6.0];
+
+impl Stance {
+    /// Of so many distances (m).
+    pub fn of(mut far: Vec<f32>) -> Self {
+        far.sort_by(f32::total_cmp);
+        let cm = |i: usize| far.get(i).copied().unwrap_or(0.0) * 100.0;
+        let last = far.len().saturating_sub(1);
+        let p95_cm = cm((far.len() * 95 / 100).min(last));
+        let grade = match p95_cm {
+            far if far <= FAR_CM[0] => Grade::Good,
+            far if far <= FAR_CM[1] => Grade::Fair,
+            _ => Grade::Poor,
+        };
+        Self { p95_cm, worst_cm: cm(last), grade }
+    }
+
+    /// The farther of each.
+    pub fn or_worse(self, other: Self) -> Self {
+        Self {
+            p95_cm: self.p95_cm.max(other.p95_cm),
+            worst_cm: self.worst_cm.max(other.worst_cm),
+            grade: self.grade.max(other.grade),
+        }
+    }
+
+    /// What to do where it is not good.
+    pub fn advice(&self) -> Option<String> {
+        (self.grade != Grade::Good).then(|| {
+            format!(
+                "standing feet are up to {:.0} cm from the ground, {:.0} cm at worst: as it should be where people step onto \
+                 things; otherwise the floor is not level, or the body drifts up or down. Level the floor where it was \
+                 captured, or cut the file where its height changes",
+                self.p95_cm, self.worst_cm
+            )
+        })
+    }
+}
+
+impl fmt::Display for Stance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let grade = ["good", "fair", "poor"][self.grade as usize];
+        write!(
+            f,
+            "{:.1} cm from the ground at the 95th percentile, {:.1} cm at worst: {grade}",
+            self.p95_cm, self.worst_cm
+        )
+    }
+}
+
+/// How far the feet are from the ground, frame by frame, where they stand for a moment (m).
+pub fn distances(stands: &[Stand], rate_hz: f64) -> Vec<f32> {
+    let long = (SHORTEST * rate_hz).ceil() as usize;
+    let all = stands.chunk_by(|a, b| a.stands && b.stands).filter(|run| run[0].stands && run.len() >= long);
+    all.flatten().map(|s| s.at.y.abs()).collect()
+}
