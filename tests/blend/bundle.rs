@@ -8,6 +8,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 use throng_precompute::examples::{self, BlendSpaces};
 use throng_precompute::graph::MotionGraph;
+use throng_precompute::inspect::BundleReport;
 use throng_precompute::progress::Silent;
 use throng_precompute::stops::Stops;
 use throng_precompute::write::{self, Baked};
@@ -90,6 +91,8 @@ fn spaces_come_back_as_they_were_written() {
     let (blends, made) = (tables.blends(), spaces().spaces);
     assert_eq!(tables.meta().blends.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["line", "plane"]);
     assert_eq!(tables.find_blend("plane").unwrap(), 1);
+    let told = BundleReport::new(Path::new("a.throng"), &tables).to_string();
+    assert!(told.contains("blends   line, plane"), "{told}");
     assert_eq!(tables.meta().blends[1].axes, ["speed", "gyration"]);
     for (space, made) in blends.spaces.iter().zip(&made) {
         let part = |first: u32, n: usize| first as usize..first as usize + n;

@@ -1,7 +1,7 @@
 //! What is in a bundle: its motion and its effective hits, clip by clip.
 
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
 use throng_motion::annotate::hits::{HitPoint, HitReport};
@@ -26,6 +26,10 @@ pub struct BundleReport {
     pub actions: usize,
     /// Names of the behaviours.
     pub behaviours: Vec<String>,
+    /// Names of the blend spaces.
+    pub blend_spaces: Vec<String>,
+    /// What people do who stand: the names by which that is asked for.
+    pub activities: BTreeSet<String>,
     /// Effective hitting points.
     pub hits: HitReport,
     /// Number of hits by clip and kind; clips without hits are left out.
@@ -49,6 +53,8 @@ impl BundleReport {
             states: graph.states.len(),
             actions: graph.action_segments.len(),
             behaviours: meta.behaviours.clone(),
+            blend_spaces: tables.blends().names.clone(),
+            activities: meta.activities.iter().map(|a| a.tag.clone()).collect(),
             hits: HitReport::new(&points),
             clip_hits,
         }
@@ -61,6 +67,12 @@ impl fmt::Display for BundleReport {
         writeln!(f, "  name     {}, behaviours: {}", self.name, self.behaviours.join(", "))?;
         writeln!(f, "  motion   {} clips, {} frames at {} Hz", self.clips, self.frames, self.rate_hz)?;
         writeln!(f, "  graph    {} states, {} actions", self.states, self.actions)?;
+        if !self.blend_spaces.is_empty() {
+            writeln!(f, "  blends   {}", self.blend_spaces.join(", "))?;
+        }
+        if !self.activities.is_empty() {
+            writeln!(f, "  standing {}", self.activities.iter().map(String::as_str).collect::<Vec<_>>().join(", "))?;
+        }
         writeln!(f, "  hits     {}", self.hits)?;
         for (clip, kinds) in &self.clip_hits {
             let kinds: Vec<String> = kinds.iter().map(|(kind, n)| format!("{kind} {n}")).collect();

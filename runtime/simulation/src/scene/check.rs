@@ -228,7 +228,10 @@ fn agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: usize) 
 fn blended(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), Fault> {
     let num = group.spaces.len();
     if !(1..=MAX_SPACES).contains(&num) {
-        return fault(&at("spaces"), format!("expected 1 to {MAX_SPACES} blend spaces, found {num}"));
+        return fault(
+            &at("spaces"),
+            format!("expected 1 to {MAX_SPACES} blend spaces, found {num}; `throng inspect` lists those of a bundle"),
+        );
     }
     let b = group.bodies();
     check_ranges(&[(&at("bodies.sizes"), b.sizes, 0.3, 3.0), (&at("bodies.legs"), b.legs, 0.5, 2.0)])?;
