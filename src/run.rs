@@ -123,7 +123,8 @@ pub fn run(args: &Args) -> Outcome {
         motion => motion_bundle(motion, &args.cache)?,
     };
     let mut config = args.crowd.trial();
-    config.recorded = config.recorded.filter(|_| args.png.is_some());
+    // Poses are for the picture; a number that nobody has is refused all the same.
+    config.recorded = config.recorded.filter(|&c| args.png.is_some() || c >= config.characters);
     let (report, record) = trial::run(&tables, &config)?;
     if let Some(png) = &args.png {
         draw(&tables, &config, &report, &record, png)?;

@@ -72,7 +72,7 @@ fn faults_of_the_field_name_its_line_and_key() {
     let field = "[agents.field]\nhorizon_s = 2.0\nperception_m = 0.0\n";
     let message = refused(&(group(3, PLACE, "{ stay = {} }") + field));
     let line = (group(3, PLACE, "{ stay = {} }") + "x").lines().count() + 2;
-    let place = format!("made-up:{line}:1: key `agents.field.perception_m`: expected above 0");
+    let place = format!("made-up.toml:{line}:1: key `agents.field.perception_m`: expected above 0");
     assert!(message.contains(&place) && message.contains("found 0"), "{message} {place}");
 }
 
