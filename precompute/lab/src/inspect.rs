@@ -98,7 +98,7 @@ pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<Inspected, Buil
     // At the rate of a build, so that the speeds are those that a build finds.
     let clips = pipeline::clips_of(std::slice::from_ref(&imported), config, &mut warnings)?;
     let mut report = match clips.clips.first() {
-        Some(clip) => ClipReport::of(&imported, clip, &clips.skeleton),
+        Some(clip) => ClipReport::of(&imported, clip, &clips.skeleton, config),
         None => ClipReport::new(&imported),
     };
     report.warnings.extend(warnings.messages);
@@ -115,14 +115,16 @@ fn excluded_in_source(e: &Exclusion, clip: &Clip, source: &RawClip) -> (String, 
 
 impl ClipReport {
     /// What import knows of a clip, and what the stages of a build made of it.
-    fn of(imported: &Imported, clip: &Clip, skeleton: &Skeleton) -> Self {
+    fn of(imported: &Imported, clip: &Clip, skeleton: &Skeleton, config: &BuildConfig) -> Self {
         let mut report = Self {
             contact: annotate::sanity(clip, skeleton),
             hits: HitReport::new(&HitPoint::of_clip(clip)),
             excluded: clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect(),
             ..Self::new(imported)
         };
-        report.warnings.extend(report.contact.stance.advice().map(|advice| format!("{}: {advice}.", report.file)));
+        // Who keeps heights as they were captured has terrain.
+        let advice = report.contact.stance.advice().filter(|_| config.retarget.align_ground);
+        report.warnings.extend(advice.map(|advice| format!("{}: {advice}.", report.file)));
         report
     }
 

@@ -278,3 +278,16 @@ impl ClipSet {
         self.clips.iter().map(Clip::num_frames).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_are_the_longest_ones() {
+        let on = [true, true, false, true, false, false, true, true];
+        assert_eq!(runs(0..8, |f| on[f]), [0..2, 3..4, 6..8]);
+        assert_eq!(runs(1..7, |f| on[f]), [1..2, 3..4, 6..7]);
+        assert!(runs(0..8, |_| false).is_empty() && runs(3..3, |_| true).is_empty());
+    }
+}

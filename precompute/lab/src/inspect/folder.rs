@@ -70,7 +70,7 @@ pub fn inspect_all(
     let missing = if clips.clips.is_empty() { Vec::new() } else { missing(&motion, config.resample.mirror) };
     let path = |i: usize| set.clips[i].clip.path.display().to_string();
     Ok(FolderReport {
-        files: lines(&set, &clips),
+        files: lines(&set, &clips, config),
         performers: performers(&set.clips, &clips),
         repeated: set.repeated().into_iter().map(|[first, i]| [path(i), path(first)]).collect(),
         motion,
@@ -96,11 +96,11 @@ fn performers(imported: &[Imported], clips: &ClipSet) -> Vec<Performer> {
 }
 
 /// A line a file, sorted by path.
-fn lines(set: &ImportedSet, clips: &ClipSet) -> Vec<FileLine> {
+fn lines(set: &ImportedSet, clips: &ClipSet, config: &BuildConfig) -> Vec<FileLine> {
     let copies: BTreeMap<usize, usize> = set.repeated().into_iter().map(|[first, i]| (i, first)).collect();
     let read = set.clips.iter().zip(&clips.clips).enumerate().map(|(i, (imported, clip))| {
         let usable_s = clip.usable_ranges().iter().map(ExactSizeIterator::len).sum::<usize>() as f64 / clip.rate_hz;
-        let report = ClipReport::of(imported, clip, &clips.skeleton);
+        let report = ClipReport::of(imported, clip, &clips.skeleton, config);
         let original =
             copies.get(&i).map(|&first| format!("the same motion as {}", set.clips[first].clip.path.display()));
         let why = original.or_else(|| oddity(imported, usable_s, &report)).unwrap_or_default();
@@ -131,7 +131,8 @@ fn oddity(imported: &Imported, usable_s: f64, report: &ClipReport) -> Option<Str
         return Some("feet hardly touch the ground".into());
     }
     let within = |w: &str| w.strip_prefix(&format!("{}: ", report.file)).unwrap_or(w).to_owned();
-    let all: Vec<String> = imported.own_warnings().map(within).chain(contact.stance.advice()).collect();
+    let of_skeleton = |w: &&String| imported.roles.warnings.contains(&within(w));
+    let all: Vec<String> = report.warnings.iter().filter(|w| !of_skeleton(w)).map(|w| within(w)).collect();
     (!all.is_empty()).then(|| all.join(" "))
 }
 

@@ -63,8 +63,8 @@ pub(super) struct SourceFeet {
     pub mean_mps: f64,
     /// Clip by clip, the fastest first (m/s).
     pub of_clips: Vec<(String, f64)>,
-    /// Of all clips.
-    pub stance: Stance,
+    /// Of all clips; none where heights are kept as they were captured.
+    pub stance: Option<Stance>,
     /// Of a few clips, the farthest first.
     pub stances: Vec<(String, Stance)>,
 }
@@ -95,7 +95,7 @@ pub(super) fn all(facts: &Facts<'_>) -> Vec<Measure> {
     all.push(wait(facts));
     all.extend(slip(facts));
     all.extend(source_slip(&facts.source));
-    all.push(from_ground(&facts.source));
+    all.extend(from_ground(&facts.source));
     all.push(toes(facts.trial));
     all.extend(promises(facts));
     all.extend(seam(facts.blends));
@@ -262,19 +262,18 @@ fn source_slip(slip: &SourceFeet) -> Option<Measure> {
 }
 
 /// How far feet stand from the ground in the clips.
-fn from_ground(source: &SourceFeet) -> Measure {
-    let far = source.stance.p95_cm;
-    let told =
-        format!("feet stand up to {far:.1} cm from the ground in the clips, {:.1} cm at worst", source.stance.worst_cm);
+fn from_ground(source: &SourceFeet) -> Option<Measure> {
+    let Stance { p95_cm: far, worst_cm, .. } = source.stance?;
+    let told = format!("feet stand up to {far:.1} cm from the ground in the clips, {worst_cm:.1} cm at worst");
     let m = measure("feet from the ground (cm)", f64::from(far), stance::FAR_CM.map(f64::from), told);
-    m.advised(|| {
-        let most: Vec<String> =
-            source.stances.iter().take(NAMED).map(|(clip, s)| format!("`{clip}` {:.0}", s.p95_cm)).collect();
+    Some(m.advised(|| {
+        let off = source.stances.iter().filter(|(_, s)| s.grade != stance::Grade::Good);
+        let most: Vec<String> = off.take(NAMED).map(|(clip, s)| format!("`{clip}` {:.0}", s.p95_cm)).collect();
         vec![format!(
             "farthest in {} cm: level the floor where it was captured, or leave out what steps onto things",
             most.join(", ")
         )]
-    })
+    }))
 }
 
 fn toes(trial: &TrialReport) -> Measure {
@@ -382,7 +381,7 @@ mod tests {
             source: SourceFeet {
                 mean_mps: rest.source_slip_mps,
                 of_clips,
-                stance: Stance::of(vec![rest.far_m; 20]),
+                stance: Some(Stance::of(vec![rest.far_m; 20])),
                 stances: vec![("floater".to_owned(), Stance::of(vec![rest.far_m; 20]))],
             },
             longest: Some(Longest { clip: "long".into(), seconds: 8.0 }),

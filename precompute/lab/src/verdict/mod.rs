@@ -192,7 +192,10 @@ fn source_feet(tables: &Bundle) -> SourceFeet {
     let mut stances: Vec<(String, Stance)> = names.zip(far.iter().map(|f| Stance::of(f.clone()))).collect();
     stances.sort_by(|a, b| b.1.p95_cm.total_cmp(&a.1.p95_cm));
     stances.truncate(NAMED);
-    SourceFeet { mean_mps: all.mean_mps(), of_clips, stance: Stance::of(far.concat()), stances }
+    // Who keeps heights as they were captured has terrain.
+    let config = BuildConfig::parse(&tables.meta().config, "bundle".as_ref());
+    let stance = config.is_ok_and(|c| c.retarget.align_ground).then(|| Stance::of(far.concat()));
+    SourceFeet { mean_mps: all.mean_mps(), of_clips, stance, stances }
 }
 
 #[cfg(test)]

@@ -38,9 +38,11 @@ const TILT_REACH: f32 = 0.05;
 /// Feet that are nearer to the floor than these count, round by round, for one whose slope is not known (m).
 const NEARER: [f32; 7] = [f32::INFINITY, 0.16, 0.08, 0.04, 0.04, 0.04, 0.04];
 
-/// A step leads farther than this, or comes later: so many at least tell of a floor (m, s).
-const STEP: (f32, f32) = (0.15, 1.0);
-const MIN_STEPS: usize = 4;
+/// Places that feet stand at are farther from each other than this, or later where the floor drifts (m, s). So many beyond the first
+/// of each clip tell of a floor: a step up is two places, of two feet each, on one plane. More than the most tell nothing new.
+const APART: (f32, f32) = (0.15, 1.0);
+const MIN_PLACES: usize = 5;
+const MOST_PLACES: usize = 200;
 
 /// Where feet stand at one moment.
 #[derive(Clone, Copy, Debug)]
@@ -113,8 +115,12 @@ pub fn upright(slope: Vec3) -> Quat {
 fn tilt(clips: &[&[Point]], drifts: bool) -> Option<Vec3> {
     let found = NEARER.into_iter().try_fold(Vec3::ZERO, |slope, near| fit(clips, slope, (near, TILT_REACH), drifts))?;
     let is_floor = found.truncate().length() < MAX_TILT && found.z.abs() < MAX_DRIFT;
-    let fits = || share_within(clips, found, TILT_NOISE) > 0.75;
-    (is_floor && clips.iter().map(|c| steps(c)).sum::<usize>() >= MIN_STEPS && fits()).then_some(found)
+    let fits = || {
+        let places: Vec<_> = clips.iter().map(|c| places(c, drifts && !is_steep(found))).collect();
+        let known: usize = places.iter().map(|p| p.len().saturating_sub(1)).sum();
+        known >= MIN_PLACES && share_of_places(clips, &places, found) > 0.75
+    };
+    (is_floor && share_within(clips, found, TILT_NOISE) > 0.75 && fits()).then_some(found)
 }
 
 /// One round of least squares over the points that are near the floor as it is known (m); time counts where it drifts.
@@ -170,17 +176,33 @@ fn level_of(points: &[Point], slope: Vec3) -> f32 {
     heights.get(heights.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// How many steps feet make, at least.
-fn steps(points: &[Point]) -> usize {
-    let is_next = |a: &Point, b: &Point| {
-        let by = (a.place - b.place).abs();
-        by.truncate().length() > STEP.0 || by.z > STEP.1
-    };
-    let step = |(count, last): (usize, Option<_>), p| match last {
-        Some(l) if !is_next(l, p) => (count, last),
-        _ => (count + 1, Some(p)),
-    };
-    points.iter().fold((0, None), step).0
+/// The points by the place that they stand at; as time goes by it is another one where the floor drifts.
+fn places(points: &[Point], drifts: bool) -> Vec<Vec<&Point>> {
+    let mut places: Vec<Vec<&Point>> = Vec::new();
+    for p in points {
+        let is_near = |place: &Vec<&Point>| {
+            let by = (p.place - place[0].place).abs();
+            by.truncate().length() <= APART.0 && !(drifts && by.z > APART.1)
+        };
+        match places.iter().position(is_near) {
+            Some(place) => places[place].push(p),
+            None if places.len() < MOST_PLACES => places.push(vec![p]),
+            None => {}
+        }
+    }
+    places
+}
+
+/// Share of the places at which most feet are near to the floor, however long they stand there.
+fn share_of_places(clips: &[&[Point]], places: &[Vec<Vec<&Point>>], slope: Vec3) -> f32 {
+    let (mut kept, mut total) = (0usize, 0usize);
+    for (points, places) in clips.iter().zip(places) {
+        let level = level_of(points, slope);
+        let far = |place: &[&Point]| quantile(place.iter().map(|p| (above(p, slope) - level).abs()).collect(), 0.5);
+        kept += places.iter().filter(|place| far(place) < TILT_NOISE).count();
+        total += places.len();
+    }
+    kept as f32 / total.max(1) as f32
 }
 
 /// Height of the floor of one clip at the origin, given its slope: the lower quartile of where feet stand, which a
@@ -274,6 +296,22 @@ mod tests {
             let stairs = along(|x| (x / tread).floor() * rise);
             assert_eq!(slope(&[&stairs]), Vec3::ZERO, "{rise} {tread}");
             assert_eq!(own_slope(&stairs, Vec3::ZERO), Vec3::ZERO, "{rise} {tread}");
+        }
+        // Who stands, goes up a step and stands there, for however long, whichever foot is lowest.
+        for (rise, way, between) in [(0.1, 0.8, 0), (0.1, 1.0, 1), (0.12, 1.5, 2), (0.17, 1.5, 2), (0.2, 2.5, 3)] {
+            let stand = |x: f32, y: f32, from: f32| {
+                (0..150).map(move |f| {
+                    let side = if f / 10 % 2 == 0 { 0.1 } else { -0.1 };
+                    Point { height: y + 0.002 * (f as f32).sin(), place: Vec3::new(x, side, from + f as f32 / 30.0) }
+                })
+            };
+            let on_the_way = |k: i32| {
+                let x = way * k as f32 / (between + 1) as f32;
+                (0..10).map(move |f| Point { height: 0.0, place: Vec3::new(x, 0.1, 5.0 + k as f32 + f as f32 / 30.0) })
+            };
+            let step: Vec<Point> =
+                stand(0.0, 0.0, 0.0).chain((1..=between).flat_map(on_the_way)).chain(stand(way, rise, 10.0)).collect();
+            assert_eq!(own_slope(&step, slope(&[&step])).truncate(), glam::Vec2::ZERO, "{rise} {way} {between}");
         }
         for ramp in [along(|x| 0.2 * (x - 2.0).max(0.0)), along(|x| 0.1 * (3.0 * x).sin())] {
             assert_eq!(own_slope(&ramp, slope(&[&ramp])), Vec3::ZERO);

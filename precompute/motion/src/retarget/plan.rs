@@ -204,6 +204,7 @@ impl Plan {
                 let turn = turn.map_or(upright, |turn| maths::compose(upright, turn).normalize());
                 (motion, standing) = p.transfer(source, Some(turn), &self.skeleton);
                 slope = ground::own_slope(&standing, Vec3::ZERO);
+                slope = if ground::is_steep(slope) { Vec3::Z * slope.z } else { slope };
             }
             ground::level(&mut motion, ground::height(&standing, slope), slope, source.clip.rate_hz);
         }
