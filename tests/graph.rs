@@ -303,6 +303,18 @@ fn a_clip_unlike_the_rest_is_reported_as_unused() {
 }
 
 #[test]
+fn the_graph_does_not_depend_on_the_number_of_threads() {
+    let clips = wandering(20);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let (graph, report, _) = pool.install(|| connect(&clips, &GraphConfig::default())).unwrap();
+        (graph, report)
+    };
+    assert_eq!(on(1), on(2));
+    assert_eq!(on(1), on(8));
+}
+
+#[test]
 fn json_lists_states_and_actions() {
     let clips = wandering(16);
     let (graph, ..) = connect(&clips, &GraphConfig::default()).unwrap();

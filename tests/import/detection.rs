@@ -287,6 +287,21 @@ fn one_bad_file_of_a_folder_is_skipped_or_stops_a_strict_build() {
 }
 
 #[test]
+fn the_result_does_not_depend_on_the_number_of_threads() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in 0..9 {
+        std::fs::write(dir.path().join(format!("{name}.bvh")), along_x()).unwrap();
+    }
+    let paths = [dir.path().to_owned()];
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| read(&paths, &ImportConfig::default(), &Silent).unwrap().clips)
+    };
+    let one = with(1);
+    assert!(one == with(2) && one == with(8));
+}
+
+#[test]
 fn a_report_names_roles_units_and_reasons() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.bvh");

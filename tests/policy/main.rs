@@ -152,6 +152,21 @@ fn residual_is_that_of_the_stored_values() {
 }
 
 #[test]
+fn same_tables_at_any_thread_count() {
+    let problem = MadeUp { states: 30, actions: 9, ..MadeUp::default() };
+    let at = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let behaviour = problem.behaviour().expect("a valid behaviour");
+        let tables = pool.install(|| solved(&problem.model(), &behaviour, &PolicyConfig::default()));
+        let p = &tables.policies[0];
+        let bits: Vec<u32> = p.values.iter().map(|v| v.to_bits()).collect();
+        (bits, p.best.clone(), bytemuck::bytes_of(&p.record).to_vec(), p.report.comparison)
+    };
+    let one = at(1);
+    assert!(one == at(1) && one == at(2) && one == at(8));
+}
+
+#[test]
 fn stored_actions_are_those_of_the_look_ahead_at_cell_centres() {
     let mut rng = Pcg64::seed_from_u64(4);
     let model = random_model(&mut rng, 8);
