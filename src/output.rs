@@ -25,10 +25,11 @@ pub fn tell(line: impl std::fmt::Display) {
 
 /// Prints lines of a label and a text, aligned.
 pub fn table(rows: &[(&str, String)]) -> Result<(), Box<dyn std::error::Error>> {
+    let rows: Vec<_> = rows.iter().map(|(label, text)| (plain(label), plain(text))).collect();
     let width = rows.iter().map(|r| r.0.chars().count()).max().unwrap_or(0);
     let mut out = std::io::stdout().lock();
     for (label, text) in rows {
-        writeln!(out, "{label:width$}  {}", plain(text))?;
+        writeln!(out, "{label:width$}  {text}")?;
     }
     Ok(())
 }

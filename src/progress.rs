@@ -24,8 +24,9 @@ pub struct Scratch(TempDir);
 impl Scratch {
     pub fn new() -> std::io::Result<Self> {
         let folder = tempfile::tempdir().map_err(|e| {
-            let why =
-                format!("no room for temporary files: {e}; set TMPDIR to a folder that is there and may be written");
+            let why = format!(
+                "cannot make a folder for temporary files: {e}; set TMPDIR to a folder that is there and may be written"
+            );
             std::io::Error::new(e.kind(), why)
         })?;
         lock(&FOLDERS).push(folder.path().to_path_buf());

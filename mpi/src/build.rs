@@ -13,6 +13,7 @@ use throng_precompute::memory;
 use throng_precompute::parts::Parts;
 use throng_precompute::pipeline;
 use throng_precompute::report::{BuildReport, Spent};
+use throng_runtime::base::text::plain;
 use throng_runtime::base::{Comm, limits, out_of_step};
 
 /// Bake the motion of a config into a bundle in several processes.
@@ -104,7 +105,7 @@ pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn Board>) -> Outcome {
 
 fn print(report: &Report, out: &Path) -> Outcome {
     for told in report.build.skipped.iter().chain(&report.build.warnings) {
-        eprintln!("warning: {told}");
+        eprintln!("warning: {}", plain(told));
     }
     println!("made      {}", report.build.made());
     println!("bundle    {}, {} bytes", out.display(), report.build.bundle_bytes);

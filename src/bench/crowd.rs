@@ -97,7 +97,7 @@ pub fn run(args: &Args) -> Outcome {
         let run = Run { scene: scene.name.clone(), figures: figures_of };
         match args.json {
             true => (),
-            false if is_sweep => println!("{}", run.figures.row(&run.scene)),
+            false if is_sweep => output::text(run.figures.row(&run.scene) + "\n")?,
             false => {
                 let scene = format!("{}: {} agent(s), {:.0} s", run.scene, run.agents(), run.figures.simulated_s);
                 let rows: Vec<_> = std::iter::once(("scene", scene)).chain(figures(&run.figures)).collect();

@@ -93,7 +93,7 @@ pub struct TrialReport {
     pub foot_slip_mean_mps: f64,
     /// 95th percentile of the speed of planted heels and toes (m/s).
     pub foot_slip_p95_mps: f64,
-    /// The motion beside that of the clips.
+    /// The motion beside that of the clips, of the first 10 000 steps of 50 characters.
     #[serde(flatten)]
     pub quality: MotionQuality,
     /// Steps of all characters a second of wall time, control and poses included, on one thread.
@@ -229,7 +229,9 @@ pub(crate) fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCh
     loop {
         match scatter_apart(tables, config, spacing_m) {
             // Motion that does not stop soon takes more room.
-            Err(Error::Occupied { .. }) if spacing_m < MOST_SPACING_M => spacing_m *= 1.5,
+            Err(Error::Occupied { .. }) if spacing_m < MOST_SPACING_M => {
+                spacing_m = (1.5 * spacing_m).min(MOST_SPACING_M);
+            }
             done => return done,
         }
     }

@@ -115,7 +115,7 @@ impl Natural {
 pub fn captured(files: &[PathBuf], config: &BuildConfig) -> Result<Option<Natural>, Box<dyn Error>> {
     let mut all = Vec::new();
     for file in import::expand(files)? {
-        let clip = plans::file_clip(&file, config, &|news| eprintln!("{news}"))
+        let clip = plans::file_clip(&file, config, &|news| crate::output::tell(news))
             .map_err(|e| format!("{}: {e}", file.display()))?;
         all.extend(captured_reaches(&clip.clip, &clip.skeleton));
     }

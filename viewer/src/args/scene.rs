@@ -8,7 +8,8 @@ use crate::settings::Settings;
 use eframe::egui;
 use throng_precompute::cache::Cache;
 use throng_precompute::progress::Progress;
-use throng_precompute::run::Cached;
+use throng_precompute::run::{Cached, News};
+use throng_runtime::base::text::plain;
 use throng_runtime::simulation::scene::engine;
 
 /// Prints the stages of a build, on standard error.
@@ -74,7 +75,8 @@ impl Args {
     pub fn open(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
         let Some(file) = &self.file else { return Ok(()) };
         let cache = Cache::in_folder(Cache::FOLDER);
-        model.open_now(file, &Cached { cache: &cache, progress: &StageNames, tell: &|news| eprintln!("{news}") })?;
+        let tell = |news: News| eprintln!("{}", plain(&news.to_string()));
+        model.open_now(file, &Cached { cache: &cache, progress: &StageNames, tell: &tell })?;
         self.show(ctx, model)
     }
 

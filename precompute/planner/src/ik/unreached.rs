@@ -54,7 +54,7 @@ impl<B: Display> Display for Unreached<B> {
         match self {
             Self::OutOfReach { by_m } => write!(f, "out of reach by {by_m:.2} m"),
             Self::OutOfLimits { joint, by_rad } => {
-                write!(f, "out of limits of the {} by {:.0} degrees", plain_name(*joint), by_rad.to_degrees())
+                write!(f, "out of limits of the {} by {:.1} degrees", plain_name(*joint), by_rad.to_degrees())
             }
             Self::Blocked { by } => write!(f, "blocked by {by}"),
         }
