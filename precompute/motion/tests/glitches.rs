@@ -18,6 +18,7 @@ use throng_motion::import::profile::{Profile, load_profiles};
 use throng_motion::import::{
     Glitch, GlitchKind, Glitches, ImportConfig, Imported, SourceClip, Treated, bvh, expand, interpret, read_source,
 };
+use throng_motion::raw::RawClip;
 use throng_motion::retarget::{RetargetConfig, onto};
 
 /// Numbers by chance, the same for the same seed.
@@ -64,7 +65,7 @@ fn inject(source: &mut SourceClip, clean: &Imported, kind: &str, chance: &mut Ch
     let at = 8 + chance.below(frames - 30);
     let metres = |m: f32, chance: &mut Chance| chance.unit() * m / clean.metres_per_unit as f32;
     let seconds = |s: f64| (s * clip.rate_hz).round() as usize;
-    let copy = |clip: &mut throng_motion::raw::RawClip, from: usize, to: usize| {
+    let copy = |clip: &mut RawClip, from: usize, to: usize| {
         clip.translations.copy_within(from * n..(from + 1) * n, to * n);
         clip.rotations.copy_within(from * n..(from + 1) * n, to * n);
     };
@@ -289,6 +290,45 @@ fn a_pop_is_bridged_by_what_the_clip_was() {
             assert!(a.0.distance(b.0) < 1e-3, "frame {f}");
         }
     }
+}
+
+#[test]
+fn frames_that_are_there_twice_are_filled_with_what_is_between_their_neighbours() {
+    let source = walking();
+    let clean = read(&source, Glitches::Keep, &[]);
+    let (n, frames) = (source.clip.joints.len(), source.clip.num_frames);
+    // Every frame twice, at twice the rate; each third one twice; one alone.
+    let cases: [(&str, &dyn Fn(usize) -> usize); 3] =
+        [("all", &|_| 2), ("third", &|f| 1 + usize::from(f % 3 == 1)), ("one", &|f| 1 + usize::from(f == 20))];
+    for (name, times) in cases {
+        let mut faulty = source.clone();
+        let played: Vec<usize> = (0..frames).flat_map(|f| std::iter::repeat_n(f, times(f))).collect();
+        let of = |f: &usize| f * n..(f + 1) * n;
+        faulty.clip.translations = played.iter().flat_map(|f| source.clip.translations[of(f)].to_vec()).collect();
+        faulty.clip.rotations = played.iter().flat_map(|f| source.clip.rotations[of(f)].to_vec()).collect();
+        faulty.clip.num_frames = played.len();
+        if name == "all" {
+            faulty.clip.rate_hz *= 2.0;
+        }
+        let put: Vec<usize> = (1..played.len()).filter(|&f| played[f] == played[f - 1]).collect();
+        let mended = read(&faulty, Glitches::Bridge, &[]);
+        let inner = put.iter().filter(|&&f| f + 1 < played.len());
+        assert!(mended.glitches.iter().map(|g| &g.frames.start).eq(inner), "{name}: {:?}", mended.glitches);
+        assert!(mended.glitches.iter().all(|g| g.kind == GlitchKind::Repeat && g.treated == Treated::Bridged));
+        let told = &mended.warnings.messages;
+        assert!(told.len() == 1 && told[0].contains("the frame before again"), "{name}: {told:?}");
+        // The hips go on at every frame, half way where they stood.
+        for &f in put.iter().filter(|&&f| f + 1 < played.len()) {
+            let at = |clip: &RawClip, f: usize| clip.world(f)[clean.roles.get(Joint::Hips).unwrap()].0;
+            let between = at(&clean.clip, played[f]).midpoint(at(&clean.clip, played[f + 1]));
+            assert!(at(&mended.clip, f).distance(between) < 1e-4, "{name}, frame {f}");
+        }
+    }
+    // Who stands still repeats nothing.
+    let mut still = source.clone();
+    let pose = (source.clip.translations[..n].to_vec(), source.clip.rotations[..n].to_vec());
+    (still.clip.translations, still.clip.rotations) = (pose.0.repeat(frames), pose.1.repeat(frames));
+    assert_eq!(read(&still, Glitches::Bridge, &[]).glitches, []);
 }
 
 #[test]

@@ -199,9 +199,15 @@ fn of_height(units: f32, declared: Option<f64>, config: &ImportConfig) -> Result
 #[test]
 fn bodies_that_are_no_persons_are_refused_with_the_unit_that_makes_one() {
     let plain = ImportConfig::default();
-    for (units, declared, metres) in
-        [(175.0, None, 1.75), (120.0, None, 1.2), (90.0, Some(0.01), 0.9), (2.3, Some(1.0), 2.3)]
-    {
+    for (units, declared, metres) in [
+        (175.0, None, 1.75),
+        (120.0, None, 1.2),
+        // A child in centimetres, and none of 2.5 m in inches; an adult in inches.
+        (100.0, None, 1.0),
+        (67.0, None, 1.702),
+        (90.0, Some(0.01), 0.9),
+        (2.3, Some(1.0), 2.3),
+    ] {
         let i = of_height(units, declared, &plain).unwrap();
         assert!((i.height - metres).abs() < 0.01, "{units}: {}", i.height);
         assert_eq!(i.warnings.messages, [""; 0], "{units}");

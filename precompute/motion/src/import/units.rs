@@ -9,15 +9,16 @@ use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_core::Joint;
 
-/// Units that files are written in (m).
-const UNITS: [(f64, &str); 7] = [
-    (1.0, "metres"),
-    (0.1, "decimetres"),
-    (0.01, "centimetres"),
-    (0.001, "millimetres"),
-    (0.0254, "inches"),
-    (0.3048, "feet"),
-    (0.0254 / 0.45, "units of 1/0.45 inch, as in the CMU database"),
+/// Units that files are written in (m), and how much rarer than metres and centimetres they are, as what that weighs against: the
+/// logarithm of a ratio of heights. A child in centimetres is likelier than a giant in inches.
+const UNITS: [(f64, f64, &str); 7] = [
+    (1.0, 0.0, "metres"),
+    (0.01, 0.0, "centimetres"),
+    (0.001, 0.1, "millimetres"),
+    (0.0254, 0.15, "inches"),
+    (0.0254 / 0.45, 0.15, "units of 1/0.45 inch, as in the CMU database"),
+    (0.1, 0.4, "decimetres"),
+    (0.3048, 0.4, "feet"),
 ];
 /// Height that the candidates are compared with (m).
 const TYPICAL_HEIGHT: f64 = 1.7;
@@ -99,8 +100,9 @@ pub(super) fn find_unit(source: &mut SourceClip, roles: &RoleMap, config: &Impor
         }
         source.warnings.push(format!("{}: by the units that it names {}: ignored.", path.display(), in_metres(unit)));
     }
-    let distance = |unit: f64| (height * unit / TYPICAL_HEIGHT).ln().abs();
-    let (unit, name) = UNITS.into_iter().min_by(|a, b| distance(a.0).total_cmp(&distance(b.0))).unwrap_or(UNITS[0]);
+    let unlikely = |(unit, rare, _): (f64, f64, _)| (height * unit / TYPICAL_HEIGHT).ln().abs() + rare;
+    let likeliest = UNITS.into_iter().min_by(|a, b| unlikely(*a).total_cmp(&unlikely(*b)));
+    let (unit, _, name) = likeliest.unwrap_or(UNITS[0]);
     source.findings.push(format!("{unit:.6} m a unit ({name}): then {}.", in_metres(unit)));
     Ok(unit)
 }

@@ -179,22 +179,22 @@ impl Tracks {
             steps.get(f).is_some_and(|s| s.0 * rate > share * MOVING.0 || s.1 * rate > share * MOVING.1)
         };
         let long = self.frames(MIN_FREEZE).max(3);
-        // Where the data stop at an end, even who stands swayed a little before.
-        let dead = |r: &std::ops::Range<usize>| {
+        let found = |r: FrameRange| {
+            // Where the data stop at an end, even who stands swayed a little before.
             let share = if r.start == 1 || r.end == self.num_frames { AT_ENDS } else { 1.0 };
-            r.len() >= long && ((r.start > 1 && moves(r.start - 1, share)) || moves(r.end, share))
+            let (before, after) = (r.start > 1 && moves(r.start - 1, share), moves(r.end, share));
+            let (kind, what) = match r {
+                _ if r.len() < long && moves(r.start - 1, 1.0) && moves(r.end, 1.0) => {
+                    (GlitchKind::Repeat, "the frame before again")
+                }
+                _ if r.len() < long || !(before || after) => return None,
+                _ if r.start == 1 => (GlitchKind::Freeze, "a pose is held before the motion begins"),
+                _ if r.end == self.num_frames => (GlitchKind::Freeze, "nothing moves any more"),
+                _ => (GlitchKind::Freeze, "nothing moves in the middle of motion"),
+            };
+            Some(glitch(kind, r.start, r.end, what.into()))
         };
-        let found = runs(1..self.num_frames, still).into_iter().filter(dead);
-        found
-            .map(|r| {
-                let what = match r {
-                    _ if r.start == 1 => "a pose is held before the motion begins",
-                    _ if r.end == self.num_frames => "nothing moves any more",
-                    _ => "nothing moves in the middle of motion",
-                };
-                glitch(GlitchKind::Freeze, r.start, r.end, what.into())
-            })
-            .collect()
+        runs(1..self.num_frames, still).into_iter().filter_map(found).collect()
     }
 
     /// A pose at the start or end that the motion does not lead to.

@@ -34,6 +34,8 @@ pub enum Glitches {
 /// What is wrong with some frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum GlitchKind {
+    /// The frame before again, for a frame or a few in motion: of takes whose rate was raised, or that lost frames.
+    Repeat,
     /// Away and back again within a few frames.
     Pop,
     /// Elsewhere from one frame to the next.
@@ -89,6 +91,7 @@ impl GlitchKind {
     /// In words.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Repeat => "repeat",
             Self::Pop => "pop",
             Self::Jump => "jump",
             Self::Flip => "flip",
@@ -141,9 +144,16 @@ pub(super) fn treat(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings
         Glitches::Bridge => "bridged or cut out",
         Glitches::Keep => "kept",
     };
-    let mut list: Vec<String> = all.iter().take(MAX_LISTED).map(ToString::to_string).collect();
-    if all.len() > MAX_LISTED {
-        list.push(format!("{} more", all.len() - MAX_LISTED));
+    // Of a take whose rate was raised, every other frame is one.
+    let (repeats, others): (Vec<_>, Vec<_>) = all.iter().partition(|g| g.kind == GlitchKind::Repeat);
+    let mut list: Vec<String> = others.iter().take(MAX_LISTED).map(ToString::to_string).collect();
+    if others.len() > MAX_LISTED {
+        list.push(format!("{} more", others.len() - MAX_LISTED));
+    }
+    match &repeats[..] {
+        [] => {}
+        [one] => list.push(one.to_string()),
+        [first, ..] => list.push(format!("{} times {}, first {first}", repeats.len(), first.what)),
     }
     let frames: usize = all.iter().map(|g| g.frames.len()).sum();
     warnings.push(format!(
