@@ -25,9 +25,9 @@ fn bounded(clips: &ClipSet, features: &Features, max_pairs: usize, limit: f32) -
 #[test]
 fn nearer_pairs_first_are_nearly_the_groups_of_complete_linkage() {
     let (clips, features) = walk(0.5);
-    let exact = reference::complete_linkage(&clips, &features, &ClusterConfig { threshold: 0.4 }).unwrap();
-    for max_pairs in [1_000_000, 4_000] {
-        let groups = bounded(&clips, &features, max_pairs, 0.4);
+    for (threshold, max_pairs) in [(0.2, 1_000_000), (0.3, 4_000), (0.4, 1_000_000), (0.4, 4_000), (0.45, 4_000)] {
+        let exact = reference::complete_linkage(&clips, &features, &ClusterConfig { threshold }).unwrap();
+        let groups = bounded(&clips, &features, max_pairs, threshold as f32);
         let ratio = groups.len() as f64 / exact.len() as f64;
         assert!((ratio - 1.0).abs() < 0.05, "{ratio} of the groups with {max_pairs} pairs at a time");
         let same = groups.iter().filter(|g| exact.binary_search(g).is_ok()).count();
