@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::error::BuildError;
+use throng_precompute::import;
 use throng_precompute::trial::TrialConfig;
 use throng_runtime::Bundle;
 use throng_runtime::base::limits;
@@ -74,6 +75,20 @@ impl ReadArgs {
             None => {}
         }
         Ok(config)
+    }
+
+    /// Likewise, for these files; a skeleton that goes with none of them is an error.
+    pub fn config_for(&self, files: &[PathBuf]) -> Result<BuildConfig, Box<dyn std::error::Error>> {
+        let is_amc = |p: &PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("amc"));
+        let asf = self.asf.as_ref().filter(|_| import::expand(files).is_ok_and(|all| !all.iter().any(is_amc)));
+        match (asf, files) {
+            (Some(asf), [file, ..]) => fail(format!(
+                "{}: --asf gives AMC files a skeleton ({}), and here is none; leave --asf out",
+                file.display(),
+                asf.display()
+            )),
+            _ => self.config(),
+        }
     }
 }
 

@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> Outcome {
             let points = if crate::args::is_bundle(&args.file) {
                 HitPoint::of_tables(&crate::args::open(&args.file)?)
             } else {
-                let config = args.read.config()?;
+                let config = args.read.config_for(std::slice::from_ref(&args.file))?;
                 let imported = read_clip(&args.file, &config.import)?;
                 HitPoint::of_set(&pipeline::clips_of(&[imported], &config, &mut Warnings::default())?)
             };
@@ -110,7 +110,7 @@ fn clip(args: &Args) -> Outcome {
             args.file.display()
         ));
     }
-    let config = args.read.config()?;
+    let config = args.read.config_for(std::slice::from_ref(&args.file))?;
     let imported = read_clip(&args.file, &config.import)?;
     let raw = if args.retargeted {
         let clips = pipeline::clips_of(&[imported], &config, &mut Warnings::default())?;

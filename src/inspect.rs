@@ -75,7 +75,7 @@ pub fn run(args: &Args) -> Outcome {
         }
         return print(args, &BundleReport::new(file, &tables));
     }
-    let inspected = inspect::inspect_clip(file, &args.read.config()?)?;
+    let inspected = inspect::inspect_clip(file, &args.read.config_for(&args.files)?)?;
     if let Some(path) = &args.hits_png {
         hit_picture::of_set(&inspected.clips, &title).save_png(path)?;
     }
@@ -90,7 +90,7 @@ fn many(args: &Args) -> Outcome {
     if let Some(bundle) = args.files.iter().find(|f| is_bundle(f)) {
         return fail(format!("{}: expected a bundle alone, or motion alone", bundle.display()));
     }
-    let report = inspect::inspect_all(&args.files, &args.read.config()?, &progress::Bar::default())?;
+    let report = inspect::inspect_all(&args.files, &args.read.config_for(&args.files)?, &progress::Bar::default())?;
     print(args, &report)?;
     match report.files.iter().all(|f| f.verdict == "skipped") {
         true => fail(format!("none of {} file(s) can be read: a build would make nothing of them", report.files.len())),

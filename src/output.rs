@@ -2,13 +2,11 @@
 
 use serde::Serialize;
 use std::io::Write;
-use throng_runtime::base::text::plain;
+use throng_runtime::base::text::{plain, plain_json};
 
-/// Prints one JSON object on standard output.
+/// Prints one JSON object on standard output, in which nothing steers a terminal.
 pub fn json(value: &impl Serialize) -> Result<(), Box<dyn std::error::Error>> {
-    let mut out = std::io::stdout().lock();
-    serde_json::to_writer_pretty(&mut out, value)?;
-    writeln!(out)?;
+    writeln!(std::io::stdout().lock(), "{}", plain_json(&serde_json::to_string_pretty(value)?))?;
     Ok(())
 }
 
@@ -73,7 +71,5 @@ pub fn bytes(n: u64) -> String {
 
 /// True if standard output was closed early, which is no failure.
 pub fn is_broken_pipe(e: &(dyn std::error::Error + 'static)) -> bool {
-    let io = e.downcast_ref::<std::io::Error>().map(std::io::Error::kind);
-    let json = e.downcast_ref::<serde_json::Error>().and_then(serde_json::Error::io_error_kind);
-    io.or(json) == Some(std::io::ErrorKind::BrokenPipe)
+    e.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
 }

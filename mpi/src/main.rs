@@ -11,7 +11,7 @@ use progress::{Board, LocalBoard};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
-use throng_runtime::base::text::plain;
+use throng_runtime::base::text::{plain, plain_json};
 use throng_runtime::base::{Comm, LocalComm, limits};
 
 /// Moves crowds in several processes: `mpirun -n RANKS throng-mpi ...`.
@@ -83,6 +83,6 @@ fn run(command: &Command, comm: &dyn Comm, board: &Arc<dyn Board>) -> Outcome {
 
 /// Prints one JSON object on standard output.
 fn print_json(value: &impl serde::Serialize) -> Outcome {
-    println!("{}", serde_json::to_string_pretty(value)?);
+    println!("{}", plain_json(&serde_json::to_string_pretty(value)?));
     Ok(())
 }

@@ -169,7 +169,7 @@ fn clip(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
     if let Some(flag) = args.take.given().filter(|flag| *flag != "--onto") {
         return fail(format!("{}: {flag} is for scenes, recordings and bundles", args.file.display()));
     }
-    let config = args.read.config()?;
+    let config = args.read.config_for(std::slice::from_ref(&args.file))?;
     let clips = pipeline::clips_of(&[read_clip(&args.file, &config.import)?], &config, &mut Warnings::default())?;
     Ok(Take::of_clips(folder, &clips.clips[..1], &clips.skeleton)?)
 }

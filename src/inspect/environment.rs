@@ -68,7 +68,7 @@ pub fn run(args: &super::Args) -> Outcome {
 
 /// The clips as a build with default settings makes them, so that heights agree.
 fn read(args: &super::Args) -> Result<ClipSet, Box<dyn std::error::Error>> {
-    let mut config = args.read.config()?;
+    let mut config = args.read.config_for(&args.files)?;
     config.import.strict = true;
     let raw = import::read(&args.files, &config.import, &progress::Bar::default())?;
     let mut warnings = Warnings::default();

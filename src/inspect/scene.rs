@@ -34,7 +34,7 @@ pub fn run(args: &super::Args, task: &Path) -> Outcome {
         return fail(format!("{}: expected a motion file: --scene is for clips", file.display()));
     }
     let task = Task::read(task)?;
-    let config = args.read.config()?;
+    let config = args.read.config_for(&args.files)?;
     let tell = |news: News| output::tell(news);
     let clip = plans::file_clip(file, &config, &tell)?;
     let with = Cached { cache: &Cache::none(), progress: &Silent, tell: &tell };

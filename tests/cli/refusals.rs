@@ -104,6 +104,20 @@ fn places_that_cannot_be_written_are_named() {
 }
 
 #[test]
+fn a_skeleton_for_files_that_take_none_is_refused() {
+    let place = Place::shared();
+    let clip = place.first_clip().display().to_string();
+    for args in [
+        vec!["inspect", &clip, "--asf", "some.asf"],
+        vec!["inspect", &clip, &clip, "--asf", "some.asf"],
+        vec!["export", &clip, "--format", "bvh", "--asf", "some.asf"],
+    ] {
+        let e = failed(&args);
+        assert!(e.contains("--asf gives AMC files a skeleton (some.asf), and here is none"), "{args:?}: {e}");
+    }
+}
+
+#[test]
 fn nothing_is_written_over_what_is_read() {
     let folder = folder();
     let (world, scene, clip) = (at(&folder, "square.toml"), at(&folder, "scene.toml"), at(&folder, "walk.bvh"));

@@ -5,7 +5,7 @@ use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
-use throng_runtime::base::text::plain;
+use throng_runtime::base::text::{plain, plain_json};
 use throng_viewer::args::Args;
 use throng_viewer::{headless, window};
 
@@ -34,7 +34,7 @@ fn run(args: &Args) -> Result<(), Box<dyn Error>> {
 }
 
 fn print_json(report: &impl Serialize) -> Result<(), Box<dyn Error>> {
-    print(&(serde_json::to_string_pretty(report)? + "\n"))
+    print(&(plain_json(&serde_json::to_string_pretty(report)?) + "\n"))
 }
 
 /// Prints; a reader that has gone away is no failure.

@@ -173,6 +173,7 @@ fn messages_quote_no_more_than_a_page() {
 #[test]
 fn nothing_in_a_name_steers_a_terminal() {
     assert_eq!(plain("walk \u{1b}[31m\r\u{7}\u{9b}2J\u{202e}"), "walk \\u{1b}[31m\\r\\u{7}\\u{9b}2J\\u{202e}");
+    assert_eq!(plain_json("{\"walk \u{7f}\u{9b}2J\u{202e}\": 1}"), r#"{"walk \u007f\u009b2J\u202e": 1}"#);
     for kept in ["", "a\tb\nc", "Gehen \u{e4}\u{1f980} \u{65e5}"] {
         assert!(matches!(plain(kept), Cow::Borrowed(same) if same == kept), "{kept}");
     }
