@@ -20,6 +20,10 @@ const TURN_S: f64 = 1.0;
 const STOP_S: f64 = 2.5;
 /// Turns below this are slow (deg/s).
 const SLOW_TURN: f64 = 45.0;
+/// Who goes so far to the side of behind or nearer goes backwards: cosine of the angle between where they face and where they go.
+const BACKWARDS: f64 = -0.7;
+/// Walking of which more is backwards is mostly so.
+pub(crate) const MOSTLY: f64 = 0.5;
 /// Less walking than this is little (s).
 pub(crate) const LITTLE_WALKING_S: f64 = 30.0;
 
@@ -30,6 +34,8 @@ pub struct Abilities {
     pub usable_s: f64,
     /// Of it, going over ground at half a metre a second or more (s).
     pub walking_s: f64,
+    /// Of the walking, backwards (s).
+    pub backwards_s: f64,
     /// Of it, standing (s).
     pub standing_s: f64,
     /// Fastest speed over ground (m/s).
@@ -91,8 +97,13 @@ impl Abilities {
     /// Adds a run of usable frames.
     fn add(&mut self, roots: &[Planar], rate_hz: f64) {
         let frames = |s: f64| (s * rate_hz).round().max(1.0) as usize;
-        let speeds = speeds(roots, frames(0.5 * SPEED_S), rate_hz);
+        let velocities = velocities(roots, frames(0.5 * SPEED_S), rate_hz);
+        let speeds: Vec<f64> = velocities.iter().map(|[x, z]| x.hypot(*z)).collect();
         let walks = |f: usize| speeds[f] >= WALKING_MPS;
+        let backwards = |f: usize| {
+            let (sin, cos) = f64::from(roots[f].heading).sin_cos();
+            velocities[f][0] * sin + velocities[f][1] * cos < BACKWARDS * speeds[f]
+        };
         let standing: Vec<_> = runs_where(0..roots.len(), |f| speeds[f] < STANDING_MPS);
         let standing: Vec<_> = standing.into_iter().filter(|r| r.len() >= frames(STANDING_S)).collect();
         let near = frames(STOP_S);
@@ -102,6 +113,7 @@ impl Abilities {
         }
         self.usable_s += roots.len() as f64 / rate_hz;
         self.walking_s += (0..roots.len()).filter(|&f| walks(f)).count() as f64 / rate_hz;
+        self.backwards_s += (0..roots.len()).filter(|&f| walks(f) && backwards(f)).count() as f64 / rate_hz;
         self.standing_s += standing.iter().map(ExactSizeIterator::len).sum::<usize>() as f64 / rate_hz;
         self.fastest_mps = speeds.iter().copied().fold(self.fastest_mps, f64::max);
         for walk in runs_where(0..roots.len(), walks).into_iter().filter(|r| r.len() > frames(TURN_S)) {
@@ -119,6 +131,11 @@ impl Abilities {
         }
     }
 
+    /// The share of the walking that goes backwards.
+    pub(crate) fn backwards(&self) -> f64 {
+        self.backwards_s / self.walking_s.max(1.0)
+    }
+
     /// What is missing for which behaviour, and the clips that would mend it.
     ///
     /// - `mirrored`: mirrored copies are made, so that a turn to one side is one to the other side too.
@@ -134,6 +151,13 @@ impl Abilities {
         if self.walking_s < LITTLE_WALKING_S {
             let s = self.walking_s;
             out.push(format!("only {s:.0} s of walking: characters have few ways to a target; add a minute of walks"));
+        }
+        if self.backwards() > MOSTLY {
+            out.push(format!(
+                "hardly any walking ahead: {:.0} % of it is backwards; if it is not, the front of the rest pose was misread \
+                 (`import.forward` in a config sets it), otherwise add walks ahead",
+                100.0 * self.backwards()
+            ));
         }
         if self.stops == 0 {
             out.push("no stop: characters will circle their targets; add a clip that walks, then stands".into());
@@ -174,14 +198,14 @@ pub fn unused_clips(tables: &Bundle) -> Vec<&str> {
     all.filter(|(c, _)| unused(c)).map(|(_, meta)| meta.name.as_str()).collect()
 }
 
-/// Speed over ground at every frame, over so many frames before and after (m/s).
-fn speeds(roots: &[Planar], half: usize, rate_hz: f64) -> Vec<f64> {
-    let speed = |f: usize| {
+/// Velocity over ground at every frame, over so many frames before and after: along X and Z (m/s).
+fn velocities(roots: &[Planar], half: usize, rate_hz: f64) -> Vec<[f64; 2]> {
+    let velocity = |f: usize| {
         let (from, to) = (f.saturating_sub(half), (f + half).min(roots.len() - 1));
         let [a, b] = [roots[from], roots[to]];
-        f64::from((b.x - a.x).hypot(b.z - a.z)) * rate_hz / (to - from).max(1) as f64
+        [b.x - a.x, b.z - a.z].map(|by| f64::from(by) * rate_hz / (to - from).max(1) as f64)
     };
-    (0..roots.len()).map(speed).collect()
+    (0..roots.len()).map(velocity).collect()
 }
 
 #[cfg(test)]
@@ -230,5 +254,9 @@ mod tests {
         assert!(of(&[(40.0, 1.0, 0.0), (2.0, 0.0, 0.0)]).missing(true)[0].starts_with("no start"));
         assert!(of(&[(10.0, 1.0, 0.0)]).missing(true)[0].starts_with("only 10 s of walking"));
         assert_eq!(of(&[]), Abilities::default());
+        let back = of(&[(10.0, 1.0, 0.0), (40.0, -1.0, 0.0), (2.0, 0.0, 0.0), (9.0, -1.0, 50.0), (9.0, -1.0, -50.0)]);
+        assert!((back.backwards_s - 58.0).abs() < 1.0 && (back.walking_s - 68.0).abs() < 1.0, "{back:?}");
+        let told = back.missing(true);
+        assert!(told.len() == 1 && told[0].starts_with("hardly any walking ahead: 85 %"), "{told:?}");
     }
 }

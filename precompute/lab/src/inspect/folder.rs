@@ -183,8 +183,8 @@ impl fmt::Display for FolderReport {
         let m = &self.motion;
         writeln!(
             f,
-            "motion      {:.0} s usable: {:.0} s walking up to {:.1} m/s, {:.0} s standing, {} start(s), {} stop(s)",
-            m.usable_s, m.walking_s, m.fastest_mps, m.standing_s, m.starts, m.stops
+            "motion      {:.0} s usable: {:.0} s walking up to {:.1} m/s ({:.0} s backwards), {:.0} s standing, {} start(s), {} stop(s)",
+            m.usable_s, m.walking_s, m.fastest_mps, m.backwards_s, m.standing_s, m.starts, m.stops
         )?;
         let [left, right] = [m.turn_left_deg_per_s, m.turn_right_deg_per_s];
         writeln!(f, "turns       left {left:.0} deg/s, right {right:.0} deg/s at most, while walking")?;

@@ -1,6 +1,6 @@
 //! What a verdict weighs: each measure with its limits, its word, its sentence, and what would mend it.
 
-use crate::abilities::Abilities;
+use crate::abilities::{Abilities, MOSTLY};
 use crate::trial::{Share, TrialReport};
 use serde::Serialize;
 use throng_bake::examples::{BlendReport, ExampleReport, WIDEST_SEAM};
@@ -91,6 +91,7 @@ pub(super) fn all(facts: &Facts<'_>) -> Vec<Measure> {
     all.extend(worst_targets(facts.trial));
     all.extend(staying(facts));
     all.extend(standing(facts));
+    all.push(backwards(facts));
     all.push(stopped(facts.trial));
     all.push(wait(facts));
     all.extend(slip(facts));
@@ -203,6 +204,14 @@ fn stops(facts: &Facts<'_>) -> Vec<String> {
         true => vec!["add clips that come to stand, with both feet on the ground for some seconds".into()],
         false => missing,
     }
+}
+
+/// Motion whose front was misread reaches targets as well as any, backwards.
+fn backwards(facts: &Facts<'_>) -> Measure {
+    let share = facts.motion.backwards();
+    let told = format!("{} of the walking is backwards", percent(share));
+    let m = measure("walking backwards", share, [MOSTLY, 0.75], told);
+    m.advised(|| facts.motion.missing(facts.mirrored))
 }
 
 fn stopped(trial: &TrialReport) -> Measure {
@@ -332,178 +341,4 @@ fn seam(blends: &[BlendReport]) -> Option<Measure> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::Verdict;
-    use super::*;
-    use crate::quality::MotionQuality;
-
-    fn share(targets: &str, reached_fraction: f64) -> Share {
-        Share { targets: targets.into(), characters: 50, reached_fraction }
-    }
-
-    /// Motion that lacks nothing.
-    fn able() -> Abilities {
-        let [turn_left_deg_per_s, turn_right_deg_per_s] = [90.0; 2];
-        Abilities {
-            walking_s: 60.0,
-            stops: 3,
-            starts: 3,
-            turn_left_deg_per_s,
-            turn_right_deg_per_s,
-            ..Abilities::default()
-        }
-    }
-
-    /// A trial in which all is well.
-    fn fine() -> TrialReport {
-        TrialReport {
-            characters: 200,
-            simulated_s: 15.0,
-            reached_fraction: 0.99,
-            stayed_fraction: 0.98,
-            standing_fraction: 0.9,
-            longest_wait_s: 1.0,
-            foot_slip_mean_mps: 0.02,
-            ..TrialReport::default()
-        }
-    }
-
-    /// The verdict on a fine trial of able motion, but for what `edit` makes of it.
-    fn verdict(edit: impl FnOnce(&mut TrialReport, &mut Abilities, &mut Rest)) -> Verdict {
-        let (mut trial, mut motion, mut rest) = (fine(), able(), Rest { source_slip_mps: 0.03, ..Rest::default() });
-        edit(&mut trial, &mut motion, &mut rest);
-        let of_clips = vec![("slider".to_owned(), 0.5), ("walker".to_owned(), 0.01)];
-        let promises = rest.promises.iter().map(|(name, p)| (*name, p.clone(), "set more rings".to_owned())).collect();
-        Verdict::of(&Facts {
-            trial: &trial,
-            motion: &motion,
-            mirrored: false,
-            source: SourceFeet {
-                mean_mps: rest.source_slip_mps,
-                of_clips,
-                stance: Some(Stance::of(vec![rest.far_m; 20])),
-                stances: vec![("floater".to_owned(), Stance::of(vec![rest.far_m; 20]))],
-            },
-            longest: Some(Longest { clip: "long".into(), seconds: 8.0 }),
-            promises,
-            blends: &rest.blends,
-        })
-    }
-
-    /// What else is known.
-    #[derive(Default)]
-    struct Rest {
-        source_slip_mps: f64,
-        far_m: f32,
-        promises: Vec<(&'static str, Promise)>,
-        blends: Vec<BlendReport>,
-    }
-
-    #[test]
-    fn a_poor_trial_says_where_and_why_and_what_would_mend_it() {
-        let verdict = verdict(|trial, motion, rest| {
-            trial.reached_fraction = 0.6;
-            trial.standing_fraction = 0.1;
-            trial.longest_wait_s = 8.2;
-            trial.foot_slip_mean_mps = 0.3;
-            trial.reached_by_direction = vec![share("ahead", 0.9), share("behind", 0.3)];
-            trial.reached_by_distance = vec![share("2 to 3 m", 0.55)];
-            (motion.stops, motion.starts, rest.source_slip_mps) = (0, 0, 0.1);
-        });
-        assert_eq!((verdict.word, verdict.worst), ("poor", "targets reached"));
-        let (told, advice) = (verdict.sentences.join("\n"), verdict.advice.join("\n"));
-        assert!(told.starts_with("poor: 60 % of the targets were reached within 15 s"), "{told}");
-        assert!(told.contains("of those behind: 30 % (poor)") && !told.contains("2 to 3 m"), "{told}");
-        assert!(told.contains("3.0 times as fast as in the clips (100) (poor)"), "{told}");
-        for part in ["no stop", "for 8 s a character heeds nothing", "feet slip where clips are joined"] {
-            assert!(advice.contains(part), "{advice}");
-        }
-    }
-
-    #[test]
-    fn a_good_trial_is_good_and_needs_no_advice() {
-        let good = verdict(|_, _, _| {});
-        assert!((good.word, good.worst) == ("good", "") && good.advice.is_empty(), "{good:?}");
-        assert!(good.sentences[0].starts_with("good: 99 % of the targets"), "{good:?}");
-        // Slow feet are still, however still those of the clips are.
-        assert_eq!(verdict(|t, _, r| (t.foot_slip_mean_mps, r.source_slip_mps) = (0.029, 0.002)).word, "good");
-    }
-
-    /// Each measure by itself makes the verdict, is named by it, comes first, and has advice where there is any.
-    #[test]
-    fn the_verdict_is_that_of_the_worst_measure() {
-        let promise = |kept, kept_p05| Promise { kept: Some(kept), kept_p05: Some(kept_p05), ..Promise::default() };
-        let seam = |closing_m, closing_deg: f64| {
-            let e = ExampleReport {
-                name: "trot".into(),
-                closing_m,
-                closing_rad: closing_deg.to_radians(),
-                ..Default::default()
-            };
-            vec![BlendReport {
-                name: "ahead".into(),
-                examples: vec![ExampleReport::default(), e],
-                ..Default::default()
-            }]
-        };
-        let toes =
-            |mps| MotionQuality { toe_speed_low_p95_mps: mps, source_toe_speed_low_p95_mps: 0.1, ..Default::default() };
-        let check = |v: Verdict, word: &str, worst: &str, told: &str, advice: &str| {
-            assert_eq!((v.word, v.worst), (word, worst), "{v:?}");
-            let first = &v.sentences[0];
-            assert!(first.starts_with(&format!("{word}: ")) && first.contains(told), "{first}");
-            assert!(advice.is_empty() || v.advice.iter().any(|a| a.contains(advice)), "{:?}", v.advice);
-            assert!(v.sentences.iter().any(|s| s.contains("% of the targets were")), "{v:?}");
-        };
-        check(verdict(|t, _, _| t.reached_fraction = 0.85), "fair", "targets reached", "85 %", "lead to each other");
-        let behind = |t: &mut TrialReport| t.reached_by_direction = vec![share("behind", 0.4)];
-        check(verdict(|t, _, _| behind(t)), "poor", "targets of the worst direction", "behind: 40 %", "");
-        check(verdict(|t, _, _| t.standing_fraction = 0.0), "fair", "standing at targets", "only 0 %", "come to stand");
-        check(
-            verdict(|t, _, _| t.stayed_fraction = 0.01),
-            "poor",
-            "staying at targets",
-            "only 1 % of those who came",
-            "stand",
-        );
-        check(verdict(|t, _, _| t.stopped_share = 0.5), "fair", "standing on the way", "50 % of the time", "");
-        let wait = "longest wait for a choice (s)";
-        check(
-            verdict(|t, _, _| t.longest_wait_s = 9.0),
-            "poor",
-            wait,
-            "waits 9.0 s",
-            "8.0 s of `long`: lower `graph.max",
-        );
-        check(
-            verdict(|t, _, _| t.foot_slip_mean_mps = 0.06),
-            "fair",
-            "foot slip (m/s)",
-            "2.0 times",
-            "between the poses",
-        );
-        let source = "foot slip in the clips (m/s)";
-        check(verdict(|_, _, r| r.source_slip_mps = 0.7), "poor", source, "700 mm/s", "`slider` 500, `walker` 10 mm/s");
-        let far = "feet from the ground (cm)";
-        check(verdict(|_, _, r| r.far_m = 0.04), "fair", far, "up to 4.0 cm", "farthest in `floater` 4 cm");
-        check(verdict(|_, _, r| r.far_m = 0.12), "poor", far, "12.0 cm at worst", "level the floor");
-        let low = "low toes, 95th percentile (m/s)";
-        check(verdict(|t, _, _| t.quality = toes(1.2)), "fair", low, "up to 1.20 m/s (0.10", "alike");
-        let kept = |p| verdict(|_, _, r| r.promises = vec![("ok", promise(1.0, 0.9)), ("punch", p)]);
-        check(kept(promise(0.3, 0.2)), "poor", "promises kept", "`punch` collects 30 %", "`punch`: set more rings");
-        let p05 = "promises kept, 5th percentile";
-        check(kept(promise(1.2, 0.02)), "fair", p05, "`punch` collects 2 %", "`punch`: set more rings");
-        assert_eq!(kept(promise(1.2, 0.2)).word, "good");
-        let widest = "widest seam of a blend";
-        let of = |blends| verdict(|_, _, r| r.blends = blends);
-        check(
-            of(seam(0.17, 1.0)),
-            "fair",
-            widest,
-            "`trot` in blend space `ahead` is 17 cm",
-            "other `frames` of `trot`",
-        );
-        check(of(seam(0.01, 20.0)), "poor", widest, "20 deg", "leave it out");
-        assert_eq!(of(seam(0.09, 5.0)).word, "good");
-    }
-}
+mod tests;
