@@ -1,10 +1,11 @@
 //! How long do pose groups take, how much memory, and how many are there beside exact complete linkage?
-//! `cargo bench --bench cluster`; recordings are used where `THRONG_MOCAP` or `../shared/mocap` names them.
+//! `cargo bench --bench cluster`; recordings are used where they are, as for tests.
 
 mod common;
+#[path = "../tests/common/mocap.rs"]
+mod mocap;
 
 use common::processor_seconds;
-use std::path::PathBuf;
 use std::time::Instant;
 use throng_precompute::annotate::{AnnotateConfig, Sidecars, annotate};
 use throng_precompute::cluster::{ClusterConfig, group, reference};
@@ -79,12 +80,7 @@ fn walk(minutes: f64, mirrored: bool) -> Result<ClipSet, BuildError> {
 
 /// The recordings, where there are any, at 30 Hz.
 fn recorded() -> Result<Option<ClipSet>, BuildError> {
-    let root = std::env::var_os("THRONG_MOCAP")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/mocap"), PathBuf::from);
-    if !root.is_dir() {
-        println!("no recordings at {}; set THRONG_MOCAP to their folder", root.display());
-        return Ok(None);
-    }
+    let Some(root) = mocap::recording("") else { return Ok(None) };
     let folders = ["cmu-asfamc/01", "cmu-asfamc/02", "cmu-asfamc/03", "snu/single", "snu/session23", "snu/multi"];
     let raw = read(&folders.map(|f| root.join(f)), &ImportConfig::default(), &Silent)?;
     let clips = onto(&raw.clips, &RetargetConfig::default(), &mut Warnings::default())?;

@@ -9,6 +9,9 @@ pub(crate) mod market;
 #[path = "../tests/common/meeting.rs"]
 pub(crate) mod meeting;
 
+#[path = "../../tests/common/mocap.rs"]
+pub(crate) mod mocap;
+
 #[path = "../tests/common/paces.rs"]
 pub(crate) mod paces;
 
@@ -34,15 +37,4 @@ pub(crate) fn golden() -> OpenBundle {
 /// Lets something be opened without a word.
 pub(crate) fn quietly<T>(open: impl FnOnce(&Cached<'_>) -> T) -> T {
     Building::default().with(open)
-}
-
-/// A file of captured motion; none, with a word on it, where there is no captured motion.
-pub(crate) fn mocap(name: &str) -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/mocap");
-    let path = std::env::var_os("THRONG_MOCAP").map_or_else(beside, PathBuf::from).join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    eprintln!("skipped: no captured motion at {}; set THRONG_MOCAP to its folder", path.display());
-    None
 }

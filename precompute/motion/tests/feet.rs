@@ -1,6 +1,6 @@
 //! Feet that are laid onto the database skeleton slide no more than the source's and stand on the ground.
 
-#[path = "common/mocap.rs"]
+#[path = "../../../tests/common/mocap.rs"]
 mod mocap;
 #[path = "rigs/rig.rs"]
 mod rig;

@@ -1,6 +1,6 @@
 //! Faults put into motion are found, and good motion is left alone.
 
-#[path = "common/mocap.rs"]
+#[path = "../../../tests/common/mocap.rs"]
 mod mocap;
 #[path = "rigs/rig.rs"]
 mod rig;

@@ -1,6 +1,6 @@
 //! Motion that is odd as a whole is told before anything is built of it: walks on the spot, noise, two in one file, sizes.
 
-#[path = "common/mocap.rs"]
+#[path = "../../../tests/common/mocap.rs"]
 mod mocap;
 #[path = "rigs/rig.rs"]
 mod rig;

@@ -1,6 +1,6 @@
 //! Hits that are found in captured motion against labels made by eye. Skipped where the recordings are not at hand.
 
-#[path = "../common/mocap.rs"]
+#[path = "../../../../tests/common/mocap.rs"]
 mod mocap;
 
 use mocap::recording;

@@ -1,7 +1,7 @@
 //! Skeletons of many tools are recognised without a profile, and what is no person is refused with the reason.
 
 mod captured;
-#[path = "../common/mocap.rs"]
+#[path = "../../../../tests/common/mocap.rs"]
 mod mocap;
 mod refused;
 mod rig;

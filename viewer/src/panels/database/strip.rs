@@ -138,7 +138,7 @@ fn sample_raw(raw: &RawMotion, frames: &[u32]) -> Vec<Figure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixtures::{golden, mocap};
+    use crate::fixtures::{golden, mocap::recording};
 
     #[test]
     fn steps_are_round_and_wide_enough() {
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn poses_of_a_motion_file_face_ahead_wherever_the_body_goes() {
-        let Some(path) = mocap("bandai-1/dataset-1_walk_normal_001.bvh") else { return };
+        let Some(path) = recording("bandai-1/dataset-1_walk_normal_001.bvh") else { return };
         let raw = RawMotion::open(&path).unwrap();
         let figures = Source::Raw(&raw).sample(&[0, 20, 40, 60]);
         assert_eq!(figures.len(), 4);

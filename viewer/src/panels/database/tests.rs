@@ -1,7 +1,7 @@
 //! The browser driven as a user would.
 
 use super::*;
-use crate::fixtures::{golden_path, mocap};
+use crate::fixtures::{golden_path, mocap::recording};
 use crate::panels::tests::{Trial, click, trial};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, MouseWheelSource, Pos2, pos2, vec2};
@@ -138,7 +138,7 @@ fn an_action_leads_to_the_start_of_its_segment() {
 
 #[test]
 fn a_motion_file_is_scrubbed_in_frames_of_the_file() {
-    let Some(path) = mocap("cmu-asfamc/02/02_01.amc") else { return };
+    let Some(path) = recording("cmu-asfamc/02/02_01.amc") else { return };
     let mut harness = trial::<State>(Some(&path), vec2(1000.0, 320.0), show);
     harness.run_steps(3);
     let Document::Clip(raw) = &harness.state().model.document else { panic!("a motion file is open") };

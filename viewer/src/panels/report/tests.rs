@@ -1,7 +1,7 @@
 //! The report driven as a user would.
 
 use super::*;
-use crate::fixtures::{golden_path, mocap};
+use crate::fixtures::{golden_path, mocap::recording};
 use crate::panels::tests::trial;
 use eframe::egui::vec2;
 use egui_kittest::kittest::Queryable;
@@ -33,7 +33,7 @@ fn a_bundle_tells_what_it_was_made_of() {
 
 #[test]
 fn a_click_on_an_excluded_range_goes_there() {
-    let Some(path) = mocap("snu/single/walk_clockwise.amc") else { return };
+    let Some(path) = recording("snu/single/walk_clockwise.amc") else { return };
     let mut harness = trial::<State>(Some(&path), vec2(420.0, 1400.0), show);
     harness.run();
     let Document::Clip(raw) = &harness.state().model.document else { panic!("a motion file is open") };
