@@ -88,13 +88,24 @@ fn noise_is_told_with_how_many_times_that_of_captured_motion_it_is() {
 }
 
 #[test]
+fn steps_that_nobody_takes_are_told_with_the_rate() {
+    assert_eq!(told(&read(walking(), &[]), "steps a second"), None);
+    let mut fast = walking();
+    fast.clip.rate_hz *= 4.0;
+    let read = read(fast, &[]);
+    let told = told(&read, "steps a second").expect("too many steps a second");
+    assert!(told.contains("the 120 frames a second") && told.contains("`import.rate_hz`"), "{told}");
+}
+
+#[test]
 fn captured_motion_is_neither_noisy_nor_on_the_spot_and_is_told_where_it_was_made_so() {
     let profiles = load_profiles(&[]).unwrap();
-    let (mut walks, mut missed) = (0, Vec::new());
+    let (mut walks, mut missed, mut unhurried) = (0, Vec::new(), Vec::new());
     for path in expand(&Vec::from_iter(recording(""))).unwrap() {
         let source = read_source(&path, None).unwrap().swap_remove(0);
         let clean = read(source.clone(), &profiles);
-        assert_eq!((told(&clean, "on the spot"), told(&clean, "noisy")), (None, None), "{}", path.display());
+        let odd = ["on the spot", "noisy", "steps a second"].map(|what| told(&clean, what));
+        assert_eq!(odd, [None; 3], "{}", path.display());
         let hips = clean.roles.get(Joint::Hips).unwrap();
         let ends = [0, clean.clip.num_frames - 1].map(|f| clean.clip.world(f)[hips].0);
         let seconds = clean.clip.num_frames as f64 / clean.clip.rate_hz;
@@ -110,12 +121,21 @@ fn captured_motion_is_neither_noisy_nor_on_the_spot_and_is_told_where_it_was_mad
                 missed.push(clean.clip.name.clone());
             }
         }
+        let mut fast = source.clone();
+        fast.clip.rate_hz *= 4.0;
+        // To the side, no foot gets ahead of the other one.
+        let is_aside = ["left", "right"].iter().any(|side| clean.clip.name.contains(side));
+        if !is_aside && told(&read(fast, &profiles), "steps a second").is_none() {
+            unhurried.push(clean.clip.name.clone());
+        }
         let mut noisy = source;
         shake(&mut noisy, 1.0);
         assert!(told(&read(noisy, &profiles), "noisy").is_some(), "{}", clean.clip.name);
     }
     println!("{walks} walks, {} in-place versions missed: {missed:?}", missed.len());
     assert!(missed.len() * 20 <= 2 * walks, "{missed:?}");
+    println!("{} at four times their rate missed: {unhurried:?}", unhurried.len());
+    assert!(unhurried.len() * 10 <= walks, "{unhurried:?}");
 }
 
 /// A file of two hierarchies, each a whole body; with `under`, both hang on one root of that name.

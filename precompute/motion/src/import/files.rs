@@ -305,7 +305,11 @@ pub fn find_asf(amc: &Path) -> Result<PathBuf, ImportError> {
         (None, several) => {
             let names: Vec<_> = several.iter().map(|p| p.display().to_string()).collect();
             let message = format!("several ASF files may be its skeleton: {}", names.join(", "));
-            Err(content_error(amc, message, "Name the right one with `asf` in the config"))
+            Err(content_error(
+                amc,
+                message,
+                "Begin its name with that of its skeleton, or put the two in a folder of their own",
+            ))
         }
     }
 }

@@ -173,7 +173,7 @@ fn group(sources: &[Source]) -> Vec<Vec<usize>> {
     for (i, s) in sources.iter().enumerate() {
         let same = |g: &&mut Vec<usize>| {
             let first = &sources[g[0]];
-            first.roles == s.roles && same_rig(first.clip, s.clip)
+            first.roles == s.roles && same_rig(first, s)
         };
         match groups.iter_mut().find(same) {
             Some(g) => g.push(i),
@@ -183,14 +183,18 @@ fn group(sources: &[Source]) -> Vec<Vec<usize>> {
     groups
 }
 
-fn same_rig(a: &RawClip, b: &RawClip) -> bool {
-    fn joints(c: &RawClip) -> impl Iterator<Item = &RawJoint> {
-        c.joints.iter().filter(|j| !j.is_end)
+/// Where the hips rest, and what they hang on, may differ: some exporters write there where a take begins.
+fn same_rig(a: &Source, b: &Source) -> bool {
+    fn joints(c: &RawClip) -> impl Iterator<Item = (usize, &RawJoint)> {
+        c.joints.iter().enumerate().filter(|(_, j)| !j.is_end)
     }
-    let same = |(a, b): (&RawJoint, &RawJoint)| {
-        (&a.name, a.parent) == (&b.name, b.parent) && a.offset.distance(b.offset) < SAME_OFFSET_M
+    let hips = a.roles[Joint::Hips.index()];
+    let up_from_hips: Vec<usize> = std::iter::successors(hips, |&j| a.clip.joints[j].parent).collect();
+    let same = |((i, a), (_, b)): ((usize, &RawJoint), (usize, &RawJoint))| {
+        let is_there = a.offset.distance(b.offset) < SAME_OFFSET_M || up_from_hips.contains(&i);
+        (&a.name, a.parent) == (&b.name, b.parent) && is_there
     };
-    joints(a).count() == joints(b).count() && joints(a).zip(joints(b)).all(same)
+    joints(a.clip).count() == joints(b.clip).count() && joints(a.clip).zip(joints(b.clip)).all(same)
 }
 
 /// The roles without which there is nothing to lay onto a body.

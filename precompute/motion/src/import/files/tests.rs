@@ -28,7 +28,7 @@ fn a_skeleton_is_chosen_by_stem_and_else_refused_with_the_candidates() {
     put("02.asf");
     assert!(find_asf(&amc).unwrap().ends_with("02.asf"));
     let e = find_asf(&dir.path().join("walk.amc")).unwrap_err().to_string();
-    assert!(e.contains("02.asf") && e.contains("x.asf") && e.contains("`asf` in the config"), "{e}");
+    assert!(e.contains("02.asf") && e.contains("x.asf") && e.contains("Begin its name with"), "{e}");
 }
 
 #[test]

@@ -185,7 +185,7 @@ impl Tracks {
             let (before, after) = (r.start > 1 && moves(r.start - 1, share), moves(r.end, share));
             let (kind, what) = match r {
                 _ if r.len() < long && moves(r.start - 1, 1.0) && moves(r.end, 1.0) => {
-                    (GlitchKind::Repeat, "the frame before again")
+                    (GlitchKind::Repeat, "repeats the one before")
                 }
                 _ if r.len() < long || !(before || after) => return None,
                 _ if r.start == 1 => (GlitchKind::Freeze, "a pose is held before the motion begins"),

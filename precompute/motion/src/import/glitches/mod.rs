@@ -118,6 +118,9 @@ const MAX_BRIDGE: f64 = 0.12;
 /// Most glitches that a warning lists.
 const MAX_LISTED: usize = 8;
 
+/// Of so many repeats, it is said what rate they leave (share of frames).
+const MANY_REPEATS: f64 = 0.25;
+
 /// Finds the glitches of a clip in metres and mends them as told. What is cut is bridged, too: a joint that is
 /// elsewhere for a frame must not move the ground of the whole clip.
 pub(super) fn treat(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings: &mut Warnings) -> Vec<Glitch> {
@@ -139,10 +142,12 @@ pub(super) fn treat(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings
     if how != Glitches::Keep {
         all.iter().filter(|g| g.kind != GlitchKind::Jump).for_each(|g| mend::bridge(clip, g));
     }
-    let done = match how {
-        Glitches::Cut => "cut out",
-        Glitches::Bridge => "bridged or cut out",
-        Glitches::Keep => "kept",
+    let has = |treated| all.iter().any(|g| g.treated == treated);
+    let done = match (has(Treated::Bridged), has(Treated::Cut)) {
+        (true, true) => "bridged or cut out",
+        (true, false) => Treated::Bridged.name(),
+        (false, true) => Treated::Cut.name(),
+        (false, false) => Treated::Kept.name(),
     };
     // Of a take whose rate was raised, every other frame is one.
     let (repeats, others): (Vec<_>, Vec<_>) = all.iter().partition(|g| g.kind == GlitchKind::Repeat);
@@ -153,7 +158,13 @@ pub(super) fn treat(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings
     match &repeats[..] {
         [] => {}
         [one] => list.push(one.to_string()),
-        [first, ..] => list.push(format!("{} times {}, first {first}", repeats.len(), first.what)),
+        [first, ..] => {
+            let (file_hz, share) =
+                (clip.rate_hz, repeats.len() as f64 / clip.num_frames.saturating_sub(1).max(1) as f64);
+            let take = format!(", as if a take of {:.0} Hz in a file of {file_hz:.0} Hz", file_hz * (1.0 - share));
+            let take = if share > MANY_REPEATS { take } else { String::new() };
+            list.push(format!("{} repeat the one before (frame {} first{take})", repeats.len(), first.frames.start));
+        }
     }
     let frames: usize = all.iter().map(|g| g.frames.len()).sum();
     warnings.push(format!(

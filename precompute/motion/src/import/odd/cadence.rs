@@ -1,0 +1,70 @@
+//! Steps that come faster than anybody takes them, as where the rate of a file is not what it was captured at.
+
+use crate::import::roles::RoleMap;
+use crate::raw::RawClip;
+use glam::Vec2;
+use std::fmt;
+use throng_core::Joint;
+
+/// Time over which the way of the hips is measured: more than a step, so that their swing does not count (s).
+const WAY_S: f64 = 0.4;
+/// Slower than this, nobody takes steps (m/s).
+const WALKING_MPS: f32 = 0.5;
+/// A foot is ahead of the other one by more than this (m).
+const AHEAD_M: f32 = 0.08;
+/// Steps that are looked at, or more.
+const STEPS: usize = 3;
+/// More steps a second than sprinters take.
+const MOST_HZ: f64 = 5.5;
+
+/// A walk or run that is too fast.
+pub(super) struct Cadence {
+    /// (steps/s)
+    steps_hz: f64,
+    /// (m/s)
+    speed_mps: f32,
+    rate_hz: f64,
+}
+
+impl fmt::Display for Cadence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "takes {:.1} steps a second, which nobody does, at {:.1} m/s: was it captured at the {:.0} frames a second that it is read with? \
+             `import.rate_hz` in a config sets another rate.",
+            self.steps_hz, self.speed_mps, self.rate_hz
+        )
+    }
+}
+
+/// Looks for steps that are too fast: one foot gets ahead of the other along the way of the hips, by turns.
+pub(super) fn find(clip: &RawClip, roles: &RoleMap) -> Option<Cadence> {
+    let [hips, left, right] = [Joint::Hips, Joint::LeftFoot, Joint::RightFoot].map(|j| roles.get(j));
+    let (hips, left, right) = (hips?, left?, right?);
+    let flat = |f: usize| {
+        let world = clip.world(f);
+        [hips, left, right].map(|j| Vec2::new(world[j].0.x, world[j].0.z))
+    };
+    let places: Vec<[Vec2; 3]> = (0..clip.num_frames).map(flat).collect();
+    let half = (0.5 * WAY_S * clip.rate_hz).round().max(1.0) as usize;
+    let (mut steps, mut frames, mut way_m, mut ahead) = (0, 0, 0.0, 0.0);
+    for f in 0..clip.num_frames {
+        let (from, to) = (f.saturating_sub(half), (f + half).min(clip.num_frames - 1));
+        let way = places[to][0] - places[from][0];
+        let speed = way.length() * clip.rate_hz as f32 / (to - from).max(1) as f32;
+        if speed < WALKING_MPS {
+            ahead = 0.0;
+            continue;
+        }
+        (frames, way_m) = (frames + 1, way_m + speed / clip.rate_hz as f32);
+        let by = (places[f][1] - places[f][2]).dot(way.normalize());
+        if by.abs() > AHEAD_M {
+            steps += usize::from(by * ahead < 0.0);
+            ahead = by;
+        }
+    }
+    let seconds = frames as f64 / clip.rate_hz;
+    let steps_hz = steps as f64 / seconds.max(f64::MIN_POSITIVE);
+    let speed_mps = way_m / seconds as f32;
+    (steps >= STEPS && steps_hz > MOST_HZ).then_some(Cadence { steps_hz, speed_mps, rate_hz: clip.rate_hz })
+}
