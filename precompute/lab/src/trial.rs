@@ -67,6 +67,8 @@ pub struct TrialReport {
     pub characters: usize,
     /// Simulated time (s).
     pub simulated_s: f32,
+    /// Characters make way for each other; otherwise each is as good as alone.
+    pub making_way: bool,
     /// Share of the characters that came within reach of their target.
     pub reached_fraction: f64,
     /// Share of the characters within one and a half reaches at the end.

@@ -20,6 +20,8 @@ const BEHIND: f64 = 0.1;
 const STILL_FEET_MPS: f64 = 0.03;
 /// Low toes that are slower do not catch the eye, whatever the clips' do (m/s).
 const SLOW_TOES_MPS: f64 = 0.8;
+/// Who waits for longer than its longest action over this is held up by others.
+const HELD_UP: f64 = 0.7;
 /// Clips that are named.
 const NAMED: usize = 3;
 
@@ -139,16 +141,23 @@ fn reached(facts: &Facts<'_>) -> Measure {
     let trial = facts.trial;
     let after = trial.mean_arrival_s.map_or(String::new(), |s| format!(", {s:.1} s on average"));
     let share = percent(trial.reached_fraction);
-    let told = format!("{share} of the targets were reached within {:.0} s{after}", trial.simulated_s);
+    let alone = if trial.making_way { "" } else { ", each as if alone" };
+    let told = format!("{share} of the targets were reached within {:.0} s{after}{alone}", trial.simulated_s);
     measure("targets reached", trial.reached_fraction, [GOOD_REACH, 0.8], told).told().advised(|| {
         let missing = facts.motion.missing(facts.mirrored);
-        if missing.is_empty() {
-            let out = "add clips that walk, turn and stop in one take, so that all of them hang together";
-            return vec![format!(
-                "the motion shows all that is needed, in clips that do not lead to each other: {out}"
-            )];
+        match (missing.is_empty(), trial.making_way) {
+            (true, true) => vec![
+                "the motion shows all that is needed; others were in the way, or the time was short: fewer characters or more \
+                 seconds show which, and `--no-avoid` shows each as if alone"
+                    .into(),
+            ],
+            (true, false) => vec![
+                "the motion shows all that is needed, in clips that do not lead to each other soon enough: add clips that walk, \
+                 turn and stop in one take, so that all of them hang together, or give them more seconds"
+                    .into(),
+            ],
+            _ => missing,
         }
-        missing
     })
 }
 
@@ -224,7 +233,12 @@ fn wait(facts: &Facts<'_>) -> Measure {
     let wait = facts.trial.longest_wait_s;
     let told = format!("a character waits {wait:.1} s for its next choice at the longest");
     measure("longest wait for a choice (s)", wait, [4.0, 8.0], told).told().advised(|| {
-        let longest = facts.longest.as_ref().map_or(String::new(), |l| {
+        // Who waits for others plays what it has chosen more slowly.
+        let own = facts.longest.as_ref().filter(|l| l.seconds > HELD_UP * wait || !facts.trial.making_way);
+        if own.is_none() && facts.longest.is_some() {
+            return vec!["others hold it up, and not its clips: fewer characters, or more room".into()];
+        }
+        let longest = own.map_or(String::new(), |l| {
             format!("; the longest stretch without one is {:.1} s of `{}`", l.seconds, l.clip)
         });
         let out = "lower `graph.max_action_s`, or add clips of walking that are short, or that begin and end as the \

@@ -96,8 +96,15 @@ impl Verdict {
             blends,
         };
         let mut verdict = Self { walking_unused_s: unused_s, ..Self::of(&facts) };
-        if trial.reached_fraction < GOOD_REACH && unused_s > verdict.motion.walking_s.max(1.0) {
-            verdict.advice = of_unused(unused_s, &unused_clips(tables), &all, mirrored);
+        if unused_s > verdict.motion.walking_s.max(1.0) {
+            let mut unused = of_unused(unused_s, &unused_clips(tables), &all, mirrored);
+            if trial.reached_fraction >= GOOD_REACH {
+                unused.truncate(1);
+            }
+            // What the unused ones show is not missing.
+            let missing = verdict.motion.missing(mirrored);
+            verdict.advice.retain(|a| !missing.contains(a));
+            verdict.advice.splice(..0, unused);
         }
         verdict
     }

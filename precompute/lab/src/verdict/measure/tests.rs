@@ -119,6 +119,8 @@ fn the_verdict_is_that_of_the_worst_measure() {
         assert!(v.sentences.iter().any(|s| s.contains("% of the targets were")), "{v:?}");
     };
     check(verdict(|t, _, _| t.reached_fraction = 0.85), "fair", "targets reached", "85 %", "lead to each other");
+    let crowd = |t: &mut TrialReport| (t.making_way, t.reached_fraction) = (true, 0.85);
+    check(verdict(|t, _, _| crowd(t)), "fair", "targets reached", "15 s", "others were in the way");
     let behind = |t: &mut TrialReport| t.reached_by_direction = vec![share("behind", 0.4)];
     check(verdict(|t, _, _| behind(t)), "poor", "targets of the worst direction", "behind: 40 %", "");
     check(verdict(|t, _, _| t.standing_fraction = 0.0), "fair", "standing at targets", "only 0 %", "come to stand");
@@ -134,6 +136,10 @@ fn the_verdict_is_that_of_the_worst_measure() {
     check(verdict(|t, _, _| t.stopped_share = 0.5), "fair", "standing on the way", "50 % of the time", "");
     let wait = "longest wait for a choice (s)";
     check(verdict(|t, _, _| t.longest_wait_s = 9.0), "poor", wait, "waits 9.0 s", "8.0 s of `long`: lower `graph.max");
+    // The longest action takes 8 s: whoever waits for 12 is held up.
+    let held_up = |t: &mut TrialReport, s| (t.making_way, t.longest_wait_s) = (true, s);
+    check(verdict(|t, _, _| held_up(t, 9.0)), "poor", wait, "waits 9.0 s", "8.0 s of `long`: lower `graph.max");
+    check(verdict(|t, _, _| held_up(t, 12.0)), "poor", wait, "waits 12.0 s", "others hold it up");
     check(verdict(|t, _, _| t.foot_slip_mean_mps = 0.06), "fair", "foot slip (m/s)", "2.0 times", "between the poses");
     let source = "foot slip in the clips (m/s)";
     check(verdict(|_, _, r| r.source_slip_mps = 0.7), "poor", source, "700 mm/s", "`slider` 500, `walker` 10 mm/s");
