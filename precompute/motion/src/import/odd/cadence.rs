@@ -12,8 +12,8 @@ const WAY_S: f64 = 0.4;
 const WALKING_MPS: f32 = 0.5;
 /// A foot is ahead of the other one by more than this (m).
 const AHEAD_M: f32 = 0.08;
-/// Steps that are looked at, or more.
-const STEPS: usize = 3;
+/// Fewer steps after another one say nothing.
+const STEPS: usize = 2;
 /// More steps a second than sprinters take.
 const MOST_HZ: f64 = 5.5;
 
@@ -47,24 +47,33 @@ pub(super) fn find(clip: &RawClip, roles: &RoleMap) -> Option<Cadence> {
     };
     let places: Vec<[Vec2; 3]> = (0..clip.num_frames).map(flat).collect();
     let half = (0.5 * WAY_S * clip.rate_hz).round().max(1.0) as usize;
-    let (mut steps, mut frames, mut way_m, mut ahead) = (0, 0, 0.0, 0.0);
+    // Frames from each step to the next, and the speeds in between.
+    let (mut steps, mut speeds, mut last, mut ahead) = (Vec::new(), Vec::new(), None, 0.0);
     for f in 0..clip.num_frames {
         let (from, to) = (f.saturating_sub(half), (f + half).min(clip.num_frames - 1));
         let way = places[to][0] - places[from][0];
         let speed = way.length() * clip.rate_hz as f32 / (to - from).max(1) as f32;
         if speed < WALKING_MPS {
-            ahead = 0.0;
+            (last, ahead) = (None, 0.0);
             continue;
         }
-        (frames, way_m) = (frames + 1, way_m + speed / clip.rate_hz as f32);
         let by = (places[f][1] - places[f][2]).dot(way.normalize());
-        if by.abs() > AHEAD_M {
-            steps += usize::from(by * ahead < 0.0);
-            ahead = by;
+        if by.abs() < AHEAD_M {
+            continue;
         }
+        if by * ahead < 0.0 {
+            steps.extend(last.map(|l| f - l));
+            speeds.push(speed);
+            last = Some(f);
+        }
+        ahead = by;
     }
-    let seconds = frames as f64 / clip.rate_hz;
-    let steps_hz = steps as f64 / seconds.max(f64::MIN_POSITIVE);
-    let speed_mps = way_m / seconds as f32;
-    (steps >= STEPS && steps_hz > MOST_HZ).then_some(Cadence { steps_hz, speed_mps, rate_hz: clip.rate_hz })
+    if steps.len() < STEPS {
+        return None;
+    }
+    steps.sort_unstable();
+    speeds.sort_by(f32::total_cmp);
+    let steps_hz = clip.rate_hz / steps[steps.len() / 2] as f64;
+    let speed_mps = speeds[speeds.len() / 2];
+    (steps_hz > MOST_HZ).then_some(Cadence { steps_hz, speed_mps, rate_hz: clip.rate_hz })
 }
