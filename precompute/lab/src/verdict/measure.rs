@@ -144,20 +144,21 @@ fn reached(facts: &Facts<'_>) -> Measure {
     let alone = if trial.making_way { "" } else { ", each as if alone" };
     let told = format!("{share} of the targets were reached within {:.0} s{after}{alone}", trial.simulated_s);
     measure("targets reached", trial.reached_fraction, [GOOD_REACH, 0.8], told).told().advised(|| {
-        let missing = facts.motion.missing(facts.mirrored);
-        match (missing.is_empty(), trial.making_way) {
-            (true, true) => vec![
-                "the motion shows all that is needed; others were in the way, or the time was short: fewer characters or more \
-                 seconds show which, and `--no-avoid` shows each as if alone"
+        let mut advice = facts.motion.missing(facts.mirrored);
+        if trial.making_way {
+            advice.push(
+                "others were in the way, or the time was short: fewer characters or more seconds show which, and `--no-avoid` \
+                 shows each as if alone"
                     .into(),
-            ],
-            (true, false) => vec![
+            );
+        } else if advice.is_empty() {
+            advice.push(
                 "the motion shows all that is needed, in clips that do not lead to each other soon enough: add clips that walk, \
                  turn and stop in one take, so that all of them hang together, or give them more seconds"
                     .into(),
-            ],
-            _ => missing,
+            );
         }
+        advice
     })
 }
 
