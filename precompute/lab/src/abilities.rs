@@ -20,7 +20,7 @@ const TURN_S: f64 = 1.0;
 const STOP_S: f64 = 2.5;
 /// Turns below this are slow (deg/s).
 const SLOW_TURN: f64 = 45.0;
-/// Who goes so far to the side of behind or nearer goes backwards: cosine of the angle between where they face and where they go.
+/// Who goes more than 135 degrees away from where they face goes backwards: cosine of that angle.
 const BACKWARDS: f64 = -0.7;
 /// Walking of which more is backwards is mostly so.
 pub(crate) const MOSTLY: f64 = 0.5;
@@ -32,11 +32,11 @@ pub(crate) const LITTLE_WALKING_S: f64 = 30.0;
 pub struct Abilities {
     /// Usable motion (s).
     pub usable_s: f64,
-    /// Of it, going over ground at half a metre a second or more (s).
+    /// Of the usable motion, going over ground at half a metre a second or more (s).
     pub walking_s: f64,
     /// Of the walking, backwards (s).
     pub backwards_s: f64,
-    /// Of it, standing (s).
+    /// Of the usable motion, standing (s).
     pub standing_s: f64,
     /// Fastest speed over ground (m/s).
     pub fastest_mps: f64,
