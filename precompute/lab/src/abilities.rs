@@ -22,8 +22,8 @@ const STOP_S: f64 = 2.5;
 const SLOW_TURN: f64 = 45.0;
 /// Who goes more than 135 degrees away from where they face goes backwards: cosine of that angle.
 const BACKWARDS: f64 = -0.7;
-/// Walking of which more is backwards is mostly so.
-pub(crate) const MOSTLY: f64 = 0.5;
+/// Above this share, walking is mostly backwards.
+pub(crate) const MOSTLY_BACKWARDS: f64 = 0.5;
 /// Less walking than this is little (s).
 pub(crate) const LITTLE_WALKING_S: f64 = 30.0;
 
@@ -131,7 +131,7 @@ impl Abilities {
         }
     }
 
-    /// The share of the walking that goes backwards.
+    /// The share of the walking that is backwards (0 to 1).
     pub(crate) fn backwards(&self) -> f64 {
         self.backwards_s / self.walking_s.max(1.0)
     }
@@ -152,7 +152,7 @@ impl Abilities {
             let s = self.walking_s;
             out.push(format!("only {s:.0} s of walking: characters have few ways to a target; add a minute of walks"));
         }
-        if self.backwards() > MOSTLY {
+        if self.backwards() > MOSTLY_BACKWARDS {
             out.push(format!(
                 "hardly any walking ahead: {:.0} % of it is backwards; if it is not, the front of the rest pose was misread \
                  (`import.forward` in a config sets it), otherwise add walks ahead",

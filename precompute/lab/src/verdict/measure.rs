@@ -1,6 +1,6 @@
 //! What a verdict weighs: each measure with its limits, its word, its sentence, and what would mend it.
 
-use crate::abilities::{Abilities, MOSTLY};
+use crate::abilities::{Abilities, MOSTLY_BACKWARDS};
 use crate::trial::{Share, TrialReport};
 use serde::Serialize;
 use throng_bake::examples::{BlendReport, ExampleReport, WIDEST_SEAM};
@@ -20,7 +20,7 @@ const BEHIND: f64 = 0.1;
 const STILL_FEET_MPS: f64 = 0.03;
 /// Low toes that are slower do not catch the eye, whatever the clips' do (m/s).
 const SLOW_TOES_MPS: f64 = 0.8;
-/// Who waits for longer than its longest action over this is held up by others.
+/// Others are the reason for a wait of which the longest action is less than this share.
 const HELD_UP: f64 = 0.7;
 /// Clips that are named.
 const NAMED: usize = 3;
@@ -220,7 +220,7 @@ fn stops(facts: &Facts<'_>) -> Vec<String> {
 fn backwards(facts: &Facts<'_>) -> Measure {
     let share = facts.motion.backwards();
     let told = format!("{} of the walking is backwards", percent(share));
-    let m = measure("walking backwards", share, [MOSTLY, 0.75], told);
+    let m = measure("walking backwards", share, [MOSTLY_BACKWARDS, 0.75], told);
     m.advised(|| facts.motion.missing(facts.mirrored))
 }
 

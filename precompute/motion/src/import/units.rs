@@ -9,8 +9,8 @@ use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_core::Joint;
 
-/// Units that files are written in (m), and how much rarer than metres and centimetres they are, as what that weighs against: the
-/// logarithm of a ratio of heights. A child in centimetres is likelier than a giant in inches.
+/// Units that files are written in (m), and how rare each is. That is added to how far a body in this unit is from the typical height
+/// (logarithm of their ratio), and the least sum is taken: a child in centimetres is likelier than a giant in inches.
 const UNITS: [(f64, f64, &str); 7] = [
     (1.0, 0.0, "metres"),
     (0.01, 0.0, "centimetres"),

@@ -30,16 +30,16 @@ pub fn brief(said: String) -> String {
 
 /// Text for a terminal: what would steer it, as names in files of others may, stands there as its code (`\u{1b}`).
 pub fn plain(text: &str) -> Cow<'_, str> {
-    tame(text, |c| c.escape_default().to_string())
+    escape_controls(text, |c| c.escape_default().to_string())
 }
 
-/// JSON for a terminal, likewise: as JSON writes codes (`\u007f`). It means the same.
+/// JSON for a terminal: the same characters stand there as escapes of JSON (`\u007f`), so that it means what it did.
 pub fn plain_json(json: &str) -> Cow<'_, str> {
-    tame(json, |c| format!("\\u{:04x}", u32::from(c)))
+    escape_controls(json, |c| format!("\\u{:04x}", u32::from(c)))
 }
 
 /// Text with codes in place of controls other than ends of lines and tabs, and of what turns the direction of letters.
-fn tame(text: &str, code: impl Fn(char) -> String) -> Cow<'_, str> {
+fn escape_controls(text: &str, code: impl Fn(char) -> String) -> Cow<'_, str> {
     let steers = |c: char| match c {
         '\n' | '\t' => false,
         '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => true,

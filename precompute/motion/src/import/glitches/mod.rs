@@ -118,7 +118,7 @@ const MAX_BRIDGE: f64 = 0.12;
 /// Most glitches that a warning lists.
 const MAX_LISTED: usize = 8;
 
-/// Of so many repeats, it is said what rate they leave (share of frames).
+/// Above this share of repeated frames, the warning says what rate the take really has.
 const MANY_REPEATS: f64 = 0.25;
 
 /// Finds the glitches of a clip in metres and mends them as told. What is cut is bridged, too: a joint that is

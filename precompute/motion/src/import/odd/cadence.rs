@@ -6,23 +6,24 @@ use glam::Vec2;
 use std::fmt;
 use throng_core::Joint;
 
-/// Time over which the way of the hips is measured: more than a step, so that their swing does not count (s).
+/// Time over which the velocity of the hips is measured (s).
 const WAY_S: f64 = 0.4;
 /// Slower than this, nobody takes steps (m/s).
 const WALKING_MPS: f32 = 0.5;
 /// A foot is ahead of the other one by more than this (m).
 const AHEAD_M: f32 = 0.08;
-/// Fewer steps after another one say nothing.
-const STEPS: usize = 2;
+/// Least number of times from a step to the next that says something.
+const INTERVALS: usize = 2;
 /// More steps a second than sprinters take.
 const MOST_HZ: f64 = 5.5;
 
 /// A walk or run that is too fast.
 pub(super) struct Cadence {
-    /// (steps/s)
+    /// Of the median time from a step to the next (steps/s).
     steps_hz: f64,
-    /// (m/s)
+    /// Median over its steps (m/s).
     speed_mps: f32,
+    /// The rate that the clip is read with (Hz).
     rate_hz: f64,
 }
 
@@ -48,7 +49,7 @@ pub(super) fn find(clip: &RawClip, roles: &RoleMap) -> Option<Cadence> {
     let places: Vec<[Vec2; 3]> = (0..clip.num_frames).map(flat).collect();
     let half = (0.5 * WAY_S * clip.rate_hz).round().max(1.0) as usize;
     // Frames from each step to the next, and the speeds in between.
-    let (mut steps, mut speeds, mut last, mut ahead) = (Vec::new(), Vec::new(), None, 0.0);
+    let (mut intervals, mut speeds, mut last, mut ahead) = (Vec::new(), Vec::new(), None, 0.0);
     for f in 0..clip.num_frames {
         let (from, to) = (f.saturating_sub(half), (f + half).min(clip.num_frames - 1));
         let way = places[to][0] - places[from][0];
@@ -62,18 +63,18 @@ pub(super) fn find(clip: &RawClip, roles: &RoleMap) -> Option<Cadence> {
             continue;
         }
         if by * ahead < 0.0 {
-            steps.extend(last.map(|l| f - l));
+            intervals.extend(last.map(|l| f - l));
             speeds.push(speed);
             last = Some(f);
         }
         ahead = by;
     }
-    if steps.len() < STEPS {
+    if intervals.len() < INTERVALS {
         return None;
     }
-    steps.sort_unstable();
+    intervals.sort_unstable();
     speeds.sort_by(f32::total_cmp);
-    let steps_hz = clip.rate_hz / steps[steps.len() / 2] as f64;
+    let steps_hz = clip.rate_hz / intervals[intervals.len() / 2] as f64;
     let speed_mps = speeds[speeds.len() / 2];
     (steps_hz > MOST_HZ).then_some(Cadence { steps_hz, speed_mps, rate_hz: clip.rate_hz })
 }
