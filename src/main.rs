@@ -29,6 +29,7 @@ mod view;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
+use throng_runtime::base::limit_threads;
 
 /// Bakes motion capture into tables, and drives thousands of characters by looking things up.
 #[derive(Parser)]
@@ -63,6 +64,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    limit_threads();
     let cli = Cli::try_parse().unwrap_or_else(|e| renamed::explain(e).exit());
     let Some(command) = cli.command else {
         return ended(output::text(args::FIRST_STEPS));

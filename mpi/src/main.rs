@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 use throng_runtime::base::text::{plain, plain_json};
-use throng_runtime::base::{Comm, LocalComm, limits};
+use throng_runtime::base::{Comm, LocalComm, limit_threads, limits};
 
 /// Moves crowds in several processes: `mpirun -n RANKS throng-mpi ...`.
 ///
@@ -42,6 +42,7 @@ enum Command {
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 fn main() -> ExitCode {
+    limit_threads();
     let cli = Cli::parse();
     if let Some(ranks) = cli.local {
         let board: Arc<dyn Board> = Arc::new(LocalBoard::default());

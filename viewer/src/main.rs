@@ -5,11 +5,13 @@ use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
+use throng_runtime::base::limit_threads;
 use throng_runtime::base::text::{plain, plain_json};
 use throng_viewer::args::Args;
 use throng_viewer::{headless, window};
 
 fn main() -> ExitCode {
+    limit_threads();
     match run(&Args::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) => {

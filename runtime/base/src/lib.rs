@@ -24,7 +24,7 @@ pub use glam;
 pub use hash::{Hash128, StateHash};
 pub use id::Id;
 pub use prefetch::prefetch;
-#[cfg(feature = "rayon")]
-pub use run::Rayon;
 pub use run::{Inline, Run, run_each};
+#[cfg(feature = "rayon")]
+pub use run::{Rayon, limit_threads};
 pub use snapshot::{Bytes, SnapshotKind};

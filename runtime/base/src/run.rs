@@ -65,9 +65,51 @@ impl Run for Rayon {
     }
 }
 
+/// Threads of a pool at most, for each that the machine runs at a time. What a build of a minute of motion takes on two cores: at 64
+/// threads what it takes at two, at 512 seven times that, at 1000 forty times, as threads without work look for some.
+#[cfg(feature = "rayon")]
+const MOST_A_CORE: usize = 32;
+
+/// Gives rayon's global pool fewer threads than `RAYON_NUM_THREADS` asks for, where that is too many to be of use. For the
+/// beginning of a program: a pool that has begun stays as it is.
+#[cfg(feature = "rayon")]
+pub fn limit_threads() {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let asked = std::env::var("RAYON_NUM_THREADS").ok();
+    if let Some(num) = too_many(asked.as_deref(), cores) {
+        // A pool that is there already has been asked for by the caller.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(num).build_global();
+    }
+}
+
+/// The number of threads to have in place of more that were asked for.
+#[cfg(feature = "rayon")]
+fn too_many(asked: Option<&str>, cores: usize) -> Option<usize> {
+    let most = MOST_A_CORE * cores;
+    asked?.parse::<usize>().ok().filter(|&num| num > most).map(|_| most)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(feature = "rayon")]
+    #[test]
+    fn only_what_is_of_no_use_is_taken_from_a_pool() {
+        for (asked, cores, expected) in [
+            (None, 2, None),
+            (Some(""), 2, None),
+            (Some("many"), 2, None),
+            (Some("0"), 2, None),
+            (Some("64"), 2, None),
+            (Some("65"), 2, Some(64)),
+            (Some("1000"), 2, Some(64)),
+            (Some("1000"), 48, None),
+            (Some("18446744073709551615"), 1, Some(32)),
+        ] {
+            assert_eq!(too_many(asked, cores), expected, "{asked:?} on {cores}");
+        }
+    }
 
     #[test]
     fn each_part_is_given_to_one_call() {

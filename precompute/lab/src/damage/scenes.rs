@@ -183,4 +183,35 @@ mod tests {
         #[cfg(feature = "fbx")]
         check(throng_motion::import::fbx::parse(&seeds::fbx()[0], Path::new("a.fbx")).unwrap());
     }
+
+    /// A transform takes as long as there are layers to add up, so each of them counts, moving or not.
+    #[cfg(feature = "fbx")]
+    #[test]
+    fn layers_of_fbx_count_as_what_they_take() {
+        let text = String::from_utf8(seeds::fbx().swap_remove(0)).unwrap();
+        let (before, stop) = text.split_once("\"LocalStop\", \"KTime\", \"Time\", \"\",").unwrap();
+        let rest = &stop[stop.find('\n').unwrap()..];
+        let long = format!("{before}\"LocalStop\", \"KTime\", \"Time\", \"\",{}{rest}", 100 * super::TICKS as i64);
+        let with = |more: usize| {
+            let ids = || 100_000..100_000 + more;
+            let layers: String =
+                ids().map(|id| format!("  AnimationLayer: {id}, \"AnimLayer::\", \"\" {{\n  }}\n")).collect();
+            let links: String = ids().map(|id| format!("  C: \"OO\",{id},1\n")).collect();
+            let text = long.replace("Objects: {\n", &format!("Objects: {{\n{layers}"));
+            let text = text.replace("Connections: {\n", &format!("Connections: {{\n{links}"));
+            throng_motion::import::fbx::parse(text.as_bytes(), Path::new("a.fbx"))
+        };
+        let clip = |more: usize| with(more).unwrap().swap_remove(0).clip;
+        let alone = clip(0);
+        assert_eq!(alone.num_frames, 3001);
+        // As many as are taken at most: 2^21 transforms, and one for each byte.
+        let most = (1..).take_while(|n| 3001 * alone.joints.len() * n <= 2 << 20).last().unwrap();
+        let layered = clip(most - 1);
+        assert!(layered.rotations == alone.rotations, "layers without curves move nothing");
+        let e = with(2 * most).map(|_| ()).unwrap_err().to_string();
+        assert!(
+            e.starts_with("a.fbx: animation `walk`: 3001 frames of ") && e.contains("are too many for its file"),
+            "{e}"
+        );
+    }
 }

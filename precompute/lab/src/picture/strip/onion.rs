@@ -36,12 +36,15 @@ pub fn onion_skin(strip: &PoseStrip<'_>) -> Picture {
     page
 }
 
+/// Times are so far below the root on the floor (m).
+const BELOW_M: f32 = 0.24;
+
 /// The time under every pose that leaves room for it.
 fn draw_times(panel: &mut Picture, camera: &Camera, unit: f32, poses: &[Pose<'_>]) {
     let style = TextStyle { size: 18.0 * unit, colour: colour::INK_SOFT, align: Align::Centre, bold: false };
     let mut drawn: Vec<Vec2> = Vec::new();
     for (_, frame) in poses {
-        let at = camera.project(frame.root.translation()) + Vec2::new(0.0, 0.24 * camera.px_per_m + 14.0 * unit);
+        let at = camera.project(frame.root.translation()) + Vec2::new(0.0, BELOW_M * camera.px_per_m + 14.0 * unit);
         if drawn.iter().all(|p| (*p - at).abs().cmpgt(Vec2::new(52.0, 20.0) * unit).any()) {
             draw_text(panel, at, &format!("{:.2} s", frame.time_s), style);
             drawn.push(at);
@@ -60,6 +63,7 @@ fn fit(poses: &[Pose<'_>], frames: &[StripFrame], width: f32, unit: f32) -> (Cam
     let camera = Camera::looking(heading + FRAC_PI_2, tilt);
     let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
     for (_, frame) in poses {
+        max.y = max.y.max(camera.project(frame.root.translation()).y + BELOW_M);
         for p in frame.figure.joints.iter().chain(&frame.figure.tips).chain([&frame.root.translation()]) {
             let s = camera.project(*p);
             (min, max) = (min.min(s), max.max(s));
@@ -67,7 +71,8 @@ fn fit(poses: &[Pose<'_>], frames: &[StripFrame], width: f32, unit: f32) -> (Cam
     }
     let extent = (max - min + Vec2::new(0.5, 0.35)).max(Vec2::splat(1.0));
     let px_per_m = (width / extent.x).min(620.0 * unit / extent.y).clamp(0.01, 240.0 * unit);
-    let height = extent.y * px_per_m + 56.0 * unit;
+    // The scale is below the times.
+    let height = extent.y * px_per_m + 72.0 * unit;
     let middle = camera.unproject(0.5 * (min + max));
-    (camera.framed(middle, Vec2::new(0.5 * width, 0.5 * (height - 40.0 * unit)), px_per_m), height)
+    (camera.framed(middle, Vec2::new(0.5 * width, 0.5 * (height - 56.0 * unit)), px_per_m), height)
 }
