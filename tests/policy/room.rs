@@ -10,7 +10,7 @@ use throng_runtime::Bundle;
 fn runners_who_cannot_stop_begin_with_more_room() {
     let folder = tempfile::tempdir().unwrap();
     let [all, runs] = ["all", "runs"].map(|name| folder.path().join(name));
-    synth::write(SynthSet::Locomotion, &SynthConfig::default(), &all).unwrap();
+    synth::write(SynthSet::Locomotion, &SynthConfig::for_set(SynthSet::Locomotion), &all).unwrap();
     std::fs::create_dir(&runs).unwrap();
     for name in ["run_neutral_v440_g00.bvh", "run_neutral_v440_gl06.bvh", "run_neutral_v440_gr06.bvh"] {
         std::fs::copy(all.join(name), runs.join(name)).unwrap();
