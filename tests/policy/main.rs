@@ -1,11 +1,8 @@
 //! Policies are the optimal ones: value iteration against hand-solved, brute-force and exhaustive answers.
 
 mod adaptive;
-#[path = "../common/mod.rs"]
-mod common;
 mod damage;
 mod naive;
-mod room;
 mod space_time;
 
 use glam::{Vec2, Vec3};
