@@ -50,16 +50,18 @@ pub fn turn(
     let name = format!("{} (seed {})", scene.name, scene.seed);
 
     let Seen { hashes, kept, then } = watched(&compiled, config, &name, [kept_at, until], report)?;
-    let now = {
-        let mut sim = Simulation::new(&compiled).map_err(fault)?;
-        let restored = sim.restore(&kept);
-        report.check(restored.is_ok(), || format!("{name}: the snapshot of step {kept_at} is refused"));
+    let mut sim = Simulation::new(&compiled).map_err(fault)?;
+    let restored = sim.restore(&kept);
+    let refusal = restored.as_ref().err().map(ToString::to_string).unwrap_or_default();
+    report.check(restored.is_ok(), || format!("{name}: the snapshot of step {kept_at} is refused: {refusal}"));
+    if restored.is_ok() {
         (kept_at + 1..=until).try_for_each(|step| sim.step_to(step as f64 / hz, &Inline)).map_err(fault)?;
-        sim.hash()
-    };
-    report.check(now == then, || {
-        format!("{name}: from the snapshot of step {kept_at} to {until}: {now:016x}, not {then:016x}")
-    });
+        let now = sim.hash();
+        report.check(now == then, || {
+            format!("{name}: from the snapshot of step {kept_at} to {until}: {now:016x}, not {then:016x}")
+        });
+    }
+    drop(sim);
 
     let together = hashes_of(&compiled, steps, hz, pool)?;
     let threads = pool.current_num_threads();
