@@ -15,10 +15,9 @@ const STEP_M: f32 = 2e-4;
 /// What rounding may differ by, as a share of a number.
 const ROUNDING: f32 = 1e-3;
 
-/// Room that may be missing (m): what rounding costs, and more. Of the snapshots of 1800 runs of a soak, one had a pair whose stop
-/// regions were 0.14 mm in each other, which the quick rule had let be; why is not known.
+/// Room that rounding may have cost (m).
 fn rounding<V: Space>(plan: &Plan<V>) -> f32 {
-    5.0 * MARGIN + 8.0 * f32::EPSILON * plan.position.length()
+    MARGIN + 8.0 * f32::EPSILON * plan.position.length()
 }
 
 /// The same agent at a time, at most at its next event, as if it stood still in its motion.
