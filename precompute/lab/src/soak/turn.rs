@@ -61,6 +61,7 @@ pub fn turn(
             format!("{name}: from the snapshot of step {kept_at} to {until}: {now:016x}, not {then:016x}")
         });
     }
+    // Its room is the next one's.
     drop(sim);
 
     let together = hashes_of(&compiled, steps, hz, pool)?;
