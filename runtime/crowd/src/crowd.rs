@@ -193,8 +193,9 @@ impl Crowd {
         each!(&self.engine, e => obstacle < e.scenery.obstacles.len() && e.scenery.is_open(obstacle))
     }
 
-    /// Lets an agent act as soon as it may, and not only at its next event: at once, or when the smallest interval since its last
-    /// event is over. Engines to compare with take no notice.
+    /// Lets an agent act as soon as it may, and not only at its next event: at once, or when the smallest interval since
+    /// its last event is over; at the next event where that comes within half an interval after. Others rely on its
+    /// plan: it keeps that where it finds no other that is safe. Engines to compare with take no notice.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
@@ -372,7 +373,7 @@ impl Crowd {
 
     /// When it acts next, unless another agent makes it act before (s).
     pub fn next_event(&self, id: Id) -> Option<f64> {
-        each!(&self.engine, e => e.plan(id).map(|p| p.end))
+        each!(&self.engine, e => e.plan(id).map(|p| e.due(&p)))
     }
 
     /// When it acted last (s).

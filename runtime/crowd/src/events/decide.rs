@@ -63,6 +63,8 @@ pub(crate) struct AgentState<V> {
     pub is_stuck: bool,
     /// A moving obstacle is in its place.
     pub is_struck: bool,
+    /// It acts before its plan ends, see `Engine::woken_at`.
+    pub is_woken: bool,
 }
 
 /// Scratch memory of decisions, one for each thread.
@@ -193,7 +195,7 @@ impl<V: Space> Decider<'_, V> {
             }
             None => return None,
         };
-        state.cause = cause;
+        (state.cause, state.is_woken) = (cause, false);
         let leaves = self.leaves(&state);
         let struck_by = self.struck(&plan);
         state.is_struck = struck_by != NONE;

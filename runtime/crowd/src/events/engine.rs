@@ -3,6 +3,7 @@
 use crate::error::CrowdError;
 use crate::events::decide::{AgentState, Cause, Decider, Decision, Scratch};
 use crate::events::event::{Counts, Event, EventKind};
+use crate::events::parallel::WINDOW;
 use crate::events::prefetch::Prefetcher;
 use crate::events::queue::Calendar;
 use crate::events::schemes::{REGISTRATION, SchemeRef};
@@ -11,6 +12,7 @@ use crate::routes::path::Path;
 use crate::scenery::Scenery;
 use crate::senses::Sensors;
 use crate::space::cells::Cells;
+use crate::space::plan::Plan;
 use crate::steering::bonds::Bonds;
 use crate::steering::density_grid::DensityGrid;
 use crate::{AtEnd, Id, NONE, Sense, Setup, Space};
@@ -217,7 +219,7 @@ impl<V: Space> Engine<V> {
 
     /// The next event of an agent, and of the agent whose bound it touches; that one, if it acted too.
     pub fn process_event(&mut self, agent: u32) -> Result<Option<u32>, CrowdError> {
-        let cause = self.states[agent as usize].cause;
+        let cause = self.cause(agent);
         let partner = self.partner(cause);
         self.watch(agent, partner)?;
         self.tell(agent, self.kind(cause));
@@ -244,12 +246,48 @@ impl<V: Space> Engine<V> {
     pub fn decide(&mut self, agent: u32, scheme: SchemeRef<'_>) -> bool {
         let Self { scenery, cells, states, grid, outsiders, bonds, scratch, .. } = self;
         let decider = Decider { scenery, cells, states, grid, outsiders, bonds, time: self.now };
-        let Some(decision) = decider.decide(agent, scheme, scratch) else { return false };
+        let Some(decision) = decider.decide(agent, scheme, scratch) else {
+            self.go_on(agent);
+            return false;
+        };
         self.queue.set(agent, decision.plan.end);
         if self.apply(agent, &decision) {
             self.free.push(agent);
         }
         true
+    }
+
+    /// Why an agent acts when it is due.
+    pub fn cause(&self, agent: u32) -> Cause {
+        let state = &self.states[agent as usize];
+        if state.is_woken { Cause::Region } else { state.cause }
+    }
+
+    /// When an agent that was woken by a time acts: as soon as it may. `None` where its plan ends about then.
+    pub fn woken_at(&self, plan: &Plan<V>, now: f64) -> Option<f64> {
+        let interval = f64::from(self.scenery.interval);
+        let soonest = now.max(plan.start + interval);
+        // If it has to keep its plan, that ends in a later window of `parallel.rs`.
+        (soonest + WINDOW * interval < plan.end).then_some(soonest)
+    }
+
+    /// When an agent with a plan acts next, unless another one makes it act before.
+    pub fn due(&self, plan: &Plan<V>) -> f64 {
+        let is_woken = self.states[plan.index as usize].is_woken;
+        is_woken.then(|| self.woken_at(plan, self.now)).flatten().unwrap_or(plan.end)
+    }
+
+    /// True for an event of an agent that is still to come: it has not acted since it was put into the queue.
+    pub fn is_due(&self, agent: u32, time: f64) -> bool {
+        let state = &self.states[agent as usize];
+        state.cell != NONE && (state.is_woken || self.cells.plan(agent).end == time)
+    }
+
+    /// Lets an agent keep its plan to its end: others rely on it, and nothing else that is safe was found.
+    pub fn go_on(&mut self, agent: u32) {
+        if std::mem::take(&mut self.states[agent as usize].is_woken) {
+            self.queue.set(agent, self.cells.plan(agent).end);
+        }
     }
 
     /// Applies a decision; returns true if the agent left.

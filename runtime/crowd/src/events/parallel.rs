@@ -136,7 +136,7 @@ impl<V: Space> Engine<V> {
                 break;
             }
             self.queue.remove(agent);
-            let partner = self.partner(self.states[agent as usize].cause).unwrap_or(NONE);
+            let partner = self.partner(self.cause(agent)).unwrap_or(NONE);
             let order = windows.items.len() as u32;
             windows.items.push(Item { time, agent, partner, level: 0, order });
         }
@@ -167,21 +167,17 @@ impl<V: Space> Engine<V> {
 
     /// Puts those of a window that was not ended back into the queue, with the ends of the plans they have now.
     fn put_back(&mut self, items: &[Item]) {
-        for agent in items.iter().map(|i| i.agent) {
+        for &Item { agent, time, .. } in items {
             if self.states[agent as usize].cell != NONE {
-                self.queue.set(agent, self.cells.plan(agent).end);
+                let time = if self.is_due(agent, time) { time } else { self.cells.plan(agent).end };
+                self.queue.set(agent, time);
             }
         }
     }
 
-    /// True for an event that is still to come: its agent has not taken another plan since.
-    fn is_due(&self, item: &Item) -> bool {
-        self.states[item.agent as usize].cell != NONE && self.cells.plan(item.agent).end == item.time
-    }
-
     fn one_by_one(&mut self, items: &[Item]) -> Result<(), CrowdError> {
         for item in items {
-            if self.is_due(item) {
+            if self.is_due(item.agent, item.time) {
                 self.now = item.time;
                 self.process_event(item.agent)?;
             }
@@ -223,7 +219,7 @@ impl<V: Space> Engine<V> {
         windows.who.clear();
         windows.partners.clear();
         for item in items {
-            let is_due = self.is_due(item);
+            let is_due = self.is_due(item.agent, item.time);
             let is_pair = is_due && item.partner != NONE && self.is_renewed_with(item.partner, item.agent, item.time);
             windows.who.push(if is_due { item.agent } else { NONE });
             windows.partners.push(if is_pair { item.partner } else { NONE });
@@ -231,7 +227,7 @@ impl<V: Space> Engine<V> {
                 self.now = item.time;
                 self.watch(item.agent, Some(item.partner).filter(|&p| p != NONE))?;
                 let from = self.events.len();
-                self.tell(item.agent, self.kind(self.states[item.agent as usize].cause));
+                self.tell(item.agent, self.kind(self.cause(item.agent)));
                 windows.events.extend(self.events.drain(from..).map(|e| (item.order, e)));
             }
         }
@@ -265,7 +261,12 @@ impl<V: Space> Engine<V> {
             let part = part.get_mut().unwrap_or_else(PoisonError::into_inner);
             let whose = who.iter().zip(items).skip(n * share);
             for (decision, (&who, item)) in part.decisions.iter().zip(whose) {
-                let Some(decision) = decision else { continue };
+                let Some(decision) = decision else {
+                    if who != NONE {
+                        self.go_on(who);
+                    }
+                    continue;
+                };
                 self.now = item.time;
                 self.queue.set(who, decision.plan.end);
                 let from = self.events.len();

@@ -259,7 +259,7 @@ impl<V: Space> SharedEngine<V> {
     fn item(&self, time: f64, agent: u32) -> Item {
         let engine = &self.engine;
         let cell = |agent: u32| engine.cells.number(engine.cells.coordinates(engine.cells.plan(agent).at(time).0));
-        let partner = engine.partner(engine.states[agent as usize].cause);
+        let partner = engine.partner(engine.cause(agent));
         // Who has acted since, or is to have acted by then, will not act again.
         let partner = partner.filter(|&p| engine.is_renewed_with(p, agent, time));
         Item { time, agent, cells: [cell(agent), partner.map_or(NONE, cell)], rank: self.rank, is_done: false }
@@ -329,12 +329,11 @@ impl<V: Space> SharedEngine<V> {
     /// The event of an agent of this rank, if it is still to come; returns the agents that it changed, or [`NONE`].
     fn process(&mut self, item: &Item) -> Result<[u32; 2], CrowdError> {
         let engine = &mut self.engine;
-        let is_due = engine.states[item.agent as usize].cell != NONE && engine.cells.plan(item.agent).end == item.time;
-        if !is_due {
+        if !engine.is_due(item.agent, item.time) {
             return Ok([NONE; 2]);
         }
         engine.now = item.time;
-        let partner = engine.partner(engine.states[item.agent as usize].cause);
+        let partner = engine.partner(engine.cause(item.agent));
         let cells = [Some(item.agent), partner].map(|m| m.map(|m| engine.states[m as usize].cell));
         let renewed = engine.process_event(item.agent)?;
         engine.events.clear();
@@ -430,7 +429,7 @@ impl<V: Space> SharedEngine<V> {
         for Changed { plan, state } in agents {
             engine.states[plan.index as usize] = state;
             engine.cells.insert(state.cell, &plan);
-            engine.queue.set(plan.index, plan.end);
+            engine.queue.set(plan.index, engine.due(&plan));
         }
         engine.free.truncate(self.num_free);
         for Left { agent, state, .. } in left {

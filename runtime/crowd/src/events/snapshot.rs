@@ -21,7 +21,7 @@ use std::collections::HashMap;
 use throng_base::{Error, Hash128, SnapshotKind, StateHash};
 
 /// Grows by one with every change of what is kept.
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 
 /// A build without engines to compare with has none to keep. Its snapshots are those of a build that has them.
 #[cfg(not(feature = "baselines"))]
@@ -191,7 +191,7 @@ impl<V: Space> Engine<V> {
         for plan in &saved.plans {
             self.cells.insert(self.states[plan.index as usize].cell, plan);
             self.watchdog.forget(plan.index);
-            self.queue.set(plan.index, plan.end);
+            self.queue.set(plan.index, self.due(plan));
         }
         self.sensors.of.fill(Sensing::default());
         saved.sensing.iter().for_each(|(m, own)| self.sensors.of[*m as usize] = *own);
@@ -220,7 +220,9 @@ impl<V: Space> Engine<V> {
         let mut is_new = vec![true; capacity];
         for plan in &saved.plans {
             let number = plan.index as usize;
-            let is_good = saved.states.get(number).is_some_and(|m| self.may_be(m, saved.routes.len()));
+            let is_good = saved.states.get(number).is_some_and(|m| {
+                self.may_be(m, saved.routes.len()) && (!m.is_woken || self.woken_at(plan, saved.now).is_some())
+            });
             if !is_good || !self.may_follow(plan, saved.now) || !std::mem::take(&mut is_new[number]) {
                 return Err(format!("agent {number} has a plan, route, field or cell that cannot be"));
             }
@@ -315,7 +317,10 @@ impl<V: Space> Engine<V> {
         let plan = |m: u32| of_agent.get(m as usize).copied().flatten();
         let fits = match (&saved.baseline, &self.baseline) {
             (None, None) => true,
-            (Some(kept), Some(own)) => kept.fits(own, self.cells.side(), saved.now, plan),
+            (Some(kept), Some(own)) => {
+                // Nobody is woken there.
+                !saved.states.iter().any(|m| m.is_woken) && kept.fits(own, self.cells.side(), saved.now, plan)
+            }
             _ => false,
         };
         if fits { Ok(()) } else { Err("it is of another scheme, or damaged".to_owned()) }
@@ -385,6 +390,9 @@ impl<V: Space> Engine<V> {
                 v.coordinates().iter().for_each(|c| hash.add(u64::from(c.to_bits())));
             }
             hash.add(u64::from(state.route) << 32 | u64::from(state.speed.to_bits()));
+            if state.is_woken {
+                hash.add(self.due(&plan).to_bits());
+            }
         }
         self.bonds.hash(|word| hash.add(word));
         let open = self.scenery.doors.iter().enumerate().filter(|(_, d)| **d == Door::Open);
@@ -524,7 +532,7 @@ mod tests {
 
     #[test]
     fn snapshot_size_is_as_documented() {
-        assert_eq!(size::<Vec2>(), [167, 20]);
-        assert_eq!(size::<Vec3>(), [195, 28]);
+        assert_eq!(size::<Vec2>(), [168, 20]);
+        assert_eq!(size::<Vec3>(), [196, 28]);
     }
 }

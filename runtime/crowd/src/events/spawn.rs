@@ -51,6 +51,7 @@ impl<V: Space> Engine<V> {
             is_there: false,
             is_stuck: false,
             is_struck: false,
+            is_woken: false,
         };
         self.insert(&plan);
         Ok(id)
@@ -176,7 +177,7 @@ impl<V: Space> Engine<V> {
         state.filter = Filter { velocity: V::default(), variance: 0.0 };
         (state.cause, state.is_struck) = (Cause::Region, false);
         (state.least_left, state.progressed_at) = (left, self.now);
-        (state.is_there, state.is_stuck) = (false, false);
+        (state.is_there, state.is_stuck, state.is_woken) = (false, false, false);
         self.insert(&plan);
         Ok(())
     }
@@ -294,7 +295,7 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    /// Lets an agent act as soon as it may.
+    /// Lets an agent act as soon as it may. Others rely on its plan: it keeps that where nothing else is safe.
     ///
     /// # Errors
     /// [`Error::Gone`].
@@ -305,11 +306,8 @@ impl<V: Space> Engine<V> {
             return Ok(());
         }
         let plan = self.cells.plan(id.index);
-        let time = self.now.max(plan.start + f64::from(self.scenery.interval));
-        if time < plan.end {
-            let cell = self.states[id.index()].cell;
-            self.states[id.index()].cause = Cause::Region;
-            self.cells.set(cell, cell, &Plan { end: time, ..plan });
+        if let Some(time) = self.woken_at(&plan, self.now) {
+            self.states[id.index()].is_woken = true;
             self.queue.set(id.index, time);
         }
         Ok(())

@@ -46,7 +46,7 @@ impl<V: Space> Drive<V> for Engine<V> {
     }
 
     fn next_event(&self, id: Id) -> Option<f64> {
-        self.plan(id).map(|p| p.end)
+        self.plan(id).map(|p| self.due(&p))
     }
 
     fn last_event(&self, id: Id) -> Option<f64> {

@@ -10,6 +10,7 @@ mod jams;
 mod schemes;
 mod senses;
 mod shared;
+mod wake;
 
 use crate::events::engine::Engine;
 use crate::safety::rule::clearance;
