@@ -1,4 +1,4 @@
-//! A step allocates nothing, and neither does a batch of queries or poses.
+//! A step allocates nothing, and neither does a batch of queries or poses. A scene allocates with its size.
 #![allow(unsafe_code, reason = "an allocator that counts is an unsafe trait")]
 
 mod common;
@@ -11,6 +11,8 @@ mod made_up_blend;
 use counting::allocations;
 use glam::{Vec2, Vec3};
 use std::hint::black_box;
+use std::path::Path;
+use throng_precompute::run::{RunConfig, run};
 use throng_runtime::blend::{HeightField, MAX_AXES, Posture};
 use throng_runtime::characters::{
     AvoidConfig, Characters, CharactersConfig, Choice, MotionSet, Order, PolicyCharacters, SampleJob, Spawn,
@@ -355,6 +357,26 @@ fn busy_crowd(scheme: Scheme) -> Setup {
         },
     ];
     setup
+}
+
+/// To look for a group's bundle took a message for the file and all its lines, at every step and for every group.
+#[test]
+fn twice_as_many_groups_allocate_twice_as_much() {
+    let of = |num: usize| {
+        let group = |i: usize| {
+            let (x, z) = (3 * (i % 20), 3 * (i / 20));
+            format!(
+                "[[groups]]\nmotion = \"none\"\ncount = 1\nplace = {{ block = {{ from = [{x}.0, {z}.0], to = [{x}.5, {z}.5] }} }}\n\
+                 goal = {{ shift = {{ by = [9.0, 0.0] }} }}\n\n"
+            )
+        };
+        let text: String = (0..num).map(group).collect();
+        let scene = Scene::parse(&text, Path::new("made-up.toml")).expect("a scene").open().expect("it names no files");
+        let config = RunConfig { seconds: Some(0.2), ..RunConfig::default() };
+        allocations(|| drop(run(&scene, &config).expect("it runs")))
+    };
+    let num = [40, 80, 160].map(of);
+    assert!(num[2] - num[1] < 3 * (num[1] - num[0]), "40, 80 and 160 groups: {num:?} allocations");
 }
 
 #[test]

@@ -227,7 +227,15 @@ fn stage_error(message: String) -> BuildError {
 /// Characters on a loose grid, each with a target in some direction; targets are apart where there is room. Those who make
 /// way start where somebody stands, if anybody does.
 pub(crate) fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
-    let mut spacing_m = SPACING_M;
+    scatter_from(tables, config, SPACING_M)
+}
+
+/// Likewise, with so much between neighbours at first (m).
+fn scatter_from(
+    tables: &Bundle,
+    config: &TrialConfig,
+    mut spacing_m: f32,
+) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
     loop {
         match scatter_apart(tables, config, spacing_m) {
             // Motion that does not stop soon takes more room.
@@ -239,7 +247,7 @@ pub(crate) fn scatter(tables: &Bundle, config: &TrialConfig) -> Result<(PolicyCh
     }
 }
 
-/// Likewise, with so much between neighbours on the grid of starts (m).
+/// Likewise, with so much between neighbours and no more (m).
 fn scatter_apart(
     tables: &Bundle,
     config: &TrialConfig,
@@ -308,4 +316,24 @@ fn cell(p: Vec2) -> [i32; 2] {
 fn around(p: Vec2) -> impl Iterator<Item = [i32; 2]> {
     let [x, z] = cell(p);
     (-2..=2).flat_map(move |dx| (-2..=2).map(move |dz| [x + dx, z + dz]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_core::characters::made_up;
+    use throng_runtime::format::AlignedBytes;
+
+    #[test]
+    fn characters_without_room_begin_farther_from_each_other() {
+        let tables = Bundle::from_bytes(AlignedBytes::from_slice(&made_up::bytes(&[], false))).expect("tables");
+        let config = TrialConfig { characters: 60, ..TrialConfig::default() };
+        let refused = scatter_apart(&tables, &config, 0.4).map(|_| ());
+        assert!(matches!(refused, Err(Error::Occupied { .. })), "{refused:?}");
+        let (cast, targets) = scatter_from(&tables, &config, 0.4).expect("room");
+        assert_eq!((cast.ids().len(), targets.len()), (60, 60));
+        // What is wrong for another reason is told.
+        let wrong = TrialConfig { distances: [f32::NAN; 2], ..config };
+        assert!(!matches!(scatter_from(&tables, &wrong, 0.4), Ok(_) | Err(Error::Occupied { .. })));
+    }
 }

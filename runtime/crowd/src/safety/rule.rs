@@ -13,9 +13,9 @@
 //! - At T_k, k takes a plan for which it holds (found by [`crate::safety::others`]), or brakes. Braking is always right: then S_k(s) is
 //!   within S_k(T_k) for all s from T_k on, and that is disjoint from S_j(min(s, T_j)) for those s, as the invariant of
 //!   the old plan says.
-//! - Before T_k (another agent's colliding event, or an order) k may take a plan for which the
-//!   invariant holds, and otherwise keeps the one it has; then nothing has changed. To brake is *not* always right
-//!   here: others may have been told that k will be gone.
+//! - Before T_k (another agent's colliding event, or when it is woken) k may take a plan for which the
+//!   invariant holds, and otherwise keeps the one it has to its end T_k; then nothing has changed. To brake is *not*
+//!   always right here: others may have been told that k will be gone.
 //! - A newcomer is refused unless the invariant holds for a plan of braking; an agent that leaves takes its conditions away.
 //!
 //! By induction over the events, no two agents ever overlap. Nothing is asked of the forces.

@@ -91,14 +91,9 @@ const MOST_WORDS: u64 = 100_000_000;
 
 /// What follows takes memory with the number of cells; what is in the way of motion is measured on a grid.
 fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, laid: &Laid) -> Result<(), BuildError> {
-    let patch = |i: u32| &stitcher.placer.patches.patches[i as usize];
-    let cells: u64 = laid.fitted.iter().map(|f| u64::from(patch(f.patch).num_cells)).sum();
-    let words: u64 = laid.fitted.iter().map(|f| u64::from(patch(f.patch).num_links.div_ceil(64))).sum();
-    if cells > MOST_CELLS || words > MOST_WORDS {
-        let why = format!(
-            "{} instances have {cells} cells with {words} words of links, expected {MOST_CELLS} and {MOST_WORDS} at most",
-            laid.fitted.len()
-        );
+    let patches = &stitcher.placer.patches.patches;
+    let sizes = laid.fitted.iter().map(|f| &patches[f.patch as usize]).map(|p| [p.num_cells, p.num_links]);
+    if let Some(why) = too_many(sizes) {
         return Err(refused(environment, why, "Stitch several smaller worlds, or bake patches of fewer cells"));
     }
     let library = &stitcher.placer.library;
@@ -108,6 +103,19 @@ fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, laid: &Laid) 
     let (unit, size) = (library.describe(environment, *unit as usize), bounds.max - bounds.min);
     let why = format!("{unit} is in the way of motion, and too large to be measured: {size:.0} m");
     Err(refused(environment, why, "Make several smaller units of it"))
+}
+
+/// Why a world of instances with so many cells and links each is too large, if it is.
+fn too_many(sizes: impl ExactSizeIterator<Item = [u32; 2]>) -> Option<String> {
+    let instances = sizes.len();
+    let (cells, words) = sizes.fold((0, 0), |(cells, words), [num_cells, num_links]| {
+        (cells + u64::from(num_cells), words + u64::from(num_links.div_ceil(64)))
+    });
+    (cells > MOST_CELLS || words > MOST_WORDS).then(|| {
+        format!(
+            "{instances} instances have {cells} cells with {words} words of links, expected {MOST_CELLS} and {MOST_WORDS} at most"
+        )
+    })
 }
 
 /// The number that each instance had before; [`NONE`] for those that are new or have something else around them.
@@ -223,4 +231,26 @@ pub(in crate::stitch) fn source_hash(
         }
     }
     Ok(hash.finish())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn worlds_beyond_what_memory_holds_are_refused() {
+        let of = |num: usize, size: [u32; 2]| too_many(vec![size; num].into_iter());
+        // A block of 100 by 100 units that hold 5000 cells each is the largest; a pair of links takes a word, too.
+        assert_eq!(of(0, [0, 0]), None);
+        assert_eq!(of(10_000, [5000, 640_000]), None);
+        assert_eq!(of(2, [25_000_000, 2]), None);
+        for (num, size, part) in [
+            (10_000, [5001, 0], "10000 instances have 50010000 cells with 0 words"),
+            (10_000, [1, 640_001], "100010000 words of links, expected 50000000 and 100000000"),
+            (3, [u32::MAX; 2], "12884901885 cells"),
+        ] {
+            let why = of(num, size).unwrap_or_default();
+            assert!(why.contains(part), "{why}");
+        }
+    }
 }
