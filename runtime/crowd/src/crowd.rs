@@ -193,9 +193,10 @@ impl Crowd {
         each!(&self.engine, e => obstacle < e.scenery.obstacles.len() && e.scenery.is_open(obstacle))
     }
 
-    /// Lets an agent act as soon as it may, and not only at its next event: at once, or when the smallest interval since
-    /// its last event is over; at the next event where that comes within half an interval after. Others rely on its
-    /// plan: it keeps that where it finds no other that is safe. Engines to compare with take no notice.
+    /// Lets an agent act as soon as it may, and not only at the end of its plan: at once, or when the smallest interval
+    /// since its last event is over; at the end where that comes within an interval after. Others rely on its plan: where
+    /// it finds no other that is safe, it keeps that to its end, however often it is woken. Engines to compare with take
+    /// no notice.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
@@ -397,7 +398,7 @@ impl Crowd {
         }
     }
 
-    /// The body of an agent, and the ground that it holds: all that it takes until it acts next, and for braking then.
+    /// The body of an agent, and the ground that it holds: all that it takes until its plan ends, and for braking then.
     pub fn held(&self, id: Id) -> Option<(Outsider, Rod)> {
         each!(&self.engine, e => {
             let plan = e.plan(id)?;

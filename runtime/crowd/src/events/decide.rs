@@ -65,6 +65,8 @@ pub(crate) struct AgentState<V> {
     pub is_struck: bool,
     /// It acts before its plan ends, see `Engine::woken_at`.
     pub is_woken: bool,
+    /// It has acted so, and keeps its plan to its end.
+    pub goes_on: bool,
 }
 
 /// Scratch memory of decisions, one for each thread.
@@ -195,7 +197,7 @@ impl<V: Space> Decider<'_, V> {
             }
             None => return None,
         };
-        (state.cause, state.is_woken) = (cause, false);
+        (state.cause, state.is_woken, state.goes_on) = (cause, false, false);
         let leaves = self.leaves(&state);
         let struck_by = self.struck(&plan);
         state.is_struck = struck_by != NONE;

@@ -3,7 +3,6 @@
 use crate::error::CrowdError;
 use crate::events::decide::{AgentState, Cause, Decider, Decision, Scratch};
 use crate::events::event::{Counts, Event, EventKind};
-use crate::events::parallel::WINDOW;
 use crate::events::prefetch::Prefetcher;
 use crate::events::queue::Calendar;
 use crate::events::schemes::{REGISTRATION, SchemeRef};
@@ -267,8 +266,8 @@ impl<V: Space> Engine<V> {
     pub fn woken_at(&self, plan: &Plan<V>, now: f64) -> Option<f64> {
         let interval = f64::from(self.scenery.interval);
         let soonest = now.max(plan.start + interval);
-        // If it has to keep its plan, that ends in a later window of `parallel.rs`.
-        (soonest + WINDOW * interval < plan.end).then_some(soonest)
+        // It may have to keep its plan, and acts at its end then.
+        (soonest + interval < plan.end).then_some(soonest)
     }
 
     /// When an agent with a plan acts next, unless another one makes it act before.
@@ -285,7 +284,9 @@ impl<V: Space> Engine<V> {
 
     /// Lets an agent keep its plan to its end: others rely on it, and nothing else that is safe was found.
     pub fn go_on(&mut self, agent: u32) {
-        if std::mem::take(&mut self.states[agent as usize].is_woken) {
+        let state = &mut self.states[agent as usize];
+        if std::mem::take(&mut state.is_woken) {
+            state.goes_on = true;
             self.queue.set(agent, self.cells.plan(agent).end);
         }
     }

@@ -7,7 +7,7 @@ use throng_base::Id;
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
-    /// Its bound touched the side of its region, and is renewed.
+    /// Its bound touched the side of its region, or it was woken.
     Resetting,
     /// Its bound touched that of another agent; both are renewed, unless the other one was in the meantime.
     Colliding {

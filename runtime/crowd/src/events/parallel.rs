@@ -165,7 +165,7 @@ impl<V: Space> Engine<V> {
         self.free.extend(windows.left.drain(..).map(|(_, agent)| agent));
     }
 
-    /// Puts those of a window that was not ended back into the queue, with the ends of the plans they have now.
+    /// Puts those of a window that was not ended back into the queue: at their times if they have not acted, otherwise at the ends of their plans.
     fn put_back(&mut self, items: &[Item]) {
         for &Item { agent, time, .. } in items {
             if self.states[agent as usize].cell != NONE {

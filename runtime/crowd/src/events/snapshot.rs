@@ -221,7 +221,8 @@ impl<V: Space> Engine<V> {
         for plan in &saved.plans {
             let number = plan.index as usize;
             let is_good = saved.states.get(number).is_some_and(|m| {
-                self.may_be(m, saved.routes.len()) && (!m.is_woken || self.woken_at(plan, saved.now).is_some())
+                self.may_be(m, saved.routes.len())
+                    && (!m.is_woken || !m.goes_on && self.woken_at(plan, saved.now).is_some())
             });
             if !is_good || !self.may_follow(plan, saved.now) || !std::mem::take(&mut is_new[number]) {
                 return Err(format!("agent {number} has a plan, route, field or cell that cannot be"));
@@ -390,7 +391,7 @@ impl<V: Space> Engine<V> {
                 v.coordinates().iter().for_each(|c| hash.add(u64::from(c.to_bits())));
             }
             hash.add(u64::from(state.route) << 32 | u64::from(state.speed.to_bits()));
-            if state.is_woken {
+            if state.is_woken || state.goes_on {
                 hash.add(self.due(&plan).to_bits());
             }
         }
@@ -532,7 +533,7 @@ mod tests {
 
     #[test]
     fn snapshot_size_is_as_documented() {
-        assert_eq!(size::<Vec2>(), [168, 20]);
-        assert_eq!(size::<Vec3>(), [196, 28]);
+        assert_eq!(size::<Vec2>(), [169, 20]);
+        assert_eq!(size::<Vec3>(), [197, 28]);
     }
 }

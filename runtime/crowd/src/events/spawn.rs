@@ -52,6 +52,7 @@ impl<V: Space> Engine<V> {
             is_stuck: false,
             is_struck: false,
             is_woken: false,
+            goes_on: false,
         };
         self.insert(&plan);
         Ok(id)
@@ -177,7 +178,8 @@ impl<V: Space> Engine<V> {
         state.filter = Filter { velocity: V::default(), variance: 0.0 };
         (state.cause, state.is_struck) = (Cause::Region, false);
         (state.least_left, state.progressed_at) = (left, self.now);
-        (state.is_there, state.is_stuck, state.is_woken) = (false, false, false);
+        (state.is_there, state.is_stuck) = (false, false);
+        (state.is_woken, state.goes_on) = (false, false);
         self.insert(&plan);
         Ok(())
     }
@@ -295,7 +297,7 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    /// Lets an agent act as soon as it may. Others rely on its plan: it keeps that where nothing else is safe.
+    /// Lets an agent act as soon as it may, once for each plan. Others rely on that: it keeps it where nothing else is safe.
     ///
     /// # Errors
     /// [`Error::Gone`].
@@ -306,7 +308,7 @@ impl<V: Space> Engine<V> {
             return Ok(());
         }
         let plan = self.cells.plan(id.index);
-        if let Some(time) = self.woken_at(&plan, self.now) {
+        if let Some(time) = self.woken_at(&plan, self.now).filter(|_| !self.states[id.index()].goes_on) {
             self.states[id.index()].is_woken = true;
             self.queue.set(id.index, time);
         }

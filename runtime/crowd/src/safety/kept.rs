@@ -20,7 +20,7 @@ fn rounding<V: Space>(plan: &Plan<V>) -> f32 {
     MARGIN + 8.0 * f32::EPSILON * plan.position.length()
 }
 
-/// The same agent at a time, at most at its next event, as if it stood still in its motion.
+/// The same agent at a time, at most at the end of its plan, as if it stood still in its motion.
 fn still<V: Space>(plan: &Plan<V>, time: f64) -> Plan<V> {
     let (position, velocity) = plan.at(time.min(plan.end));
     Plan { position, velocity, ..*plan }

@@ -4,8 +4,8 @@
 //! on: all within its radius of the line from x to x + v|v| / 2A. An agent that brakes never leaves the stop
 //! region it had when it began to.
 //!
-//! Plans are made at different times. Let T be the time of an agent's next event; its plan until then is known to
-//! all. Agents keep this invariant: **for each pair (k, j) and all s from now on, S_k(min(s, T_k)) and
+//! Plans are made at different times. Let T be the end of an agent's plan, at which it acts at the latest; its plan until then is
+//! known to all. Agents keep this invariant: **for each pair (k, j) and all s from now on, S_k(min(s, T_k)) and
 //! S_j(min(s, T_j)) have no point in common**, and neither have S_k(min(s, T_k)) and an obstacle that stands. As
 //! a disc is a part of its stop region, no two agents overlap before the next event. The invariant outlasts every
 //! event:

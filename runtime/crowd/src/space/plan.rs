@@ -3,15 +3,15 @@
 use crate::Space;
 use serde::{Deserialize, Serialize};
 
-/// One agent's motion from its last event to its next one, as agents near it may rely on.
+/// One agent's motion from the event at which it was taken to the one that ends it, as agents near it may rely on.
 ///
 /// The acceleration is constant; where it brakes to rest, until it stands. All others keep out of the
 /// [`Plan::stop_region`] that it has until `end`, see [`crate::safety::rule`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Plan<V> {
-    /// Last event (s).
+    /// Event at which it was taken (s).
     pub start: f64,
-    /// Next event (s).
+    /// When the agent acts at the latest (s).
     pub end: f64,
     /// At the start (m).
     pub position: V,

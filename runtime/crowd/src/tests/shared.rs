@@ -60,6 +60,33 @@ fn agents_that_leave_and_obstacles_are_those_of_one_process() {
     assert!(equals_one_process(&setup, &[2, 3, 5], &[40.0]) > 20);
 }
 
+/// Who is woken before ranks share a crowd, and who still is when they put it together again.
+#[test]
+fn agents_that_are_woken_act_as_in_one_process() {
+    let mut alone = Engine::new(crossing::<Vec2>(150, 1.0)).unwrap();
+    alone.advance(1.0, &mut |_| {}).unwrap();
+    for id in alone.ids().collect::<Vec<_>>() {
+        alone.wake(id).unwrap();
+    }
+    let start = alone.clone();
+    for until in [1.03, 5.0] {
+        alone.advance(until, &mut |_| {}).unwrap();
+        let all = LocalComm::run(4, |comm| {
+            let mut part = SharedEngine::new(start.clone(), comm).unwrap();
+            part.advance(until, comm).unwrap();
+            let mut whole = part.gather(comm).unwrap()?;
+            let bytes = whole.bytes();
+            whole.advance(6.0, &mut |_| {}).unwrap();
+            Some((bytes, whole.bytes()))
+        });
+        let mut later = alone.clone();
+        later.advance(6.0, &mut |_| {}).unwrap();
+        assert!(all[0] == Some((alone.bytes(), later.bytes())), "until {until} s");
+        let num_woken = alone.states.iter().filter(|s| s.is_woken).count();
+        assert_eq!(num_woken > 5, until < 2.0, "{num_woken} wait to act");
+    }
+}
+
 #[test]
 fn ties_between_agents_are_refused() {
     let mut engine = Engine::new(crossing::<Vec2>(9, 3.0)).unwrap();
