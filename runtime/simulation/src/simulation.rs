@@ -35,6 +35,8 @@ pub struct Simulation {
     events: Vec<Event>,
     /// What each cast shows and holds, and what moves by itself; empty where nobody has to mind anybody.
     held: Vec<Held>,
+    /// The cast that was told last what is held now: nothing else has changed since.
+    reminded: Option<usize>,
     time_s: f64,
     /// Time that each cast took so far, where it is measured (s).
     busy_s: Option<Vec<f64>>,
@@ -140,6 +142,7 @@ impl Simulation {
             groups: Vec::new(),
             events: Vec::new(),
             held: Vec::new(),
+            reminded: None,
             time_s: 0.0,
             busy_s: None,
         };
@@ -203,16 +206,11 @@ impl Simulation {
         STEP_S.check("dt_s", None, dt_s)?;
         self.events.clear();
         self.hold_all();
-        let last = self.casts.len();
+        self.reminded = None;
         for (c, cast) in self.casts.iter_mut().enumerate() {
             let tick = Tick { dt_s: dt_s as f32, until_s, first: self.firsts[c], run };
             let begin = self.busy_s.is_some().then(Instant::now);
-            if !self.held.is_empty() {
-                // Agents know of what moves by itself as of obstacles.
-                let knows = matches!(cast, GroupCast::Ground(_) | GroupCast::Air(_));
-                let others = &self.held[..last + usize::from(!knows)];
-                cast.mind(others.iter().enumerate().filter(|(o, _)| *o != c).map(|(_, held)| held));
-            }
+            remind(c, cast, &self.held);
             cast.step(&tick, &mut self.events)?;
             if let Some(held) = self.held.get_mut(c) {
                 // Beside what it held before the step, which others may still count on.
@@ -316,6 +314,7 @@ impl Simulation {
         }
         self.time_s = time_s;
         self.events.clear();
+        self.reminded = None;
         Ok(())
     }
 
@@ -425,8 +424,13 @@ impl Simulation {
         &self.casts
     }
 
-    /// A cast, to tell its characters what to do (number < number of casts).
+    /// A cast, to tell its characters what to do (number < number of casts). What they do at once minds what all others
+    /// hold now.
     pub fn cast_mut(&mut self, number: usize) -> &mut GroupCast {
+        if self.reminded.replace(number) != Some(number) {
+            self.hold_all();
+            remind(number, &mut self.casts[number], &self.held);
+        }
         &mut self.casts[number]
     }
 
@@ -502,6 +506,16 @@ impl Simulation {
     /// Time that each cast took since [`Simulation::set_timed`]; empty before (s).
     pub fn busy_s(&self) -> &[f64] {
         self.busy_s.as_deref().unwrap_or_default()
+    }
+}
+
+/// Tells a cast what all others hold, if anybody looks.
+fn remind(number: usize, cast: &mut GroupCast, held: &[Held]) {
+    // Agents know of what moves by itself, the last one, as of obstacles.
+    let knows = matches!(cast, GroupCast::Ground(_) | GroupCast::Air(_));
+    let others = &held[..held.len().saturating_sub(usize::from(knows))];
+    if !held.is_empty() {
+        cast.mind(others.iter().enumerate().filter(|(o, _)| *o != number).map(|(_, held)| held));
     }
 }
 

@@ -36,6 +36,7 @@ pub(super) fn adopt(cast: &mut PolicyCharacters, new: &Bundle) -> Result<Adopted
             ease(&mut characters, at, shown, &poses[state]);
         }
     }
+    characters.surround_as(&cast.characters);
     characters.reserve_all(&motion_set);
     cast.bundle = new.clone();
     cast.motion_set = motion_set;

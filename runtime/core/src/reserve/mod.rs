@@ -94,6 +94,12 @@ impl Reservations {
         &mut self.outsiders
     }
 
+    /// Takes over walls and outsiders.
+    pub fn surround_as(&mut self, other: &Self) {
+        self.walls.clone_from(&other.walls);
+        self.outsiders.clone_from(&other.outsiders);
+    }
+
     /// Nobody is there any more; walls and outsiders stay.
     pub fn clear(&mut self) {
         self.slots.fill(Slot::FREE);

@@ -4,7 +4,7 @@ use super::scenes;
 use glam::Vec2;
 use proptest::prelude::*;
 use throng_core::stops::BODY_RADIUS_M;
-use throng_simulation::Simulation;
+use throng_simulation::{GroupCast, Simulation};
 
 /// The disc that somebody takes on the ground.
 fn disc(sim: &Simulation, who: usize) -> Option<(Vec2, f32)> {
@@ -33,6 +33,16 @@ fn deepest(sim: &Simulation) -> f32 {
     deepest
 }
 
+/// Tells a boxer to play a segment at once; false where that is refused.
+fn play(sim: &mut Simulation, who: usize, segment: u32) -> bool {
+    let number = sim.locate(who).1;
+    match sim.cast_mut(cast_of(sim, who)) {
+        GroupCast::Policy(p) => p.play(number, segment).is_ok(),
+        GroupCast::Sparring(s) => s.play(number, segment).is_ok(),
+        _ => unreachable!("only those box"),
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
@@ -44,6 +54,7 @@ proptest! {
         agents in [-14.0f32..2.0, -4.0f32..12.0],
         patches in any::<bool>(),
         dt in 0.01f64..0.1,
+        plays in proptest::collection::vec((any::<proptest::sample::Index>(), 0u32..4), 40),
     ) {
         let place = |[x, z]: [f32; 2]| format!("grid = {{ centre = [{x:.2}, {z:.2}], spacing_m = 2.0, distance_m = 0.9 }}");
         let (policy, sparring) = (place(policy), place(sparring));
@@ -85,11 +96,18 @@ disc = {{ centre = [30.0, 4.0], radius_m = 0.8 }}
         prop_assume!(sim.is_ok(), "somebody starts in another's place");
         let mut sim = sim.unwrap();
         prop_assert!(deepest(&sim) <= 0.0);
+        let (mut plays, mut played_s, mut num_played) = (plays.iter().peekable(), 0.0, 0);
         for _ in 0..(15.0 / dt) as usize {
             sim.step(dt).unwrap();
             let deep = deepest(&sim);
             prop_assert!(deep <= 1e-3, "{deep} m at {} s of {text}", sim.time_s());
+            if let Some((who, segment)) = plays.next_if(|_| sim.time_s() > played_s + 0.35) {
+                played_s = sim.time_s();
+                // Where that is in somebody's way, it is refused.
+                num_played += usize::from(play(&mut sim, who.index(15), *segment));
+            }
         }
+        prop_assert!(num_played > 3, "{num_played} were free to play");
     }
 }
 

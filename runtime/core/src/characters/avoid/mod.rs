@@ -153,6 +153,13 @@ impl Characters {
         }
     }
 
+    /// Minds what other characters mind.
+    pub(super) fn surround_as(&mut self, other: &Self) {
+        if let (Some(avoiding), Some(other)) = (&mut self.avoiding, &other.avoiding) {
+            avoiding.book.surround_as(&other.book);
+        }
+    }
+
     /// Adds all bodies, and the ground that they hold: of those who make way, what they need for what they do and for the
     /// stop after it.
     pub fn hold_ground(&mut self, motion_set: &MotionSet, out: &mut Held) {

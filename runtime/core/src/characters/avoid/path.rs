@@ -73,10 +73,10 @@ pub fn of_state(b: &Block, lane: usize, motion_set: &MotionSet, out: &mut Path) 
     let plan = Plan { segment: b.segment[lane], pace: b.pace[lane], bend: b.bend[lane] };
     match plan.pace {
         pace::HELD => of_plan(plan, None, b.end(lane, motion_set), motion_set, out),
-        // One who has not begun is where its segment ends.
+        // One who has not begun is where its segment ends, and stops from then on, however long ago that is.
         pace::NORMAL if b.choice_state[lane] == NO_STATE && b.time[lane] >= b.length[lane] as f32 => {
             let mut laying = Laying::begin(motion_set, b.end(lane, motion_set), out);
-            laying.time_s = b.time[lane] / motion_set.rate_hz;
+            laying.time_s = b.length[lane] as f32 / motion_set.rate_hz;
             laying.stop(motion_set.graph.segments[plan.segment as usize].end);
         }
         _ => {

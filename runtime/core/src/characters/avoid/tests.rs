@@ -109,10 +109,13 @@ proptest! {
                 cast.order(id, Order::aim(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
             }
         }
-        for _ in 0..200 {
+        for step in 0..200 {
             cast.step(1.0 / 30.0, &Inline).unwrap();
+            if step == 90 {
+                cast.adopt(&tables()).unwrap();
+            }
             let room = places(&cast).into_iter().map(gap).fold(f32::INFINITY, f32::min);
-            prop_assert!(room > -1e-3, "{} m in the wall", -room);
+            prop_assert!(room > -1e-3, "{} m in the wall at step {step}", -room);
         }
     }
 
@@ -133,6 +136,19 @@ proptest! {
             prop_assert_eq!(first.hash(), second.hash());
         }
     }
+}
+
+#[test]
+fn the_stop_of_one_who_has_not_begun_follows_its_segment() {
+    let mut cast = cast(&[(0.0, 0.0, 0.0, 1)], config(0.0, Choice::BestAction));
+    let (tables, mut out) = (tables(), crate::reserve::Path::default());
+    let motion_set = crate::characters::MotionSet::new(&tables);
+    // A step has come past the end of the segment, and everybody's path is laid anew before the next choice.
+    let (block, _, lane) = cast.characters.lane_mut(0);
+    let end_s = block.length[lane] as f32 / motion_set.rate_hz;
+    block.time[lane] = block.length[lane] as f32 + 0.7;
+    super::path::of_state(block, lane, &motion_set, &mut out);
+    assert_eq!(out.nodes[0].time_s, end_s);
 }
 
 #[test]
