@@ -1,6 +1,6 @@
 //! Spawning and despawning: characters stay side by side in memory.
 
-use super::block::{Block, Body, LAID};
+use super::block::{Block, Body, LAID, NO_STATE};
 use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::pace;
@@ -84,18 +84,31 @@ impl Characters {
         self.reserve(motion_set, at)
     }
 
-    /// Reserves the paths of all who have come at once: each is held, which takes no more than its place, until there is
-    /// room for the stop from its state. One whose place is another's, if there is any (none without avoidance).
+    /// Reserves the paths of all who have come and not begun at once: each is held, which takes no more than its place,
+    /// until there is room for the stop from its state. One whose place is another's, if there is any (none without
+    /// avoidance).
     pub(super) fn reserve_all(&mut self, motion_set: &MotionSet) -> Option<usize> {
         let n = self.num_characters;
         self.avoiding.as_ref()?;
-        (0..n).for_each(|at| self.hold(at, true));
+        for at in 0..n {
+            if self.has_not_begun(at) {
+                self.hold(at, true);
+            }
+        }
         let meets = self.avoiding.as_mut().and_then(|a| a.rebuild(&self.blocks, n, motion_set));
         for at in 0..n {
-            self.hold(at, false);
-            self.reserve_start(motion_set, at);
+            if self.has_not_begun(at) {
+                self.hold(at, false);
+                self.reserve_start(motion_set, at);
+            }
         }
         meets
+    }
+
+    /// True for one that waits where it has come, for its first choice (at < num_characters).
+    fn has_not_begun(&self, at: usize) -> bool {
+        let (b, lane) = (&self.blocks[at / LANES], at % LANES);
+        b.choice_state[lane] == NO_STATE && b.time[lane] >= b.length[lane] as f32
     }
 
     /// Reserves the path of one that was put somewhere; false where it meets another's or a wall

@@ -120,6 +120,39 @@ proptest! {
     }
 
     #[test]
+    fn those_who_come_later_leave_those_who_walk_as_they_are(
+        starts in starts(), before in 1usize..80, target in [-5.0f32..5.0, -5.0f32..5.0],
+    ) {
+        let config = config(0.2, Choice::BestAction);
+        let mut cast = PolicyCharacters::with_capacity(&tables(), starts.len() + 1, config).unwrap();
+        for (x, z, heading, state) in starts {
+            if let Ok(id) = cast.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
+                cast.order(id, Order::aim(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
+            }
+        }
+        (0..before).for_each(|_| cast.step(0.04, &Inline).unwrap());
+        let paces = |cast: &mut PolicyCharacters| -> Vec<_> {
+            let of = |at| cast.characters().last_choice(at).is_some().then_some(at);
+            let begun: Vec<usize> = (0..cast.ids().len()).filter_map(of).collect();
+            begun.into_iter().map(|at| {
+                let (b, _, lane) = cast.characters.lane_mut(at);
+                (at, b.pace[lane], b.wait[lane].to_bits())
+            }).collect()
+        };
+        let then = paces(&mut cast);
+        cast.gather();
+        cast.spawn(Spawn { root: Planar::new(50.0, 50.0, 0.0), state: Some(0) }).unwrap();
+        cast.settle();
+        prop_assert_eq!(then, paces(&mut cast));
+        for _ in 0..60 {
+            assert_on_paths(&cast);
+            cast.step(0.04, &Inline).unwrap();
+            let room = least_room(&places(&cast));
+            prop_assert!(room > -1e-3, "{} m in each other", -room);
+        }
+    }
+
+    #[test]
     fn a_snapshot_goes_on_as_what_was_saved(starts in starts(), before in 1usize..60, target in [-5.0f32..5.0, -5.0f32..5.0]) {
         let mut first = cast(&starts, config(0.2, Choice::LookAhead { temperature: 0.5 }));
         for &id in &first.ids().to_vec() {
