@@ -298,6 +298,11 @@ fn who_vanishes_or_is_put_elsewhere_frees_the_other() {
     people.step(DT, &Inline).unwrap();
     let gave_up = |id: Id| (id, InhabitantEvent::GaveUp);
     assert!(two.iter().all(|&id| people.events().contains(&gave_up(id))), "{:?}", people.events());
+    // Nobody does it alone.
+    let num_fulfilled = |people: &Inhabitants| two.map(|id| people.state(id).unwrap().num_fulfilled);
+    let before = num_fulfilled(&people);
+    (0..900).for_each(|_| people.step(DT, &Inline).unwrap());
+    assert_eq!(num_fulfilled(&people), before);
     people.meet(two, GIVE, 30.0).unwrap();
     until_begun(&mut people, two);
     people.despawn(two[0]).unwrap();

@@ -37,6 +37,7 @@ pub(super) fn adopt(cast: &mut PolicyCharacters, new: &Bundle) -> Result<Adopted
         }
     }
     characters.surround_as(&cast.characters);
+    characters.detail = cast.characters.detail;
     characters.reserve_all(&motion_set);
     cast.bundle = new.clone();
     cast.motion_set = motion_set;

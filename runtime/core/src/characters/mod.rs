@@ -225,6 +225,7 @@ impl Characters {
                 let mut laps = Laps::start(tick.clock);
                 let choices = avoid::Step { motion_set, config: &config, avoid, orders, num_characters: n };
                 avoid::choose(avoiding, (&mut self.blocks, &mut self.bodies), &mut self.passed, &choices);
+                self.passed[..num_ranges].iter_mut().for_each(|passed| passed.sort());
                 laps.end(Phase::Control);
                 run_each(run, self.ranges(), |range| step::pose_all(range, &tick));
             }

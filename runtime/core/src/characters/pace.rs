@@ -34,9 +34,31 @@ pub fn time(pace: u32, length: f32, frame: f32) -> f32 {
     }
 }
 
+/// Frame some time after another one (both in frames, `passed` >= 0).
+pub fn after(pace: u32, length: f32, from: f32, passed: f32) -> f32 {
+    let to = frame(pace, length, time(pace, length, from) + passed);
+    // So near to a stand that no number lies between: with short steps it would never come to its end.
+    if pace == SLOWING && passed > 0.0 && to <= from { length.max(from) } else { to }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn slowing_ends_with_steps_of_any_length() {
+        // Frames at 30 to 240 Hz, and steps at 1000 to 10 000 Hz.
+        for (length, passed) in [(20.0, 0.003), (20.0, 0.03), (120.0, 0.015), (240.0, 0.03), (480.0, 0.024)] {
+            let (mut at, mut steps) = (0.0, 0u32);
+            while at < length {
+                let next = after(SLOWING, length, at, passed);
+                assert!(next > at, "it stands at frame {at} of {length}");
+                (at, steps) = (next, steps + 1);
+            }
+            let took = f64::from(steps) * f64::from(passed) / f64::from(length);
+            assert!((took - 2.0).abs() < 0.02, "{took} times its length");
+        }
+    }
 
     #[test]
     fn segments_take_twice_their_time_and_meet_rest_at_one_end() {

@@ -141,7 +141,7 @@ impl PolicyCharacters {
     ///   bodies).
     ///
     /// # Errors
-    /// [`Error::Length`], or [`Error::Value`] for what is not finite; some orders may have changed then.
+    /// [`Error::Length`], or [`Error::Value`] for what is not finite; nothing has changed then.
     pub fn aim_all(&mut self, targets: &[Vec3], threats: &[Vec3]) -> Result<()> {
         let n = self.orders.len();
         for (what, got) in [("targets", targets.len()), ("threats", threats.len())] {
@@ -149,9 +149,13 @@ impl PolicyCharacters {
                 return Err(Error::Length { what, got, expected: format!("{n}, one for each character") });
             }
         }
-        for (at, order) in self.orders.iter_mut().enumerate() {
-            *order = order.around(targets[at]).threatened(threats[at]);
-            order.check_target(Some(self.roster.ids()[at]))?;
+        let new = |(order, (target, threat)): (&Order, (&Vec3, &Vec3))| order.around(*target).threatened(*threat);
+        let about = || targets.iter().zip(threats);
+        for (id, order) in self.roster.ids().iter().zip(self.orders.iter().zip(about()).map(new)) {
+            order.check_target(Some(*id))?;
+        }
+        for (order, about) in self.orders.iter_mut().zip(about()) {
+            *order = new((order, about));
         }
         Ok(())
     }
@@ -227,7 +231,10 @@ impl PolicyCharacters {
     pub fn play(&mut self, id: Id, segment: u32) -> Result<()> {
         check_index("segment", Some(id), segment as usize, self.motion_set.graph().segments.len())?;
         let at = self.roster.row(id)?;
-        self.characters.play(&self.motion_set, at, segment)
+        self.characters.play(&self.motion_set, at, segment).map_err(|e| match e {
+            Error::Occupied { by, .. } => Error::Occupied { who: id, by },
+            e => e,
+        })
     }
 
     /// State of the motion graph in which characters stand who enter without one.
@@ -306,7 +313,7 @@ impl Cast for PolicyCharacters {
         let state = start.state.unwrap_or_else(|| self.standing());
         check_index("state", next, state as usize, self.motion_set.graph().states.len())?;
         check_root(next, start.root)?;
-        let id = self.roster.enter()?;
+        let id = self.roster.next()?;
         self.characters.enter(&self.motion_set, Start { root: start.root, state }, &self.arrivals, name(id));
         let at = self.characters.num_characters() - 1;
         let has_room = match self.gathers {
@@ -315,9 +322,9 @@ impl Cast for PolicyCharacters {
         };
         if !has_room {
             self.characters.leave(at);
-            self.roster.leave(id)?;
             return Err(in_the_way(id));
         }
+        self.roster.enter()?;
         self.orders.push(Order::IDLE);
         self.roots.push(start.root);
         Ok(id)

@@ -128,7 +128,7 @@ fn advance(blocks: &mut [Block], passed: &mut PassedHits, first: usize, count: u
             pace::HELD => b.wait[lane] -= frames,
             pace @ (pace::SLOWING | pace::STARTING) => {
                 let length = b.length[lane] as f32;
-                b.time[lane] = pace::frame(pace, length, pace::time(pace, length, from) + frames);
+                b.time[lane] = pace::after(pace, length, from, frames);
             }
             _ => b.time[lane] += frames,
         }

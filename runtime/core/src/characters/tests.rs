@@ -8,7 +8,7 @@ use crate::format::AlignedBytes;
 use crate::hits::HitRecord;
 use glam::Quat;
 
-mod blows;
+pub(crate) mod blows;
 mod reactions;
 mod replay;
 

@@ -43,7 +43,7 @@ impl Inhabitants {
 
     /// Checks that all units of an instance are free.
     fn check_free(&self, graph: &WorldGraph, who: Id, c: u32, instance: u32) -> Result<()> {
-        match self.reservations.other(graph.resources(instance), c) {
+        match self.reservations.other(graph, instance, c) {
             None => Ok(()),
             Some(OUTSIDER) => Err(Error::Occupied { who, by: "somebody who does not live in this world".into() }),
             Some(other) => Err(Error::Occupied { who, by: self.roster.ids()[other as usize].to_string() }),
@@ -54,7 +54,7 @@ impl Inhabitants {
     fn place_for(&self, graph: &WorldGraph, id: Id, c: usize, root: Planar) -> Result<Node> {
         let point = Vec3::new(root.x, graph.place(self.states[c].at).y, root.z);
         let away = |node: Node| graph.place(node).translation().distance(point);
-        let is_free = |i| self.reservations.are_free(graph.resources(i), c as u32);
+        let is_free = |i| self.reservations.are_free(graph, i, c as u32);
         let Some(node) = graph.nearest_rest_of(point, is_free).filter(|n| away(*n) <= PLACED_WITHIN_M) else {
             let nearest = graph.nearest_rest(point);
             let far = nearest.map_or(f32::INFINITY, away);
@@ -131,7 +131,8 @@ impl Cast for Inhabitants {
         Ok(())
     }
 
-    /// To the nearest free place to stay on its floor, within [`PLACED_WITHIN_M`], where it goes on with its order.
+    /// To the nearest free place to stay on its floor, within [`PLACED_WITHIN_M`], where it goes on with its order. What it was
+    /// to do with another one is over.
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::Occupied`], or [`Error::Value`] for a root that is not finite or far from every place.
@@ -143,6 +144,7 @@ impl Cast for Inhabitants {
         let world = self.world.clone();
         let graph = world.graph();
         let node = self.place_for(graph, id, c, root)?;
+        let was_meeting = self.states[c].meeting.is_some();
         self.part(c);
         self.num_orders = self.num_orders.wrapping_add(1);
         let clip = self.standing(graph, node).unwrap_or_default();
@@ -156,7 +158,9 @@ impl Cast for Inhabitants {
         self.chains.set(c, &[]);
         let target = self.paths.target(c);
         self.paths.forget(c, target);
-        if target.is_some() {
+        if was_meeting {
+            self.leave_wish(c);
+        } else if target.is_some() {
             self.paths.ask(c);
         }
         Ok(())
@@ -200,7 +204,8 @@ impl Cast for Inhabitants {
             Doing::Unreachable => Status::NoWay,
             Doing::Waiting | Doing::Meeting | Doing::Blocked => {
                 let by = self.taken_by(graph, c).or_else(|| self.barred_by(graph, c));
-                Status::Blocked { by: by.map(|other| self.roster.ids()[other]) }
+                // Outsiders have no id here.
+                Status::Blocked { by: by.and_then(|other| self.roster.ids().get(other).copied()) }
             }
             _ => Status::Going { left_m: self.left_m(c, target) },
         })

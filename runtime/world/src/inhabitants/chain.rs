@@ -69,7 +69,7 @@ impl Chains {
 
 /// Who else holds a unit that a step needs.
 pub(super) fn holder(graph: &WorldGraph, reservations: &Reservations, character: u32, step: &Step) -> Option<u32> {
-    let other = |instance| reservations.other(graph.resources(instance), character);
+    let other = |instance| reservations.other(graph, instance, character);
     let played = graph.link(step).is_some() && step.instance != step.to.instance;
     other(step.to.instance).or_else(|| if played { other(step.instance) } else { None })
 }
@@ -92,7 +92,7 @@ pub(super) struct ToSafety<'a> {
 
 impl Space for ToSafety<'_> {
     fn admits(&self, instance: u32) -> bool {
-        self.reservations.are_free(self.graph.resources(instance), self.character)
+        self.reservations.are_free(self.graph, instance, self.character)
     }
 
     fn is_target(&self, node: Node) -> bool {
@@ -129,7 +129,7 @@ pub(super) struct ToPath<'a> {
 
 impl Space for ToPath<'_> {
     fn admits(&self, instance: u32) -> bool {
-        self.through || self.reservations.are_free(self.graph.resources(instance), self.character)
+        self.through || self.reservations.are_free(self.graph, instance, self.character)
     }
 
     fn is_target(&self, node: Node) -> bool {

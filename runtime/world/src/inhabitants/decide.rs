@@ -63,13 +63,13 @@ impl Inhabitants {
             let from = self.end(c);
             let Some(mut target) = self.paths.target(c) else { continue };
             if let Target::Tag { instance, tag } = target
-                && !self.reservations.are_free(graph.resources(instance), c as u32)
+                && !self.reservations.are_free(graph, instance, c as u32)
                 && let Some(instance) = self.nearest_offer(graph, c, tag)
             {
                 target = Target::Tag { instance, tag };
                 self.paths.forget(c, Some(target));
             }
-            if !self.reservations.are_free(graph.resources(target.instance()), c as u32)
+            if !self.reservations.are_free(graph, target.instance(), c as u32)
                 && self.turn_to_free(graph, c)
                 && let Some(free) = self.paths.target(c)
             {
@@ -86,7 +86,7 @@ impl Inhabitants {
                 if partners == Some(i) {
                     return TOLL_OF_WHO_STAYS;
                 }
-                let held = reservations.other(graph.resources(i), c as u32).filter(|_| i != target.instance());
+                let held = reservations.other(graph, i, c as u32).filter(|_| i != target.instance());
                 let stays = match held.map(|other| states.get(other as usize)) {
                     None => return 0.0,
                     // As long as waiting for its end takes.

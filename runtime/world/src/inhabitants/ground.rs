@@ -2,6 +2,7 @@
 
 use super::Inhabitants;
 use super::decide::needs;
+use super::reservations::Ground;
 use crate::WorldGraph;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
@@ -40,18 +41,26 @@ fn ground(graph: &WorldGraph, instance: u32) -> Rod {
 }
 
 impl Inhabitants {
-    /// Those who do not live here: nobody takes units on ground that they hold. Who holds such units already keeps them
-    /// until it has left them.
+    /// Those who do not live here: nobody enters an instance on ground that they hold. Who needs such an instance already
+    /// goes on, as [`Inhabitants::hold_ground`] has told them.
     pub fn mind<'a>(&mut self, others: impl Iterator<Item = &'a Held>) {
         let graph = self.world.graph();
         let grounds = self.grounds.get_or_insert_with(|| Arc::new(Grounds::new(graph)));
-        self.reservations.open_all();
+        self.reservations.ground_mut().fill(Ground::Free);
         for held in others.flat_map(|h| &h.ground) {
             grounds.grid.near(&held.bounds(), |instance| {
                 if grounds.rods[instance].meets(held) {
-                    self.reservations.bar(graph.resources(instance as u32));
+                    self.reservations.ground_mut()[instance] = Ground::Barred;
                 }
                 true
+            });
+        }
+        for (c, state) in self.states.iter().enumerate() {
+            needs(graph, state, self.chains.of(c), |instance| {
+                let ground = &mut self.reservations.ground_mut()[instance as usize];
+                if *ground == Ground::Barred {
+                    *ground = Ground::Shared;
+                }
             });
         }
     }
@@ -70,6 +79,102 @@ impl Inhabitants {
                     out.ground.push(rod);
                 }
             });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inhabitants::{InhabitantsConfig, Wish};
+    use crate::made_up_floor::{SIDE, tables, world};
+    use crate::{Node, World};
+    use throng_base::{Error, Inline};
+    use throng_core::{Cast, Planar, Status};
+
+    const DT: f32 = 1.0 / 30.0;
+
+    /// A row of tiles, of which some share the unit of the first one, and somebody on the first one.
+    fn row(sharing: &[u32]) -> (World, Inhabitants, [Node; 4]) {
+        let tables = tables();
+        let mut data = world(&tables, &["####"]);
+        let tile_at = |x: u32| {
+            let is_there = |i: &crate::InstanceRecord| i.placement.x == x as f32 * SIDE;
+            data.instances.iter().position(is_there).unwrap()
+        };
+        let tiles = [0, 1, 2, 3].map(tile_at);
+        let unit = data.resources[data.instances[tiles[0]].first_resource as usize];
+        for &x in sharing {
+            let resource = data.instances[tiles[x as usize]].first_resource;
+            data.resources[resource as usize] = unit;
+        }
+        let world = World::from_data(&data, &tables).unwrap();
+        let mut people = Inhabitants::new(&world, 2, InhabitantsConfig::default()).unwrap();
+        let rests = tiles.map(|t| world.graph().rest_cells(t as u32).next().unwrap());
+        people.spawn(rests[0]).unwrap();
+        (world, people, rests)
+    }
+
+    /// Somebody whom others move, and who stands on a tile.
+    fn standing_on(x: u32) -> [Held; 1] {
+        let at = Vec2::new(x as f32 * SIDE, 0.0);
+        [Held { bodies: Vec::new(), ground: vec![Rod { from: at, to: at, radius_m: 0.3 }] }]
+    }
+
+    #[test]
+    fn who_holds_a_unit_that_places_share_does_not_enter_the_ground_of_others() {
+        for sharing in [&[][..], &[1], &[1, 2]] {
+            let (_, mut people, rests) = row(sharing);
+            let id = people.ids()[0];
+            let others = standing_on(1);
+            people.mind(others.iter());
+            let refused = people.place(id, Planar::new(SIDE, 0.0, 0.0));
+            assert!(matches!(refused, Err(Error::Occupied { .. })), "{refused:?}");
+            people.order(id, Wish::GoTo { instance: rests[3].instance }).unwrap();
+            let mut was_blocked = false;
+            for step in 0..600 {
+                people.mind(others.iter());
+                people.step(DT, &Inline).unwrap();
+                let x = people.roots[0].x;
+                assert!(!(0.55 * SIDE..1.45 * SIDE).contains(&x), "at {x} m after {step} steps, {sharing:?}");
+                // By nobody who has an id here.
+                was_blocked |= matches!(people.status(id), Ok(Status::Blocked { by: None }));
+            }
+            assert!(was_blocked);
+            // Who has gone is in nobody's way.
+            (0..3000).for_each(|_| {
+                people.mind([].iter());
+                people.step(DT, &Inline).unwrap();
+            });
+            assert!(matches!(people.status(id), Ok(Status::There)), "{:?}", people.status(id));
+        }
+    }
+
+    #[test]
+    fn who_is_on_ground_that_somebody_comes_to_leaves_it() {
+        let (_, mut people, rests) = row(&[1]);
+        let id = people.ids()[0];
+        let others = standing_on(0);
+        people.order(id, Wish::GoTo { instance: rests[3].instance }).unwrap();
+        for _ in 0..1500 {
+            people.mind(others.iter());
+            people.step(DT, &Inline).unwrap();
+        }
+        assert!(matches!(people.status(id), Ok(Status::There)), "{:?}", people.status(id));
+    }
+
+    #[test]
+    fn going_back_does_not_forget_others() {
+        let (_, mut people, _) = row(&[]);
+        let id = people.ids()[0];
+        let mut kept = Vec::new();
+        people.save(&mut kept);
+        people.mind(standing_on(2).iter());
+        for _ in 0..2 {
+            let put = |x: f32| people.clone().place(id, Planar::new(x * SIDE, 0.0, 0.0));
+            assert!(matches!(put(2.0), Err(Error::Occupied { .. })), "{:?}", put(2.0));
+            assert!(put(3.0).is_ok());
+            people.load(&kept).unwrap();
         }
     }
 }

@@ -169,7 +169,7 @@ impl Inhabitants {
             states: Vec::with_capacity(capacity),
             chains: Chains::new(capacity),
             paths: Paths::new(capacity, config.max_path),
-            reservations: Reservations::new(graph.world().units.len(), capacity),
+            reservations: Reservations::new(graph, capacity),
             grounds: None,
             planner: Planner::new(graph),
             offers: offers::by_tag(graph),

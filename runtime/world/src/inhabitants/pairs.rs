@@ -250,10 +250,10 @@ impl Inhabitants {
                 for flipped in [false, true] {
                     let node = |row: usize| offer.starts[row ^ usize::from(flipped)];
                     let far = |row: usize| {
-                        let units = graph.resources(node(row).instance);
-                        let held = self.reservations.other(units, rows[row] as u32);
+                        let instance = node(row).instance;
+                        let held = self.reservations.other(graph, instance, rows[row] as u32);
                         let is_taken = held.is_some_and(|c| c as usize != rows[1 - row]);
-                        let is_wanted = self.reservations.is_any_marked(units);
+                        let is_wanted = self.reservations.is_any_marked(graph.resources(instance));
                         let away = graph.place(node(row)).translation().distance(here[row]);
                         if is_taken || is_wanted { away + TAKEN_M } else { away }
                     };
@@ -448,7 +448,7 @@ impl Inhabitants {
     }
 
     /// Has nothing more to do where it is.
-    fn leave_wish(&mut self, c: usize) {
+    pub(super) fn leave_wish(&mut self, c: usize) {
         self.states[c].doing = Doing::Arrived;
     }
 

@@ -1,17 +1,29 @@
 //! Who holds which unit. Every unit has at most one holder, so each holder's units are a list through the units.
 
+use crate::WorldGraph;
 use throng_core::patch::NONE;
 
 /// Stands for somebody whom something else moves, on whose ground a unit is.
 pub(super) const OUTSIDER: u32 = NONE - 1;
+
+/// Whose ground an instance is on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Ground {
+    /// Nobody's but those who live here.
+    Free,
+    /// That of an outsider.
+    Barred,
+    /// The same, but it is needed by somebody who holds its units, and may go on there.
+    Shared,
+}
 
 /// Reservations of all units.
 #[derive(Clone, Debug)]
 pub(super) struct Reservations {
     /// Holder of each unit, or [`NONE`].
     holder: Vec<u32>,
-    /// Units on ground that outsiders hold.
-    barred: Vec<bool>,
+    /// Whose ground instances are on.
+    ground: Vec<Ground>,
     /// The unit after each one in its holder's list.
     next: Vec<u32>,
     /// First unit of each character.
@@ -22,10 +34,14 @@ pub(super) struct Reservations {
 }
 
 impl Reservations {
-    pub fn new(num_units: usize, num_characters: usize) -> Self {
+    pub fn new(graph: &WorldGraph, num_characters: usize) -> Self {
+        Self::with_sizes(graph.world().units.len(), graph.num_instances(), num_characters)
+    }
+
+    fn with_sizes(num_units: usize, num_instances: usize, num_characters: usize) -> Self {
         Self {
             holder: vec![NONE; num_units],
-            barred: vec![false; num_units],
+            ground: vec![Ground::Free; num_instances],
             next: vec![NONE; num_units],
             first: vec![NONE; num_characters],
             marks: vec![0; num_units],
@@ -38,26 +54,33 @@ impl Reservations {
         Some(self.holder[unit as usize]).filter(|&c| c != NONE)
     }
 
-    /// Who else holds one of these units; [`OUTSIDER`] where it is no inhabitant. What a character holds already is its
-    /// own, whoever comes.
-    pub fn other(&self, units: &[u32], character: u32) -> Option<u32> {
-        let holder = |&u: &u32| self.of(u).or_else(|| self.barred[u as usize].then_some(OUTSIDER));
-        units.iter().filter_map(holder).find(|&c| c != character)
+    /// Who else is in an instance: holds one of its units, or is [`OUTSIDER`] on its ground.
+    pub fn other(&self, graph: &WorldGraph, instance: u32, character: u32) -> Option<u32> {
+        let units = graph.resources(instance);
+        self.other_of(units, character).or_else(|| {
+            let is_there = || units.iter().all(|&u| self.of(u) == Some(character));
+            let may_enter = match self.ground[instance as usize] {
+                Ground::Free => true,
+                Ground::Barred => false,
+                Ground::Shared => is_there(),
+            };
+            (!may_enter).then_some(OUTSIDER)
+        })
     }
 
-    /// No unit is on the ground of outsiders.
-    pub fn open_all(&mut self) {
-        self.barred.fill(false);
+    /// Who else holds one of these units.
+    pub fn other_of(&self, units: &[u32], character: u32) -> Option<u32> {
+        units.iter().filter_map(|&u| self.of(u)).find(|&c| c != character)
     }
 
-    /// These units are on the ground of outsiders.
-    pub fn bar(&mut self, units: &[u32]) {
-        units.iter().for_each(|&u| self.barred[u as usize] = true);
+    /// Whose ground each instance is on.
+    pub fn ground_mut(&mut self) -> &mut [Ground] {
+        &mut self.ground
     }
 
-    /// True where all units are free or held by the character.
-    pub fn are_free(&self, units: &[u32], character: u32) -> bool {
-        self.other(units, character).is_none()
+    /// True where a character may be in an instance.
+    pub fn are_free(&self, graph: &WorldGraph, instance: u32, character: u32) -> bool {
+        self.other(graph, instance, character).is_none()
     }
 
     /// Gives units to a character, which are free or its own.
@@ -130,10 +153,10 @@ mod tests {
 
     #[test]
     fn units_have_one_holder_and_are_let_go_unless_kept() {
-        let mut h = Reservations::new(6, 2);
+        let mut h = Reservations::with_sizes(6, 6, 2);
         h.take(&[0, 2, 4], 0);
         h.take(&[1, 5], 1);
-        assert!(h.are_free(&[0, 3], 0) && !h.are_free(&[0, 3], 1));
+        assert_eq!([0, 1].map(|c| h.other_of(&[0, 3], c)), [None, Some(0)]);
         h.take(&[0, 3], 0);
         h.clear_marks();
         h.mark(&[2, 3, 5]);

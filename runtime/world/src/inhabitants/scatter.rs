@@ -15,7 +15,7 @@ pub fn scatter(graph: &WorldGraph, n: usize, seed: u64) -> Vec<Node> {
         let other = (uniform(seed, 0, i as u64) * (i + 1) as f32) as usize;
         order.swap(i, other.min(i));
     }
-    let mut reservations = Reservations::new(graph.world().units.len(), 1);
+    let mut reservations = Reservations::new(graph, 1);
     let mut out = Vec::with_capacity(n.min(order.len()));
     for instance in order {
         if out.len() == n {

@@ -54,8 +54,7 @@ impl Inhabitants {
     ) -> Result<(), &'static str> {
         let (world, n) = (self.world.clone(), roster.ids().len());
         let graph = world.graph();
-        let (mut bodies, mut held) =
-            (self.characters.clone(), Reservations::new(graph.world().units.len(), self.capacity()));
+        let (mut bodies, mut held) = (self.characters.clone(), Reservations::new(graph, self.capacity()));
         let mut new_roster = self.roster.clone();
         let (mut new_chains, mut new_paths) = (self.chains.clone(), self.paths.clone());
         let check = |good: bool, what| if good { Ok(()) } else { Err(what) };
@@ -84,12 +83,13 @@ impl Inhabitants {
             let mut are_free = true;
             needs(graph, state, chain, |instance| {
                 let units = graph.resources(instance);
-                are_free &= held.are_free(units, c as u32);
+                are_free &= held.other_of(units, c as u32).is_none();
                 held.take(units, c as u32);
             });
             check(are_free, "two hold the same unit")?;
         }
         check(new_paths.restore(graph, paths, n), "its paths are not of the world")?;
+        held.ground_mut().copy_from_slice(self.reservations.ground_mut());
         (self.time_s, self.num_orders) = (*time_s, *num_orders);
         (self.roster, self.characters, self.reservations) = (new_roster, bodies, held);
         (self.chains, self.paths) = (new_chains, new_paths);

@@ -90,7 +90,9 @@ impl Inhabitants {
         let reservations = &self.reservations;
         let is_free = |instance| {
             let units = graph.resources(instance);
-            but != Some(instance) && reservations.are_free(units, c as u32) && !reservations.is_any_marked(units)
+            but != Some(instance)
+                && reservations.are_free(graph, instance, c as u32)
+                && !reservations.is_any_marked(units)
         };
         let node = graph.nearest_rest_of(point, is_free)?;
         (graph.place(node).translation().distance(point) <= within_m).then_some(node.instance)
@@ -99,7 +101,7 @@ impl Inhabitants {
     /// Who stays where a character is to go and stay.
     pub(super) fn taken_by(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
         let target = self.paths.target(c).filter(|t| !matches!(t, Target::Tag { .. }))?;
-        let other = self.reservations.other(graph.resources(target.instance()), c as u32)?;
+        let other = self.reservations.other(graph, target.instance(), c as u32)?;
         (other != OUTSIDER && self.stays(other as usize)).then_some(other as usize)
     }
 

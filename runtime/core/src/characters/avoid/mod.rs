@@ -190,13 +190,13 @@ impl Characters {
     /// Moves one over the ground as a whole, unless that is in another's way; see [`Characters::shift`].
     pub(super) fn shift_aside(&mut self, motion_set: &MotionSet, at: usize, by: Vec2) -> Result<()> {
         let is_stale = self.avoiding.as_ref().is_some_and(|a| a.is_stale);
+        let before = self.blocks[at / LANES];
         self.shift(at, by)?;
         if let Some(avoiding) = &mut self.avoiding {
             // Nobody else was moved.
             avoiding.is_stale = is_stale;
             if !self.reserve(motion_set, at) {
-                self.shift(at, -by)?;
-                self.avoiding.iter_mut().for_each(|a| a.is_stale = false);
+                self.blocks[at / LANES] = before;
                 self.reserve(motion_set, at);
             }
         }

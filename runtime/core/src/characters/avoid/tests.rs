@@ -221,6 +221,70 @@ fn who_would_start_in_anothers_way_is_refused_and_forged_snapshots_too() {
 }
 
 #[test]
+fn what_is_refused_changes_nothing_and_names_who_it_is_about() {
+    let at = |x: f32| Spawn { root: Planar::new(x, 0.0, 0.0), state: Some(0) };
+    let mut cast = PolicyCharacters::with_capacity(&tables(), 4, config(0.0, Choice::BestAction)).unwrap();
+    let gone = cast.spawn(at(20.0)).unwrap();
+    let ids = [0.0, 0.65].map(|x| cast.spawn(at(x)).unwrap());
+    // Ids and rows are not the same from here on.
+    cast.despawn(gone).unwrap();
+    cast.step(0.04, &Inline).unwrap();
+    let before = cast.hash();
+    assert!(matches!(cast.spawn(at(0.3)), Err(Error::Occupied { .. })));
+    assert_eq!(cast.hash(), before, "a spawn is refused");
+    let bad = [Vec3::X, Vec3::NAN];
+    assert!(matches!(cast.aim_all(&bad, &bad), Err(Error::Value { .. })));
+    assert_eq!(cast.hash(), before, "targets are refused");
+    let targets = ids.map(|id| cast.order_of(id).unwrap().target());
+    for (k, id) in ids.into_iter().enumerate() {
+        let towards = Vec2::new(if k == 0 { 0.3 } else { -0.3 }, 0.0);
+        cast.shift(id, towards).unwrap();
+        assert_eq!(cast.hash(), before, "it stays where it is");
+    }
+    // One that has turned to the other has room to stop, and none to walk on.
+    let (mut refused, segments) = (0, 0..cast.motion_set().graph().segments.len() as u32);
+    for (x, segment) in (8..30).flat_map(|k| segments.clone().map(move |s| (0.1 * k as f32, s))) {
+        for heading in [-1.6, 1.6] {
+            let (id, mut other) = (ids[1], cast.clone());
+            if other.place(id, Planar::new(x, 0.0, heading)).is_err() {
+                continue;
+            }
+            let before = other.hash();
+            match other.play(id, segment) {
+                Ok(()) => {}
+                Err(Error::Occupied { who, .. }) => {
+                    refused += 1;
+                    assert_eq!((who, other.hash()), (id, before));
+                }
+                Err(e) => panic!("{e}"),
+            }
+        }
+    }
+    assert!(refused > 0);
+    cast.step(0.04, &Inline).unwrap();
+    assert_eq!(ids.map(|id| cast.order_of(id).unwrap().target()), targets);
+}
+
+#[test]
+fn blows_come_in_the_order_of_their_numbers() {
+    // Everybody strikes twice: at the end of a segment and at the start of the next one.
+    let hits: Vec<_> = (0..80).map(crate::characters::tests::blows::hit).collect();
+    let tables = crate::characters::made_up::tables_with(&hits);
+    let mut cast = PolicyCharacters::with_capacity(&tables, 12, config(0.0, Choice::BestAction)).unwrap();
+    (0..12).for_each(|k| {
+        _ = cast.spawn(Spawn { root: Planar::new(9.0 * k as f32, 0.0, 0.0), state: Some(k % 4) }).unwrap()
+    });
+    let mut twice = 0;
+    for _ in 0..300 {
+        cast.step(0.1, &Inline).unwrap();
+        let who: Vec<u32> = cast.characters().blows().iter().map(|b| b.character).collect();
+        assert!(who.is_sorted(), "{who:?}");
+        twice += who.windows(2).filter(|w| w[0] == w[1]).count();
+    }
+    assert!(twice > 100, "{twice}");
+}
+
+#[test]
 fn two_who_meet_pass_each_other() {
     // The made-up motion only walks ahead: one is held until the other is gone.
     let mut cast = cast(&[(0.0, 0.0, 0.0, 0), (0.35, 6.0, std::f32::consts::PI, 0)], config(0.3, Choice::BestAction));
