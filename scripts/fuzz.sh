@@ -24,6 +24,13 @@ coverage="-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4
 RUSTFLAGS="$(echo $coverage) -Cdebug-assertions --cfg fuzzing" \
     cargo build -q --release --manifest-path fuzz/Cargo.toml --target "$host" --target-dir "$target" --bins
 
+# Some readers write files and wait for the disk after each: in memory, where there is such a folder.
+if [ -d /dev/shm ] && [ -w /dev/shm ]; then
+    TMPDIR=$(mktemp -d /dev/shm/fuzz.XXXXXX)
+    export TMPDIR
+    trap 'rm -rf "$TMPDIR"' EXIT
+fi
+
 status=0
 # Processor time of the program, and of the system for it (s).
 TIMEFORMAT='%U %S'
