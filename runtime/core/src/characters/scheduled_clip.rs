@@ -131,6 +131,9 @@ impl Characters {
         scheduled_clip.put(b, lane, motion_set);
         b.time[lane] = scheduled_clip.from_offset as f32;
         set(&mut b.root, lane, Vec3::new(root.x, root.z, root.heading));
+        if let Some(avoiding) = &mut self.avoiding {
+            avoiding.stale();
+        }
         Ok(())
     }
 

@@ -140,6 +140,8 @@ fn walking_speed(motion_set: &MotionSet) -> f32 {
 
 impl Characters {
     /// What stands for good, for characters that make way: nobody walks into it. Others take no notice.
+    ///
+    /// Set it before anybody walks there: whoever is on the way through a new wall goes on to its stop, and may have to stay.
     pub fn set_walls(&mut self, walls: &[Rod]) {
         if let Some(avoiding) = &mut self.avoiding {
             avoiding.book.set_walls(walls);

@@ -1,8 +1,9 @@
 //! Courses against the formula of their roots, and transitions between them.
 
 use super::*;
-use crate::characters::CharactersConfig;
 use crate::characters::tests::{curve, orders, plain, starts, tables};
+use crate::characters::{AvoidConfig, CharactersConfig};
+use crate::reserve::Held;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use throng_base::Error;
 
@@ -52,6 +53,28 @@ fn roots_are_those_of_the_clip_with_a_linear_share_of_what_is_missing() {
         }
         characters.step(&r, 0.11, &[]).unwrap();
     }
+}
+
+#[test]
+fn where_one_is_put_is_its_ground_at_once_among_those_who_make_way() {
+    let r = MotionSet::new(&tables());
+    let config = CharactersConfig { avoid: Some(AvoidConfig::default()), ..CharactersConfig::default() };
+    let clips = scheduled_clips(3);
+    let mut characters = Characters::with_capacity(&r, config, 2).unwrap();
+    let assert_held = |characters: &mut Characters, expected: &[ScheduledClip]| {
+        let mut held = Held::default();
+        characters.hold_ground(&r, &mut held);
+        let place = |c: &ScheduledClip| Vec2::new(c.root.x, c.root.z);
+        assert!(held.bodies.iter().map(|b| b.place).eq(expected.iter().map(place)));
+        let book = characters.reservations().unwrap();
+        assert!(expected.iter().enumerate().all(|(at, c)| book.path(at).now() == place(c)));
+    };
+    characters.enter_laid(&r, &clips[0]).unwrap();
+    assert_held(&mut characters, &clips[..1]);
+    characters.enter_laid(&r, &clips[1]).unwrap();
+    assert_held(&mut characters, &clips[..2]);
+    characters.start_laid(&r, 0, &clips[2]).unwrap();
+    assert_held(&mut characters, &[clips[2], clips[1]]);
 }
 
 #[test]
