@@ -3,14 +3,16 @@
 use super::camera::Camera;
 use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
+use super::discs::SOLID;
 use super::figure::{BodyColours, Figure};
 use super::furniture::{grid, legend, nice_step, page_with_panel, scale_bar};
 use super::shadow::Shadows;
 use super::sprite;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_PI_2, PI};
 use throng_runtime::Planar;
+use throng_runtime::reserve::Rod;
 
 /// Whether a character is where it wants to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +51,8 @@ pub struct CrowdView<'a> {
     pub size: (u32, u32),
     /// Everybody.
     pub characters: &'a [CrowdCharacter<'a>],
+    /// What stands in the way.
+    pub walls: &'a [Rod],
     /// Radius around a target within which it is reached; drawn as a ring (m).
     pub reach_m: f32,
     /// What the colours stand for: [`Arrival::Reached`], [`Arrival::OnTheWay`], [`Arrival::OnTheWayBack`]. The legend leaves
@@ -84,7 +88,7 @@ pub fn crowd_overview(view: &CrowdView<'_>) -> Picture {
         Some(focus) => look_at(focus, extent),
         None => fit(&present, extent, unit),
     };
-    draw_ground(&mut panel, &camera, unit, &present, view.reach_m);
+    draw_ground(&mut panel, &camera, unit, &present, view);
     draw_characters(&mut panel, &camera, unit, &present);
     if let Some((character, name)) = view.marked.and_then(|(i, name)| Some((view.characters.get(i)?, name))) {
         draw_mark(&mut panel, &camera, unit, character, name);
@@ -143,13 +147,20 @@ fn look_at(focus: Focus, size: Vec2) -> Camera {
     Camera::looking(PI, 0.62).framed(on_ground(focus.centre), centre, px_per_m)
 }
 
-/// Grid, trails, targets and the lines to them.
-fn draw_ground(panel: &mut Picture, camera: &Camera, unit: f32, characters: &[&CrowdCharacter<'_>], reach_m: f32) {
+/// Grid, walls, trails, targets and the lines to them.
+fn draw_ground(
+    panel: &mut Picture,
+    camera: &Camera,
+    unit: f32,
+    characters: &[&CrowdCharacter<'_>],
+    view: &CrowdView<'_>,
+) {
     grid(panel, camera, nice_step(panel.width() as f32 / camera.px_per_m / 16.0), unit);
+    view.walls.iter().for_each(|wall| draw_wall(panel, camera, unit, wall));
     for c in characters {
         draw_trail(panel, camera, unit, c.trail, colour_of(c.arrival));
     }
-    let ring = camera.ground_disc(reach_m.clamp(0.0, 100.0));
+    let ring = camera.ground_disc(view.reach_m.clamp(0.0, 100.0));
     for c in characters {
         let Some(target) = c.target.filter(|t| t.is_finite()) else { continue };
         let (at, tint) = (camera.project(on_ground(target)), colour_of(c.arrival));
@@ -163,6 +174,18 @@ fn draw_ground(panel: &mut Picture, camera: &Camera, unit: f32, characters: &[&C
         panel.stroke_line(&[at - Vec2::X * arm, at + Vec2::X * arm], 1.4 * unit, tint);
         panel.stroke_line(&[at - Vec2::Y * arm, at + Vec2::Y * arm], 1.4 * unit, tint);
     }
+}
+
+/// The ground that a wall takes, two pixels wide at least.
+fn draw_wall(panel: &mut Picture, camera: &Camera, unit: f32, wall: &Rod) {
+    const ARC: u8 = 16;
+    let radius_m = wall.radius_m.max(unit / camera.px_per_m);
+    let ahead = (wall.to - wall.from).to_angle();
+    let half = |end: Vec2, from: f32| {
+        (0..=ARC).map(move |i| end + radius_m * Vec2::from_angle(from + PI * f32::from(i) / f32::from(ARC)))
+    };
+    let outline = half(wall.to, ahead - FRAC_PI_2).chain(half(wall.from, ahead + FRAC_PI_2));
+    panel.fill_polygon(&outline.map(|p| camera.project(on_ground(p))).collect::<Vec<_>>(), SOLID);
 }
 
 /// A trail that fades with age, in four steps.
@@ -258,6 +281,7 @@ mod tests {
             subtitle: "s",
             size: (320, 200),
             characters,
+            walls: &[],
             reach_m: 0.5,
             names: ["here", "there", ""],
             remark: "r",
@@ -295,6 +319,26 @@ mod tests {
         let reached = crowd_overview(&view(&one));
         one[0].arrival = Arrival::OnTheWay;
         assert_ne!(crowd_overview(&view(&one)), reached);
+    }
+
+    #[test]
+    fn what_stands_in_the_way_is_drawn_on_the_ground() {
+        let (post, fence) = (Vec2::new(2.0, 1.0), Vec2::new(-2.0, 1.0));
+        let walls = [
+            Rod { from: post, to: post, radius_m: 0.5 },
+            Rod { from: fence, to: fence - Vec2::Y, radius_m: 0.1 },
+            Rod { from: Vec2::NAN, to: Vec2::INFINITY, radius_m: 1.0 },
+        ];
+        let one = [standing(Planar::IDENTITY)];
+        let focus = Some(Focus { centre: Vec2::ZERO, width_m: 8.0 });
+        let seen = crowd_overview(&CrowdView { size: (1600, 1000), walls: &walls, marked: None, focus, ..view(&one) });
+        let solid = |picture: &Picture, at: Vec2| {
+            let panel = Vec2::new(1568.0, 900.0);
+            let screen = look_at(focus.unwrap(), panel).project(on_ground(at)) + Vec2::new(16.0, 84.0);
+            picture.pixel(screen.x as u32, screen.y as u32) == Some([0x8a, 0x85, 0x78, 0xff])
+        };
+        assert!(solid(&seen, post) && solid(&seen, post + 0.4 * Vec2::X) && solid(&seen, fence - 0.5 * Vec2::Y));
+        assert!(!solid(&seen, post + 0.6 * Vec2::X) && !solid(&seen, fence + 0.3 * Vec2::Y));
     }
 
     #[test]

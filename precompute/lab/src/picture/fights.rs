@@ -71,6 +71,7 @@ fn overview(group: &GroupConfig, record: &FightRecord, poses: &[Pose], title: &s
         subtitle,
         size: (1600, if few { 620 } else { 1000 }),
         characters: &characters,
+        walls: &record.walls,
         reach_m: group.target.radius_m as f32,
         names: if is_pairs { ["the first of a pair", "the second", ""] } else { ["characters", "", ""] },
         remark: if is_pairs { "at the end" } else { "at the end; ring: target" },

@@ -3,7 +3,9 @@
 use super::report::RunConfig;
 use super::watch::{LOOK_S, Watch};
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use throng_runtime::characters::PolicyCharacters;
 use throng_runtime::crowd::{Obstacle, Space};
+use throng_runtime::reserve::Rod;
 use throng_runtime::simulation::agents::{Agents, in_world};
 use throng_runtime::simulation::scene::SiteConfig;
 use throng_runtime::simulation::{Event, GroupCast, Simulation};
@@ -66,6 +68,8 @@ pub struct FightRecord {
     pub roots: Vec<Planar>,
     /// Opponents' heads or targets of the whole group at the end (m).
     pub targets: Vec<Vec3>,
+    /// What stands in the way.
+    pub walls: Vec<Rod>,
 }
 
 /// The recorded characters of a group with policies at one step.
@@ -264,6 +268,9 @@ impl Recorder {
             let all = sim.groups()[f.group].characters.clone();
             f.roots = all.clone().filter_map(|who| sim.root(who)).collect();
             f.targets = all.filter_map(|who| sim.target(who)).collect();
+            f.walls = boxers(sim, f.group)
+                .and_then(|b| b.characters().reservations())
+                .map_or(Vec::new(), |r| r.walls().copied().collect());
         }
         if let Some(agents) = &mut self.record.agents {
             for cast in sim.casts() {
@@ -290,6 +297,15 @@ fn follow(sim: &Simulation, out: &mut Vec<TrajectoryPoint>) {
             let (at, velocity) = (disc.centre.xz(), disc.velocity.xz());
             out.push(TrajectoryPoint { time_s: sim.time_s(), agent: who, at, velocity });
         }
+    }
+}
+
+/// The characters with policies among whom a group is.
+fn boxers(sim: &Simulation, group: usize) -> Option<&PolicyCharacters> {
+    match &sim.casts()[sim.groups()[group].cast] {
+        GroupCast::Policy(p) => Some(p.practice().boxers()),
+        GroupCast::Sparring(b) => Some(b.sparring().boxers()),
+        _ => None,
     }
 }
 
