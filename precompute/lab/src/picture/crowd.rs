@@ -330,11 +330,17 @@ mod tests {
             Rod { from: Vec2::NAN, to: Vec2::INFINITY, radius_m: 1.0 },
         ];
         let one = [standing(Planar::IDENTITY)];
-        let focus = Some(Focus { centre: Vec2::ZERO, width_m: 8.0 });
-        let seen = crowd_overview(&CrowdView { size: (1600, 1000), walls: &walls, marked: None, focus, ..view(&one) });
+        let focus = Focus { centre: Vec2::ZERO, width_m: 8.0 };
+        let seen = crowd_overview(&CrowdView {
+            size: (1600, 1000),
+            walls: &walls,
+            marked: None,
+            focus: Some(focus),
+            ..view(&one)
+        });
         let solid = |picture: &Picture, at: Vec2| {
             let panel = Vec2::new(1568.0, 900.0);
-            let screen = look_at(focus.unwrap(), panel).project(on_ground(at)) + Vec2::new(16.0, 84.0);
+            let screen = look_at(focus, panel).project(on_ground(at)) + Vec2::new(16.0, 84.0);
             picture.pixel(screen.x as u32, screen.y as u32) == Some([0x8a, 0x85, 0x78, 0xff])
         };
         assert!(solid(&seen, post) && solid(&seen, post + 0.4 * Vec2::X) && solid(&seen, fence - 0.5 * Vec2::Y));

@@ -27,7 +27,7 @@ const ROWS: usize = 3;
 /// Width that a moment shows (m).
 const WIDTH_M: f32 = 2.1;
 
-/// Draws a group with policies: rows of moments around blows that landed, and all characters from above.
+/// Draws a group with policies: all characters from above and, of those who strike, rows of moments around blows that landed.
 ///
 /// - `poses`: of the whole group at the end.
 pub(super) fn fight_sheet(
@@ -38,19 +38,23 @@ pub(super) fn fight_sheet(
     poses: &[Pose],
 ) -> Picture {
     let f = figures.blows.clone().unwrap_or_default();
-    let subtitle = format!(
-        "{:.0} s: {} blows thrown, {:.0} % landed, {:.0} % blocked; {:.1} landed a minute and character; planted feet \
-         slip {:.0} mm/s (95th percentile)",
-        figures.simulated_s,
-        f.thrown,
-        100.0 * f.landed_fraction,
-        100.0 * f.blocked_fraction,
-        f.hits_per_minute,
-        1000.0 * figures.foot_slip_p95_mps.unwrap_or_default()
-    );
+    let blows = match f.thrown {
+        0 => String::from("no blow was thrown"),
+        thrown => format!(
+            "{thrown} blows thrown, {:.0} % landed, {:.0} % blocked; {:.1} landed a minute and character",
+            100.0 * f.landed_fraction,
+            100.0 * f.blocked_fraction,
+            f.hits_per_minute
+        ),
+    };
+    let slip_mmps = 1000.0 * figures.foot_slip_p95_mps.unwrap_or_default();
+    let subtitle =
+        format!("{:.0} s: {blows}; planted feet slip {slip_mmps:.0} mm/s (95th percentile)", figures.simulated_s);
     let crowd = overview(group, record, poses, title, &subtitle);
-    let moments = moments(record, group.target.radius_m as f32);
-    sheet(&[&crowd, &moments])
+    if f.thrown == 0 {
+        return crowd;
+    }
+    sheet(&[&crowd, &moments(record, group.target.radius_m as f32)])
 }
 
 fn overview(group: &GroupConfig, record: &FightRecord, poses: &[Pose], title: &str, subtitle: &str) -> Picture {
