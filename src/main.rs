@@ -1,7 +1,13 @@
 //! The command line of Throng: one file per subcommand, which parses, calls and prints.
 
+// It is also a target of libFuzzer, which has a `main` of its own: see `arguments`.
+#![allow(unexpected_cfgs, reason = "`fuzzing` is set by scripts/fuzz.sh")]
+#![cfg_attr(fuzzing, no_main, allow(dead_code))]
+
 mod allocations;
 mod args;
+#[cfg(any(test, fuzzing))]
+mod arguments;
 mod bake;
 mod bench;
 mod build;
@@ -107,54 +113,5 @@ fn ended(done: args::Outcome) -> ExitCode {
             output::tell(format_args!("error: {e}"));
             ExitCode::FAILURE
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::{CommandFactory, FromArgMatches};
-
-    /// Words that are hard to take.
-    const WORDS: [&str; 14] = [
-        "",
-        "-",
-        "--",
-        "-1",
-        "0",
-        "nan",
-        "inf",
-        "1e999",
-        "18446744073709551616",
-        "a,b",
-        ",",
-        "=",
-        "\u{0}",
-        "\u{1f980}",
-    ];
-
-    /// Command lines of every command with every flag of it, each with every hard word: they are parsed or refused.
-    #[test]
-    fn no_command_line_panics() {
-        fn lines(command: &clap::Command, before: &[String], out: &mut Vec<Vec<String>>) {
-            let before = [before, &[command.get_name().to_owned()]].concat();
-            for arg in command.get_arguments() {
-                for word in WORDS {
-                    let flag = arg.get_long().map(|long| format!("--{long}"));
-                    let joined = flag.iter().map(|f| format!("{f}={word}"));
-                    let apart = flag.clone().into_iter().chain([word.to_owned()]);
-                    out.push([&before[..], &joined.collect::<Vec<_>>()].concat());
-                    out.push([&before[..], &apart.collect::<Vec<_>>(), &["file".into()]].concat());
-                }
-            }
-            command.get_subcommands().for_each(|c| lines(c, &before, out));
-        }
-        let (mut command, mut all) = (Cli::command(), Vec::new());
-        lines(&command, &[], &mut all);
-        assert!(all.len() > 2000, "{} command lines", all.len());
-        // As `Cli::try_parse_from`, which would make the parser anew for each.
-        let mut parse = |line: &Vec<String>| Cli::from_arg_matches(&command.try_get_matches_from_mut(line)?);
-        let parsed = all.iter().filter(|line| parse(line).is_ok()).count();
-        assert!(parsed > 50 && parsed < all.len() / 2, "{parsed} of {} are accepted", all.len());
     }
 }
