@@ -1,18 +1,18 @@
 //! The command line of Throng: one file per subcommand, which parses, calls and prints.
 
-// It is also a target of libFuzzer, which has a `main` of its own: see `arguments`.
+// It is also a target of libFuzzer, which has a `main` of its own: see `command_lines`.
 #![allow(unexpected_cfgs, reason = "`fuzzing` is set by scripts/fuzz.sh")]
 #![cfg_attr(fuzzing, no_main, allow(dead_code))]
 
 mod allocations;
 mod args;
-#[cfg(any(test, fuzzing))]
-mod arguments;
 mod bake;
 mod bench;
 mod build;
 mod cache;
 mod check;
+#[cfg(any(test, fuzzing))]
+mod command_lines;
 mod completions;
 mod demo;
 mod explain;
