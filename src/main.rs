@@ -23,7 +23,6 @@ mod output;
 mod plan;
 mod progress;
 mod query;
-mod renamed;
 mod run;
 mod schema;
 mod selftest;
@@ -71,7 +70,7 @@ enum Command {
 
 fn main() -> ExitCode {
     limit_threads();
-    let cli = Cli::try_parse().unwrap_or_else(|e| renamed::explain(e).exit());
+    let cli = Cli::parse();
     let Some(command) = cli.command else {
         return ended(output::text(args::FIRST_STEPS));
     };
