@@ -26,7 +26,6 @@ mod query;
 mod run;
 mod schema;
 mod selftest;
-mod soak;
 mod stitch;
 mod synth;
 mod verify;
@@ -62,7 +61,6 @@ enum Command {
     Export(export::Args),
     View(view::Args),
     Selftest(selftest::Args),
-    Soak(soak::Args),
     Schema(schema::Args),
     Cache(cache::Args),
     Completions(completions::Args),
@@ -95,7 +93,6 @@ fn main() -> ExitCode {
             Err(e) => Err(e),
         },
         Command::Selftest(a) => selftest::run(&a),
-        Command::Soak(a) => soak::run(&a),
         Command::Schema(a) => schema::run(&a),
         Command::Cache(a) => cache::run(&a),
         Command::Completions(a) => completions::run(&a),

@@ -97,8 +97,6 @@ fn help_lists_exactly_the_keys_that_are_printed() {
     check(&["bench", "crowd"], "JSON keys", &["--scene", "lanes", "--agents", "20", "--seconds", "0.5"]);
     let (task, planned) = (concat!(env!("CARGO_MANIFEST_DIR"), "/data/tasks/arm-low.toml"), at(&folder, "arm.bvh"));
     check(&["plan"], "JSON keys", &[task, "--out", &planned, "--variants", "2"]);
-    let circle = concat!(env!("CARGO_MANIFEST_DIR"), "/data/scenes/circle.toml");
-    check(&["soak"], "JSON keys", &[circle, "--seconds", "0", "--run-seconds", "0.5"]);
     check(&["selftest"], "JSON keys", &["--mutants", "1", "--no-cache"]);
     check(&["run"], "JSON keys (of a bundle)", &[&bundle, "--characters", "4", "--seconds", "1"]);
     let (png, kept) = (at(&folder, "demo.png"), at(&folder, "demo.throng"));
