@@ -4,9 +4,8 @@
 //! cargo run --example make_golden -- data/golden/tables_v7.throng
 //! ```
 //!
-//! They are made of synthetic motion alone, by the ordinary build. Tables of a version are written once, when the
-//! version is new, and kept for ever; the figures in `tests/golden.rs` are
-//! then those that its tests print.
+//! They are made of synthetic motion alone, by the ordinary build. They are written anew when the version is, in place of those of
+//! the version before; the figures in `tests/golden.rs` are then those that its tests print.
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -16,7 +16,7 @@ host=$(rustc -vV | sed -n 's/^host: //p')
 target=$PWD/target/fuzz
 
 # Good files first, made by a program that is not instrumented.
-cargo run -q --manifest-path fuzz/Cargo.toml --target-dir "$target" --example seeds
+cargo run -q -p throng-checks -- seeds
 coverage="-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table
     -Cllvm-args=-sanitizer-coverage-trace-compares"

@@ -11,8 +11,6 @@ mod steering;
 mod world;
 
 use crate::args::Outcome;
-use crate::renamed;
-use std::ffi::OsString;
 
 /// Measure what a bundle, a world, blending, a crowd or plans of limbs cost on this machine.
 #[derive(clap::Args)]
@@ -32,9 +30,6 @@ enum What {
     People(people::Args),
     Plan(plan::Args),
     Scenario(scenario::Args),
-    /// What once was a file.
-    #[command(external_subcommand)]
-    Other(Vec<OsString>),
 }
 
 pub fn run(args: &Args) -> Outcome {
@@ -48,9 +43,5 @@ pub fn run(args: &Args) -> Outcome {
         What::People(a) => people::run(a),
         What::Plan(a) => plan::run(a),
         What::Scenario(a) => scenario::run(a),
-        What::Other(words) => {
-            let new = [(".throng", "bundle"), (".toml", "world")];
-            renamed::refuse_form("bench", words, &new, "bundle FILE, world FILE, blend [FILE] and crowd")
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! Command lines that are hard to take, for the tests and for libFuzzer: each is parsed or refused, and nothing is run.
 
-use crate::{Cli, renamed};
+use crate::Cli;
 use clap::{Command, FromArgMatches};
 use std::ffi::OsString;
 
@@ -13,7 +13,7 @@ fn try_words(parser: &mut Command, words: &[OsString]) -> bool {
     match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(_) => true,
         Err(e) => {
-            assert!(!renamed::explain(e).render().to_string().is_empty(), "{words:?} are refused without a word");
+            assert!(!e.render().to_string().is_empty(), "{words:?} are refused without a word");
             false
         }
     }

@@ -23,11 +23,9 @@ mod output;
 mod plan;
 mod progress;
 mod query;
-mod renamed;
 mod run;
 mod schema;
 mod selftest;
-mod soak;
 mod stitch;
 mod synth;
 mod verify;
@@ -63,7 +61,6 @@ enum Command {
     Export(export::Args),
     View(view::Args),
     Selftest(selftest::Args),
-    Soak(soak::Args),
     Schema(schema::Args),
     Cache(cache::Args),
     Completions(completions::Args),
@@ -71,7 +68,7 @@ enum Command {
 
 fn main() -> ExitCode {
     limit_threads();
-    let cli = Cli::try_parse().unwrap_or_else(|e| renamed::explain(e).exit());
+    let cli = Cli::parse();
     let Some(command) = cli.command else {
         return ended(output::text(args::FIRST_STEPS));
     };
@@ -96,7 +93,6 @@ fn main() -> ExitCode {
             Err(e) => Err(e),
         },
         Command::Selftest(a) => selftest::run(&a),
-        Command::Soak(a) => soak::run(&a),
         Command::Schema(a) => schema::run(&a),
         Command::Cache(a) => cache::run(&a),
         Command::Completions(a) => completions::run(&a),

@@ -4,8 +4,6 @@ mod action;
 mod path;
 
 use crate::args::Outcome;
-use crate::renamed;
-use std::ffi::OsString;
 
 /// Ask a policy for an action, or plan a path through a world.
 #[derive(clap::Args)]
@@ -18,18 +16,11 @@ pub struct Args {
 enum What {
     Action(action::Args),
     Path(path::Args),
-    /// What once was a file.
-    #[command(external_subcommand)]
-    Other(Vec<OsString>),
 }
 
 pub fn run(args: &Args) -> Outcome {
     match &args.what {
         What::Action(a) => action::run(a),
         What::Path(a) => path::run(a),
-        What::Other(words) => {
-            let new = [(".throng", "action"), (".toml", "path")];
-            renamed::refuse_form("query", words, &new, "action BUNDLE and path WORLD")
-        }
     }
 }

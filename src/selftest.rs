@@ -2,7 +2,7 @@
 
 use crate::args::{CacheArgs, Outcome, fail};
 use crate::{keys, output, progress};
-use throng_precompute::selftest::{self, SelftestConfig, SelftestReport};
+use throng_checks::selftest::{self, SelftestConfig, SelftestReport};
 
 /// Check this build on this machine in about a minute: equal bytes and states at any number of threads, damaged input,
 /// a short soak.

@@ -1,4 +1,4 @@
 #![no_main]
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    let _ = throng_precompute::damage::readers::snapshot_agents(data);
+    let _ = throng_checks::damage::readers::snapshot_agents(data);
 });

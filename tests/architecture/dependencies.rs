@@ -15,7 +15,7 @@ const OPTIONAL: [(&str, &str); 4] =
 /// What belongs into the command line alone.
 const COMMAND_LINE_ONLY: [&str; 4] = ["clap", "clap_complete", "indicatif", "miette"];
 /// Top-level folders of the workspace, each with those it may build on; what applications link comes first.
-const FAMILIES: [(&str, &[&str]); 7] = [
+const FAMILIES: [(&str, &[&str]); 8] = [
     ("runtime", &["runtime"]),
     ("capi", &["runtime"]),
     ("precompute", &["runtime", "precompute"]),
@@ -23,6 +23,7 @@ const FAMILIES: [(&str, &[&str]); 7] = [
     ("python", &["runtime", "precompute"]),
     ("web", &["runtime"]),
     ("mpi", &["runtime", "precompute"]),
+    ("fuzz", &["runtime", "precompute"]),
 ];
 /// Agents without bodies know nothing of bundles, worlds and scenes: they may need these at most.
 const CROWD_MAY_USE: [&str; 1] = ["throng-base"];

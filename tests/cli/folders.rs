@@ -3,7 +3,7 @@
 use super::{Place, at, done, failed, folder, has_keys, json, text, throng};
 use serde_json::Value;
 use std::path::Path;
-use throng_precompute::damage::seeds;
+use throng_checks::damage::seeds;
 
 /// A folder with the clips of the shared place in folders of their own, under names that people give, and other files.
 fn lying_around(place: &Place) -> tempfile::TempDir {

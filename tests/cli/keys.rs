@@ -1,6 +1,6 @@
-//! What `--help` says of JSON keys is what is printed, and old names are refused with the new ones.
+//! What `--help` says of JSON keys is what is printed.
 
-use super::{Place, at, done, folder, json, text, throng};
+use super::{Place, at, done, folder, json};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -97,30 +97,9 @@ fn help_lists_exactly_the_keys_that_are_printed() {
     check(&["bench", "crowd"], "JSON keys", &["--scene", "lanes", "--agents", "20", "--seconds", "0.5"]);
     let (task, planned) = (concat!(env!("CARGO_MANIFEST_DIR"), "/data/tasks/arm-low.toml"), at(&folder, "arm.bvh"));
     check(&["plan"], "JSON keys", &[task, "--out", &planned, "--variants", "2"]);
-    let circle = concat!(env!("CARGO_MANIFEST_DIR"), "/data/scenes/circle.toml");
-    check(&["soak"], "JSON keys", &[circle, "--seconds", "0", "--run-seconds", "0.5"]);
     check(&["selftest"], "JSON keys", &["--mutants", "1", "--no-cache"]);
     check(&["run"], "JSON keys (of a bundle)", &[&bundle, "--characters", "4", "--seconds", "1"]);
     let (png, kept) = (at(&folder, "demo.png"), at(&folder, "demo.throng"));
     let demo = ["--characters", "4", "--seconds", "1", "--out", &png, "--bundle", &kept];
     check(&["demo"], "JSON keys", &demo);
-}
-
-#[test]
-fn old_names_are_refused_with_the_new_ones() {
-    let cases: [(&[&str], &str); 7] = [
-        (&["bench", "walk.throng", "--json"], "throng bench bundle walk.throng"),
-        (&["bench", "data/worlds/logo.toml"], "throng bench world data/worlds/logo.toml"),
-        (&["bench", "everything"], "bundle FILE, world FILE, blend [FILE] and crowd"),
-        (&["query", "walk.throng", "--state", "0"], "throng query action walk.throng"),
-        (&["query", "data/worlds/logo.toml", "--from", "0,0"], "throng query path data/worlds/logo.toml"),
-        (&["bench", "crowd", "--members", "100"], "`--members` is now `--agents`"),
-        (&["bench", "scenario", "--members", "100"], "`--members` is now `--agents`"),
-    ];
-    for (args, new) in cases {
-        let out = throng(args);
-        let message = text(&out.stderr);
-        assert_eq!(out.status.code(), Some(2), "{args:?}: {message}");
-        assert!(out.stdout.is_empty() && message.contains(new), "{args:?}: {message}");
-    }
 }

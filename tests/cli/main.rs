@@ -24,7 +24,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 /// Every subcommand.
-const COMMANDS: [&str; 20] = [
+const COMMANDS: [&str; 19] = [
     "demo",
     "synth",
     "build",
@@ -41,7 +41,6 @@ const COMMANDS: [&str; 20] = [
     "export",
     "view",
     "schema",
-    "soak",
     "selftest",
     "cache",
     "completions",

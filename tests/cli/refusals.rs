@@ -164,5 +164,5 @@ fn worlds_that_cannot_be_are_refused_with_the_way_out() {
     let scene = at(&folder, "scene.toml");
     std::fs::write(&scene, "world = \"square.toml\"\ncharacters = 3\n").expect("a file");
     let e = failed(&["run", &scene]);
-    assert!(e.contains("scene.toml:1:1: `world` is a key of older scene files"), "{e}");
+    assert!(e.contains("scene.toml:1:1: unknown field `world`"), "{e}");
 }

@@ -78,7 +78,7 @@ pub fn boxing_tables() -> Bundle {
 }
 
 const BOXING: &str =
-    concat!("name = \"boxing\"\ninputs = [\"clips\"]\n", include_str!("../../precompute/lab/src/soak/boxing.toml"));
+    concat!("name = \"boxing\"\ninputs = [\"clips\"]\n", include_str!("../../fuzz/checks/src/soak/boxing.toml"));
 
 /// Pairs of [`boxing_tables`], each boxer weighing all behaviours.
 pub fn sparring(tables: &Bundle, n: usize) -> Result<Sparring> {

@@ -43,7 +43,7 @@ fn alone(config: &BuildConfig, out: &Path) -> Vec<u8> {
     std::fs::read(out).expect("the bundle")
 }
 
-const BOXING: &str = include_str!("../../lab/src/soak/boxing.toml");
+const BOXING: &str = include_str!("../../../fuzz/checks/src/soak/boxing.toml");
 
 #[test]
 fn any_number_of_ranks_writes_the_bytes_of_one_process() {

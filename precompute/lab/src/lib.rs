@@ -1,7 +1,6 @@
 //! Measures, compares and pictures what Throng bakes and runs.
 
 pub mod abilities;
-pub mod damage;
 mod histogram;
 pub mod inspect;
 pub mod live;
@@ -13,9 +12,7 @@ pub mod picture;
 pub mod plans;
 pub mod quality;
 pub mod run;
-pub mod selftest;
 pub mod slip;
-pub mod soak;
 pub mod steering;
 pub mod touch;
 pub mod trial;

@@ -2,7 +2,6 @@
 
 use super::MeasureConfig;
 use super::timing::{fail, in_pool};
-use crate::soak::resident_bytes;
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -10,6 +9,7 @@ use serde::Serialize;
 use std::f32::consts::TAU;
 use std::time::Instant;
 use throng_motion::error::BuildError;
+use throng_motion::memory::resident_bytes;
 use throng_runtime::base::limits::{CHARACTERS, MEASURING_S};
 use throng_runtime::characters::{Characters, CharactersConfig, Detail, MotionSet, Order, Start};
 use throng_runtime::{Bundle, Error, Planar};

@@ -30,7 +30,7 @@ pub use scenario::{ScenarioFigures, measure as measure_scenario};
 pub use shared::{RankFigures, SharedFigures, run_shared};
 pub use styles::{StyleWalk, curve, walk_styles};
 pub(crate) use watch::knee_angles;
-pub use watch::{AgentsMeter, AgentsNow};
+pub use watch::{AgentsMeter, AgentsNow, Watch};
 
 /// The JSON schema of scene files.
 pub fn scene_schema() -> serde_json::Value {

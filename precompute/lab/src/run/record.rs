@@ -421,15 +421,18 @@ mod tests {
             assert!(on_its_way(&way, time_s).distance(at) < 1e-6, "{time_s}");
         }
     }
-    use crate::damage::seeds;
     use throng_runtime::simulation::Scene;
+    use throng_world::{PathCosts, WorldGraph, made_up_floor};
 
     #[test]
     fn a_world_shows_its_own_where_the_one_to_follow_is_not_in_it() {
         let folder = tempfile::tempdir().unwrap();
         let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-        std::fs::write(file("floor.throng"), throng_world::made_up_floor::bundle("made up")).unwrap();
-        std::fs::write(file("floor.world"), &seeds::world()[0]).unwrap();
+        std::fs::write(file("floor.throng"), made_up_floor::bundle("made up")).unwrap();
+        let tables = made_up_floor::tables();
+        let world = made_up_floor::world(&tables, &["#####", "#b##b", "###b#", "#####"]);
+        let costs = PathCosts::bake(&WorldGraph::new(tables.patches(), &world.view()).unwrap()).unwrap();
+        world.write(&costs, &mut std::fs::File::create(file("floor.world")).unwrap()).unwrap();
         let followed = |who: usize| {
             let text = format!(
                 "picture.follow = {who}\n[[groups]]\nmotion = \"none\"\ncount = 3\ngoal = {{ stay = {{}} }}\n\

@@ -34,7 +34,7 @@ const KNEES: [[Joint; 3]; 2] =
     [[Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot], [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]];
 
 /// All that is measured of some groups.
-pub(crate) struct Watch {
+pub struct Watch {
     /// Their numbers in the simulation.
     groups: Vec<usize>,
     feet: SlipMeter,

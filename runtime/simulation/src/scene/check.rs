@@ -7,6 +7,7 @@ use super::{Scene, SpaceConfig};
 use std::fmt::Display;
 use throng_base::Result as Checked;
 use throng_base::limits::{self, Limit};
+use throng_base::text::Source;
 use toml::de::DeValue;
 
 /// A key, and what is wrong with its value.
@@ -52,6 +53,18 @@ const KEYS: [(&str, &[Motion]); 22] = {
         ("wishes", &[Patches]),
     ]
 };
+
+/// Refuses a file of tasks, which has no key of a scene.
+pub(super) fn other_files(source: &Source) -> Checked<()> {
+    let Some(table) = source.table() else { return Ok(()) };
+    match table.keys().find(|key| key.get_ref() == "tasks") {
+        Some(key) => {
+            let why = "`tasks` makes this a file of tasks, not a scene: run `throng plan` on it";
+            Err(source.error(key.span(), why.into()))
+        }
+        None => Ok(()),
+    }
+}
 
 /// Refuses keys that mean nothing to what moves their group.
 pub(super) fn foreign_keys(scene: &Scene) -> Checked<()> {

@@ -7,7 +7,6 @@ mod group;
 mod happening;
 mod measure;
 mod obstacle;
-mod old;
 mod place;
 mod story;
 
@@ -150,7 +149,7 @@ impl Scene {
     }
 
     fn of(source: Source) -> Result<Self> {
-        old::refuse(&source)?;
+        check::other_files(&source)?;
         let mut scene: Self = source.parse(HELP)?;
         let path = source.path();
         if scene.name.is_empty() {

@@ -154,14 +154,16 @@ fn faults_name_line_key_and_what_was_expected() {
 }
 
 #[test]
-fn every_old_key_is_refused_with_its_new_place() {
-    for (key, now) in old::MOVED {
-        let message = load(&format!("name = \"a\"\n{key} = 1\n")).unwrap_err();
-        assert!(message.starts_with(&format!("folder/square.toml:2:1: `{key}` is a key of older")), "{message}");
-        assert!(message.ends_with(now), "{message}");
-    }
+fn unknown_keys_and_files_of_another_kind_are_refused_with_the_way_out() {
+    let message = load(&format!("name = \"a\"\nspacing_m = 4.0\n{}", agents(""))).unwrap_err();
+    assert!(message.starts_with("folder/square.toml:2:1: unknown field `spacing_m`"), "{message}");
+    assert!(message.ends_with(HELP), "{message}");
+    let message = load(&format!("enviroment.hills_m = 1.0\n{}", agents(""))).unwrap_err();
+    assert!(message.ends_with("Did you mean `environment`?"), "{message}");
     let message = load(&agents("").replace("motion = \"none\"\n", "")).unwrap_err();
-    assert!(message.contains("square.toml:1:1") && message.contains("add `motion = \"none\"`"), "{message}");
+    assert!(message.starts_with("folder/square.toml:1:1: missing field `motion`"), "{message}");
+    let message = load("name = \"a\"\n[[tasks]]\nkind = \"reach\"\n").unwrap_err();
+    assert!(message.starts_with("folder/square.toml:2:3: `tasks`") && message.contains("throng plan"), "{message}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Small scenes that need no file: their bundles are made from synthetic motion, and their world is stitched.
 
-use crate::run::{Cached, OWN_SCENES, ensure, own_scene};
 use std::path::Path;
+use throng_lab::run::{Cached, OWN_SCENES, ensure, own_scene};
 use throng_motion::error::BuildError;
 use throng_motion::files::write_atomically;
 use throng_runtime::simulation::Scene;

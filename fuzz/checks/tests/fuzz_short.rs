@@ -1,7 +1,7 @@
 //! Promise: nothing that is read can hurt. Every reader gets the same mutants of good files at every run; those are
 //! refused, or what follows goes on with finite numbers.
 
-use throng_precompute::damage::READERS;
+use throng_checks::damage::READERS;
 
 /// Mutants of each reader.
 const MUTANTS: u64 = 120;
@@ -23,13 +23,13 @@ fn mutants_of_every_kind_of_file_are_refused_or_do_no_harm() {
 
 #[test]
 fn every_reader_has_a_fuzz_target() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz");
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let manifest = std::fs::read_to_string(folder.join("Cargo.toml")).expect("the manifest of the fuzz targets");
     for reader in READERS {
         assert!(manifest.contains(&format!("name = \"{}\"", reader.name)), "{} is not in the manifest", reader.name);
         let target = std::fs::read_to_string(folder.join(format!("fuzz_targets/{}.rs", reader.name)));
         let target = target.unwrap_or_else(|e| panic!("{}: {e}", reader.name));
-        let call = format!("throng_precompute::damage::readers::{}(data)", reader.name);
+        let call = format!("throng_checks::damage::readers::{}(data)", reader.name);
         let body = format!("#![no_main]\nlibfuzzer_sys::fuzz_target!(|data: &[u8]| {{\n    let _ = {call};\n}});\n");
         assert_eq!(target, body, "{}", reader.name);
     }

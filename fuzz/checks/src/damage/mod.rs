@@ -3,6 +3,7 @@
 //!
 //! The functions of [`readers`] are the bodies of the fuzz targets, too.
 
+mod corpus;
 mod mutate;
 pub mod readers;
 pub mod repair;
@@ -10,6 +11,7 @@ mod scenes;
 pub mod seeds;
 mod snapshots;
 
+pub use corpus::write_corpus;
 pub use mutate::Mutator;
 
 use std::any::Any;

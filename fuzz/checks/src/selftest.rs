@@ -1,7 +1,6 @@
 //! A short proof on the machine at hand: equal bytes, damage that does no harm, a short soak, equal hashes.
 
 use crate::damage::{READERS, said};
-use crate::run::Cached;
 use crate::soak::{self, SoakConfig};
 use serde::Serialize;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -10,6 +9,7 @@ use std::time::Instant;
 use throng_bake::cache::{Cache, content_hash};
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
+use throng_lab::run::Cached;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Silent;
 

@@ -7,10 +7,10 @@ use rand_pcg::Pcg64Mcg;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicI64, Ordering::SeqCst};
 use std::sync::{Mutex, PoisonError};
-use throng_precompute::cache::Cache;
-use throng_precompute::progress::Silent;
-use throng_precompute::run::{Cached, own_scene};
-use throng_precompute::soak::{self, Pools, SoakConfig, SoakReport};
+use throng_bake::cache::Cache;
+use throng_checks::soak::{self, Pools, SoakConfig, SoakReport};
+use throng_lab::run::{Cached, own_scene};
+use throng_motion::progress::Silent;
 use throng_runtime::simulation::Simulation;
 
 /// What is allocated now, by all threads (bytes).

@@ -6,7 +6,6 @@ mod turn;
 
 pub use pools::Pools;
 pub use stock::scenes;
-pub use throng_motion::memory::resident_bytes;
 pub use turn::{hash_at_end, turn};
 
 use rand::{RngExt, SeedableRng};
@@ -14,6 +13,7 @@ use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 use std::time::Instant;
 use throng_motion::error::BuildError;
+use throng_motion::memory::resident_bytes;
 use throng_runtime::simulation::Scene;
 
 /// Rounds over all scenes after which memory must not grow.
@@ -43,7 +43,7 @@ impl Default for SoakConfig {
 }
 
 /// What was run and found.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SoakReport {
     /// Runs of a scene.
     pub runs: u64,
@@ -71,7 +71,7 @@ pub struct SoakReport {
 }
 
 /// The worst figures of all runs.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Worst {
     /// Farthest that anybody was from its start (m).
     pub farthest_m: f64,
@@ -161,7 +161,7 @@ fn remember(report: &mut SoakReport, round: u64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run::own_scene;
+    use throng_lab::run::own_scene;
 
     #[test]
     fn crowds_soak_without_a_fault_and_the_same_seed_runs_the_same() {

@@ -2,11 +2,10 @@
 
 use super::pools::{self, Pools};
 use super::{SoakConfig, SoakReport, Worst, fault};
-use crate::run::Figures;
-use crate::run::watch::Watch;
 use rand::{Rng, RngExt};
 use rayon::ThreadPool;
 use std::time::Instant;
+use throng_lab::run::{Figures, Watch};
 use throng_motion::error::BuildError;
 use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
 use throng_runtime::{Inline, Planar, Rayon};
@@ -198,7 +197,7 @@ fn overlaps(figures: &Figures, name: &str, report: &mut SoakReport) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run::own_scene;
+    use throng_lab::run::own_scene;
 
     #[test]
     fn agents_that_overlap_are_a_fault() {

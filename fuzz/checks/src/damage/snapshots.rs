@@ -1,11 +1,11 @@
 //! Running simulations of every kind of motion, into which damaged snapshots are put.
 
 use super::{readers, repair};
-use crate::run::Recording;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock};
 use throng_core::characters::made_up;
+use throng_lab::run::Recording;
 use throng_runtime::format::AlignedBytes;
 use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
 use throng_runtime::{Bundle, HitRecord, Inline, Joint};
