@@ -92,7 +92,7 @@ fn help_lists_exactly_the_keys_that_are_printed() {
     check(&["inspect"], "JSON keys (of a bundle)", &[&bundle]);
     check(&["inspect"], "JSON keys (with --environment-out", &[&clip, "--environment-out", &environment]);
     check(&["query", "action"], "JSON keys", &[&bundle, "--state", "0", "--target", "1,3"]);
-    let quick = ["--characters", "8", "--threads", "1", "--seconds", "0.001", "--quality", "--pairs", "5"];
+    let quick = ["--characters", "8", "--threads", "1", "--seconds", "0.001"];
     check(&["bench", "bundle"], "JSON keys", &[&[bundle.as_str()], &quick[..]].concat());
     check(&["bench", "crowd"], "JSON keys", &["--scene", "lanes", "--agents", "20", "--seconds", "0.5"]);
     let (task, planned) = (concat!(env!("CARGO_MANIFEST_DIR"), "/data/tasks/arm-low.toml"), at(&folder, "arm.bvh"));
@@ -108,10 +108,9 @@ fn help_lists_exactly_the_keys_that_are_printed() {
 
 #[test]
 fn old_names_are_refused_with_the_new_ones() {
-    let cases: [(&[&str], &str); 7] = [
+    let cases: [(&[&str], &str); 6] = [
         (&["bench", "walk.throng", "--json"], "throng bench bundle walk.throng"),
-        (&["bench", "data/worlds/logo.toml"], "throng bench world data/worlds/logo.toml"),
-        (&["bench", "everything"], "bundle FILE, world FILE, blend [FILE] and crowd"),
+        (&["bench", "everything"], "bundle FILE, crowd, motion, plan and scenario"),
         (&["query", "walk.throng", "--state", "0"], "throng query action walk.throng"),
         (&["query", "data/worlds/logo.toml", "--from", "0,0"], "throng query path data/worlds/logo.toml"),
         (&["bench", "crowd", "--members", "100"], "`--members` is now `--agents`"),

@@ -2,10 +2,10 @@
 
 pub mod abilities;
 pub mod damage;
+pub mod frames;
 mod histogram;
 pub mod inspect;
 pub mod live;
-pub mod matching;
 pub mod measure;
 pub mod overlap;
 pub mod perform;
@@ -16,7 +16,6 @@ pub mod run;
 pub mod selftest;
 pub mod slip;
 pub mod soak;
-pub mod steering;
 pub mod touch;
 pub mod trial;
 pub mod verdict;
