@@ -9,7 +9,9 @@ use throng_precompute::trial::TrialConfig;
 use throng_runtime::Bundle;
 use throng_runtime::base::limits;
 use throng_runtime::characters::Choice;
+use throng_runtime::crowd::Scheme;
 use throng_runtime::simulation::Scene;
+use throng_runtime::simulation::scene::engine;
 
 /// Printed where no command is given.
 pub const FIRST_STEPS: &str = "\
@@ -89,6 +91,14 @@ impl ReadArgs {
             )),
             _ => self.config(),
         }
+    }
+}
+
+/// The engine of a name.
+pub fn named_engine(name: &str) -> Result<Scheme, Box<dyn std::error::Error>> {
+    match engine::named(name) {
+        Some(engine) => Ok(engine),
+        None => fail(format!("--engine {name}: expected one of {}", engine::names())),
     }
 }
 

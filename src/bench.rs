@@ -1,18 +1,14 @@
 //! `throng bench`: what does it cost on this machine?
 
-mod blend;
 mod bundle;
 pub mod crowd;
 mod motion;
-mod people;
 mod plan;
 mod scenario;
-mod steering;
-mod world;
 
 use crate::args::Outcome;
 
-/// Measure what a bundle, a world, blending, a crowd or plans of limbs cost on this machine.
+/// Measure what a bundle, a crowd, a scenario, or plans of limbs cost on this machine, and how motion looks.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -22,12 +18,8 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum What {
     Bundle(bundle::Args),
-    World(world::Args),
-    Blend(blend::Args),
     Motion(motion::Args),
     Crowd(crowd::Args),
-    Steering(steering::Args),
-    People(people::Args),
     Plan(plan::Args),
     Scenario(scenario::Args),
 }
@@ -35,12 +27,8 @@ enum What {
 pub fn run(args: &Args) -> Outcome {
     match &args.what {
         What::Bundle(a) => bundle::run(a),
-        What::World(a) => world::run(a),
-        What::Blend(a) => blend::run(a),
         What::Motion(a) => motion::run(a),
         What::Crowd(a) => crowd::run(a),
-        What::Steering(a) => steering::run(a),
-        What::People(a) => people::run(a),
         What::Plan(a) => plan::run(a),
         What::Scenario(a) => scenario::run(a),
     }

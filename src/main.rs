@@ -17,6 +17,7 @@ mod completions;
 mod demo;
 mod explain;
 mod export;
+mod figures;
 mod inspect;
 mod keys;
 mod output;

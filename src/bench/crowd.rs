@@ -1,7 +1,7 @@
 //! `throng bench crowd`: cost, progress and overlaps of crowds.
 
-use crate::args::{Outcome, fail};
-use crate::run::{figures, named_engine};
+use crate::args::{Outcome, fail, named_engine};
+use crate::figures::figures;
 use crate::{keys, output};
 use serde::Serialize;
 use std::path::Path;

@@ -1,27 +1,21 @@
 //! `throng bench plan`: what plans of limbs cost, and how often they succeed.
 
 mod ik;
-mod natural;
-mod scenes;
 
 use crate::args::{CacheArgs, Outcome, fail};
 use crate::{keys, output};
-use natural::Natural;
-use scenes::{SCENES, Scene};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use throng_planner::clips::with_motion;
-use throng_planner::natural::{ReachFigures, reach_figures};
-use throng_planner::plain::Plain;
 use throng_planner::planner::{Budget, PlanConfig, Planner};
 use throng_planner::recheck::Recheck;
-use throng_planner::task::{ActorClip, Task, TaskOutcome};
+use throng_planner::task::Task;
 use throng_precompute::Clip;
 use throng_precompute::config::BuildConfig;
-use throng_precompute::files::write_atomically;
 use throng_precompute::plans;
+use throng_precompute::plans::scenes::{self, SCENES, Scene};
 
 /// Measure plans of limbs: how often they succeed, what they take, how smooth they are.
 ///
@@ -43,12 +37,6 @@ pub struct Args {
     /// Poses that inverse kinematics is measured on.
     #[arg(long, default_value_t = 100_000, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     poses: u32,
-    /// Captured motion to compare with: files and folders; reaches in it are found by the speed of hands.
-    #[arg(long, value_name = "FILE_OR_FOLDER", num_args = 1..)]
-    captured: Vec<PathBuf>,
-    /// Write the one named scene, as it is at its beginning, as JSON for other planners (see scripts/ompl.cpp), and nothing else.
-    #[arg(long, value_name = "FILE", requires = "scene")]
-    plain: Option<PathBuf>,
     #[command(flatten)]
     cache: CacheArgs,
     /// Print one JSON object.
@@ -56,16 +44,11 @@ pub struct Args {
     json: bool,
 }
 
-/// Poses at random in what is written for other planners.
-const PLAIN_SAMPLES: u32 = 10_000;
-
 /// What is printed.
 #[derive(Serialize, JsonSchema)]
 struct Report {
     /// Every scene.
     results: Vec<Figures>,
-    /// Reaches in the captured motion; none without it.
-    captured: Option<Natural>,
 }
 
 /// Figures of a scene.
@@ -101,8 +84,6 @@ struct Figures {
     ik_solved_fraction: f64,
     /// Mean angle between the motions of two seeds, mean of neighbouring seeds (rad).
     variants_distance_rad: Option<f64>,
-    /// How much hands move as people's do on their way, in all plans.
-    natural: Option<Natural>,
     /// What the paper gives for a scene like it (s).
     paper_s: Option<f64>,
 }
@@ -115,23 +96,11 @@ struct Sample {
     length_rad: f64,
     jerk: [f64; 2],
     clip: Option<Clip>,
-    reaches: Vec<ReachFigures>,
 }
 
 pub fn run(args: &Args) -> Outcome {
     let all = || SCENES.iter().map(|(name, _)| (*name).to_owned()).collect();
     let names: Vec<String> = if args.scene.is_empty() { all() } else { in_folders(&args.scene)? };
-    if let Some(file) = &args.plain {
-        let [name] = &names[..] else { return fail("expected one scene for --plain, such as --scene arm-static") };
-        let Some(scene) = scenes::scene(name)? else { return fail(unknown(name)) };
-        let text = serde_json::to_string(&Plain::of(&scene.problem()?, PLAIN_SAMPLES))?;
-        write_atomically(file, |out| out.write_all(text.as_bytes()))?;
-        return Ok(());
-    }
-    let captured = match args.captured.as_slice() {
-        [] => None,
-        files => natural::captured(files, &BuildConfig::of_motion("", Vec::new())?)?,
-    };
     let ik = ik::measure(args.poses);
     let mut results = Vec::new();
     for name in &names {
@@ -141,16 +110,12 @@ pub fn run(args: &Args) -> Outcome {
             None if crate::args::is_toml(Path::new(name)) => tasks(Path::new(name), args)?,
             None => return fail(unknown(name)),
         };
-        let mut figures = figures(name, &samples, violations, &ik, args.seeds);
-        let reaches: Vec<ReachFigures> = samples.into_iter().flat_map(|s| s.reaches).collect();
-        figures.natural = Natural::of(&reaches, captured.as_ref());
-        results.push(figures);
+        results.push(figures(name, &samples, violations, &ik, args.seeds));
     }
     if args.json {
-        return output::json(&Report { results, captured });
+        return output::json(&Report { results });
     }
-    results.iter().try_for_each(print)?;
-    captured.map_or(Ok(()), |c| output::table(&[("captured", c.text())]))
+    results.iter().try_for_each(print)
 }
 
 fn unknown(name: &str) -> String {
@@ -215,7 +180,6 @@ fn plans(scene: &Scene, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Err
             checks: outcome.checks,
             length_rad: outcome.roughness[1].length_rad,
             jerk: outcome.roughness.map(|r| r.jerk_rms),
-            reaches: reach_figures(&after, &who.skeleton, who.linkage.limb, [init, goal]).into_iter().collect(),
             clip: Some(after),
         });
     }
@@ -233,7 +197,6 @@ fn tasks(path: &Path, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Error
         let outcome = task.run(&clips, Some(seed))?;
         violations += outcome.recheck.violations.len();
         if outcome.is_solved() {
-            let reaches = reaches(&task, &clips, &outcome);
             let found = [(seed, outcome)];
             let Some(r) = plans::report(&task, &found) else { continue };
             let [(_, outcome)] = found;
@@ -243,19 +206,11 @@ fn tasks(path: &Path, args: &Args) -> Result<(Vec<Sample>, usize), Box<dyn Error
                 checks: r.checks,
                 length_rad: r.path_length_rad,
                 jerk: [r.jerk_before, r.jerk_after],
-                reaches,
                 clip: outcome.clips.into_iter().next().map(|[_, after]| after),
             });
         }
     }
     Ok((samples, violations))
-}
-
-/// The ways there of everything that has a time.
-fn reaches(task: &Task, clips: &[ActorClip], outcome: &TaskOutcome) -> Vec<ReachFigures> {
-    let arms = task.ways_there().filter(|(_, limb, _)| limb.is_arm());
-    arms.filter_map(|(who, limb, window_s)| reach_figures(&outcome.clips[who][1], &clips[who].skeleton, limb, window_s))
-        .collect()
 }
 
 fn figures(name: &str, samples: &[Sample], recheck_violations: usize, ik: &ik::Figures, seeds: u64) -> Figures {
@@ -284,7 +239,6 @@ fn figures(name: &str, samples: &[Sample], recheck_violations: usize, ik: &ik::F
         ik_error_max_m: ik.error_max_m,
         ik_solved_fraction: ik.solved_fraction,
         variants_distance_rad: (!distances.is_empty()).then(|| distances.iter().sum::<f64>() / distances.len() as f64),
-        natural: None,
         paper_s: known.and_then(|(_, s)| *s),
     }
 }
@@ -298,7 +252,7 @@ fn distance(a: &Clip, b: &Clip) -> Option<f64> {
 
 fn print(f: &Figures) -> Outcome {
     let ms = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.2}"));
-    let mut rows = vec![
+    output::table(&[
         ("scene", format!("{}: {:.0} % of the seeds have a plan", f.scene, 100.0 * f.success_rate)),
         (
             "time",
@@ -328,7 +282,5 @@ fn print(f: &Figures) -> Outcome {
                 f.ik_ns, f.ik_error_max_m, f.ik_solved_fraction
             ),
         ),
-    ];
-    rows.extend(f.natural.as_ref().map(|n| ("reaches", n.text())));
-    output::table(&rows)
+    ])
 }

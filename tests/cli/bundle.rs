@@ -82,29 +82,3 @@ fn bench_reports_every_figure() {
     has_keys(&report["value_iteration"], &["pairs", "sweeps", "seconds", "residual", "bytes_per_sweep"]);
     assert!(report["value_iteration"]["residual"].as_f64() < Some(1e-4), "{report}");
 }
-
-#[test]
-fn bench_sets_policies_against_search_and_matching() {
-    let place = Place::shared();
-    let sizes = ["--characters", "8", "--threads", "1", "--seconds", "0.001"];
-    let bundle = place.bundle();
-    let args = [&["bench", "bundle", &bundle, "--quality", "--pairs", "20", "--json"], &sizes[..]].concat();
-    let report = json(&args, &["quality", "matching"]);
-    let quality = &report["quality"][0];
-    for key in ["ratio_mean", "ratio_p05", "near_best_fraction", "single_load_ratio_mean", "realised_ratio_mean"] {
-        assert!(quality[key].as_f64().is_some_and(|v| v > 0.5 && v < 1.5), "{key}: {quality}");
-    }
-    assert_eq!((quality["asked"].as_u64(), quality["pairs"].as_u64()), (Some(20), Some(20)));
-    has_keys(&quality["temperatures"][5], &["temperature", "ratio_mean"]);
-    let matching = &report["matching"];
-    for key in
-        ["frames", "query_ns", "lookahead_ns", "single_load_ns", "query_over_lookahead", "query_over_single_load"]
-    {
-        assert!(matching[key].as_f64() > Some(0.0), "{key}: {matching}");
-    }
-    assert!(matching["policy_time_to_reach_s"].as_f64() > Some(0.5), "{matching}");
-    assert!(matching["policy_hits_per_minute"].is_null(), "{matching}");
-    assert!(
-        refused(&["bench", "bundle", &bundle, "--quality", "--pairs", "0", "--seconds", "0.001"]).contains("--pairs")
-    );
-}

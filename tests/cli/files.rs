@@ -4,7 +4,7 @@ use super::{CONFIG, Place, at, folder, text, throng_soon};
 use std::process::Command;
 
 /// Every argument that names a file to read: the command, with `{}` in place of a name without extension.
-const READS: [&[&str]; 27] = [
+const READS: [&[&str]; 25] = [
     &["build", "{}.toml"],
     &["build", "CONFIG", "--input", "{}.bvh", "--strict"],
     &["build", "CONFIG", "--input", "{}.amc", "--strict"],
@@ -23,8 +23,6 @@ const READS: [&[&str]; 27] = [
     &["run", "SCENE"],
     &["run", "SCENE", "--bundle", "{}.throng"],
     &["bench", "bundle", "{}.throng"],
-    &["bench", "world", "{}.toml"],
-    &["bench", "blend", "{}.throng"],
     &["bench", "crowd", "--scene", "{}.toml"],
     &["export", "{}.throng", "--format", "graph-json"],
     &["export", "{}.throng", "--format", "policy-csv"],

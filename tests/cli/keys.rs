@@ -92,7 +92,7 @@ fn help_lists_exactly_the_keys_that_are_printed() {
     check(&["inspect"], "JSON keys (of a bundle)", &[&bundle]);
     check(&["inspect"], "JSON keys (with --environment-out", &[&clip, "--environment-out", &environment]);
     check(&["query", "action"], "JSON keys", &[&bundle, "--state", "0", "--target", "1,3"]);
-    let quick = ["--characters", "8", "--threads", "1", "--seconds", "0.001", "--quality", "--pairs", "5"];
+    let quick = ["--characters", "8", "--threads", "1", "--seconds", "0.001"];
     check(&["bench", "bundle"], "JSON keys", &[&[bundle.as_str()], &quick[..]].concat());
     check(&["bench", "crowd"], "JSON keys", &["--scene", "lanes", "--agents", "20", "--seconds", "0.5"]);
     let (task, planned) = (concat!(env!("CARGO_MANIFEST_DIR"), "/data/tasks/arm-low.toml"), at(&folder, "arm.bvh"));

@@ -8,7 +8,7 @@ type Options = &'static [(&'static str, &'static Limit)];
 
 /// Commands, and their options that are numbers. `BUNDLE` and `OUT` stand for a file and a folder, and what else is given
 /// keeps runs short.
-const NUMBERS: [(&[&str], Options); 11] = [
+const NUMBERS: [(&[&str], Options); 9] = [
     (&["run", "BUNDLE", "--characters", "2", "--seconds", "0.1"], TRIAL),
     (&["demo", "--characters", "2", "--seconds", "0.1", "--out", "OUT/a.png", "--bundle", "OUT/a.throng"], TRIAL),
     (
@@ -17,12 +17,7 @@ const NUMBERS: [(&[&str], Options); 11] = [
     ),
     (
         &["bench", "bundle", "BUNDLE", "--characters", "2", "--threads", "1", "--seconds", "0.001"],
-        &[
-            ("characters", &limits::CHARACTERS),
-            ("threads", &limits::THREADS),
-            ("seconds", &limits::MEASURING_S),
-            ("pairs", &limits::PAIRS),
-        ],
+        &[("characters", &limits::CHARACTERS), ("threads", &limits::THREADS), ("seconds", &limits::MEASURING_S)],
     ),
     (
         &["bench", "crowd", "--scene", "ring", "--agents", "2", "--seconds", "0.1"],
@@ -34,8 +29,6 @@ const NUMBERS: [(&[&str], Options); 11] = [
             ("seed", &limits::SEED),
         ],
     ),
-    (&["bench", "blend", "BUNDLE"], &[("seconds", &limits::MEASURING_S)]),
-    (&["bench", "world", "BUNDLE"], &[]),
     (&["build", "OUT/absent.toml", "--out", "OUT/b.throng"], &[("cache-limit", &limits::CACHE_GB)]),
     (
         &["export", "BUNDLE", "--format", "csv", "--characters", "0", "--from", "0", "--to", "0.1", "--fps", "30"],

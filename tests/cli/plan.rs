@@ -203,16 +203,8 @@ fn schema_and_figures_are_printed() {
     }
     let unknown = text(&throng(&["bench", "plan", "--scene", "tabel"]).stderr);
     assert!(unknown.contains("there is no scene `tabel`") && unknown.contains("arm-static"), "{unknown}");
-    // For other planners: 3 boards, triangles, the body.
-    let folder = folder();
-    let plain = at(&folder, "arm.json");
-    done(&["bench", "plan", "--scene", "arm-static", "--plain", &plain]);
-    let plain: Value = serde_json::from_str(&std::fs::read_to_string(plain).expect("a file")).expect("a scene");
-    assert_eq!(plain["obstacles"][3]["mesh"]["triangles"].as_array().map(Vec::len), Some(26_244));
-    let several = throng(&["bench", "plan", "--scene", "table,spheres", "--plain", &at(&folder, "x.json")]);
-    assert!(text(&several.stderr).contains("expected one scene for --plain"));
     // A folder stands for the tasks in it.
-    let folder = self::folder();
+    let folder = folder();
     let path = at(&folder, "");
     let command = ["bench", "plan", "--seeds", "1", "--poses", "10", "--json", "--scene", &path];
     let empty = text(&throng(&command).stderr);

@@ -1,6 +1,6 @@
 //! What motion shows that characters need to go where they are sent: walking, stopping, turning to both sides.
 
-use crate::matching::runs;
+use crate::frames::runs;
 use std::f64::consts::PI;
 use throng_motion::clip::{ClipSet, runs as runs_where};
 use throng_runtime::format::ClipRecord;

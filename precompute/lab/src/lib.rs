@@ -1,10 +1,10 @@
 //! Measures, compares and pictures what Throng bakes and runs.
 
 pub mod abilities;
+pub mod frames;
 mod histogram;
 pub mod inspect;
 pub mod live;
-pub mod matching;
 pub mod measure;
 pub mod overlap;
 pub mod perform;
@@ -13,7 +13,6 @@ pub mod plans;
 pub mod quality;
 pub mod run;
 pub mod slip;
-pub mod steering;
 pub mod touch;
 pub mod trial;
 pub mod verdict;

@@ -1,7 +1,7 @@
 //! How much motion at run time looks like the clips that it comes from: speed of low toes, knees, jumps at changes of
 //! segment, smoothness between frames, life of the hands.
 
-use crate::matching::runs;
+use crate::frames::runs;
 use glam::Vec3;
 use serde::Serialize;
 use std::f32::consts::TAU;

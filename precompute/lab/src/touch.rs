@@ -1,7 +1,7 @@
 //! How opponents touch: arms and legs in bodies, arms in heads, heads too near each other, how fast elbows turn.
 
+use crate::frames::runs;
 use crate::histogram::Histogram;
-use crate::matching::runs;
 use crate::overlap::segment_distance;
 use crate::quality::clip_joints;
 use glam::Vec3;

@@ -17,8 +17,6 @@ pub mod ik;
 pub mod limits;
 pub mod linkage;
 pub mod manipulate;
-pub mod natural;
-pub mod plain;
 pub mod planner;
 pub mod problem;
 mod reach;

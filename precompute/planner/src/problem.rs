@@ -58,13 +58,16 @@ pub(crate) const PRESENT_STEP_S: f64 = 1.0 / 120.0;
 
 /// A capsule that moves with the linkage.
 #[derive(Clone, Debug)]
-pub(crate) struct Part {
+pub struct Part {
+    /// Its name, for messages.
     pub name: String,
     /// Which joint of the chain.
     pub link: usize,
     /// In its frame (m).
     pub core: Segment,
+    /// Half of the core's length (m).
     pub half_length: f64,
+    /// Of the capsule (m).
     pub radius: f64,
     /// From each joint of the chain to the farther end of the core, at its farthest (m).
     pub reach: [f64; MAX_JOINTS],
@@ -74,9 +77,12 @@ pub(crate) struct Part {
 
 /// A solid, and the ball around it.
 #[derive(Clone, Debug)]
-pub(crate) struct PlacedSolid {
+pub struct PlacedSolid {
+    /// The solid.
     pub solid: Solid,
+    /// Middle of the ball (m).
     pub middle: DVec3,
+    /// Radius of the ball (m).
     pub radius: f64,
     /// From its origin to its farthest point (m).
     pub reach: f64,
@@ -84,20 +90,25 @@ pub(crate) struct PlacedSolid {
 
 /// A capsule of a body that an external motion drives.
 #[derive(Clone, Debug)]
-pub(crate) struct BodyPart {
+pub struct BodyPart {
     /// Of the other character; `None` for the own body.
     pub of: Option<String>,
+    /// The joint that carries it.
     pub joint: Joint,
+    /// Its core over time (m).
     pub track: Track<Segment>,
     /// At its longest (m).
     pub half_length: f64,
+    /// Of the capsule (m).
     pub radius: f64,
 }
 
 /// What a part of the linkage may collide with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Target {
+pub enum Target {
+    /// A solid, by its number.
     Solid(usize),
+    /// A capsule of a body, by its number.
     Body(usize),
     /// The reach of the other hand; the part is a point of it.
     Tether,
@@ -125,8 +136,10 @@ pub(crate) struct TetherTrack {
 
 /// A part of the linkage, what it may not come near, and how near it may come.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pair {
+pub struct Pair {
+    /// The part, by its number.
     pub part: usize,
+    /// The thing that the part keeps away from.
     pub target: Target,
     /// Least distance between surfaces (m).
     pub gap: f64,
@@ -156,6 +169,26 @@ impl Problem {
     /// The joints that are planned.
     pub fn chain(&self) -> &Chain {
         &self.chain
+    }
+
+    /// Capsules that move with the chain.
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// Solids in the way.
+    pub fn solids(&self) -> &[PlacedSolid] {
+        &self.solids
+    }
+
+    /// Capsules of bodies in the way.
+    pub fn bodies(&self) -> &[BodyPart] {
+        &self.bodies
+    }
+
+    /// Parts and what each may not come near.
+    pub fn pairs(&self) -> &[Pair] {
+        &self.pairs
     }
 
     /// Their limits (chain.len()); the last one's repeated behind it.
@@ -210,6 +243,7 @@ impl Problem {
 }
 
 impl BodyPart {
+    /// Its name, for messages.
     pub fn name(&self) -> String {
         match &self.of {
             Some(who) => format!("{who}'s {}", self.joint.name()),

@@ -39,7 +39,7 @@ pub fn compare(table: &PolicyTable, samples: u32, rng: &mut Pcg64) -> Comparison
 
 /// A target within the grid, in the character's frame: angle and distance uniform, the height too where there are
 /// several.
-pub(super) fn random_target(table: &PolicyTable, rng: &mut Pcg64) -> Vec3 {
+pub fn random_target(table: &PolicyTable, rng: &mut Pcg64) -> Vec3 {
     let r = table.grid().record();
     // Where angles go all around, the last cell reaches to the first.
     let sectors = if table.grid().is_polar() { r.num_angles } else { r.num_angles - 1 };

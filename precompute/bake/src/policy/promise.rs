@@ -2,7 +2,7 @@
 //! pays.
 
 use super::compare::random_target;
-use super::search::{Follow, Situation, collect};
+use super::follow::{Follow, Situation, collect};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -1,25 +1,17 @@
 //! Measures a bundle on this machine. One file answers one question.
 
-mod blend;
 mod characters;
 mod levels;
-mod matching;
-mod timing;
-mod world;
+pub mod timing;
 
-pub use blend::{BlendFigures, blend};
 pub use characters::{CharactersFigures, characters};
 pub use levels::{LevelFigures, levels};
-pub use matching::{MatchingConfig, MatchingFigures, matching};
-pub use world::{EditFigures, PathFigures, WorldFigures, world};
 
 use serde::Serialize;
 use throng_bake::policy::made_up::{self, MadeUp};
-use throng_bake::policy::{self, Quality, QualityConfig};
 use throng_motion::error::BuildError;
 use throng_runtime::Bundle;
-use throng_runtime::base::limits::PAIRS;
-use timing::{fail, in_pool};
+use timing::in_pool;
 
 /// Precision of the made-up problem's values.
 const EPSILON: f64 = 1e-4;
@@ -52,17 +44,4 @@ pub fn measure(tables: &Bundle, config: &MeasureConfig) -> Result<Measured, Buil
     let results = characters(tables, config)?;
     let value_iteration = in_pool(1, || MadeUp::default().measure(EPSILON))??;
     Ok(Measured { results, value_iteration })
-}
-
-/// Measures what the policies of a bundle collect against what search finds, on the current rayon pool.
-///
-/// # Errors
-/// [`BuildError::Stage`] where the bundle has no behaviour or a number is out of range.
-pub fn quality(tables: &Bundle, config: &QualityConfig) -> Result<Vec<Quality>, BuildError> {
-    if tables.policies().is_empty() {
-        return Err(fail("the bundle has no behaviour"));
-    }
-    PAIRS.check_count("pairs", config.pairs).map_err(|e| fail(e.to_string()))?;
-    let names = &tables.meta().behaviours;
-    Ok(names.iter().enumerate().map(|(i, name)| policy::quality(&tables.policies()[i], name, config)).collect())
 }

@@ -10,18 +10,22 @@ use std::time::Instant;
 use throng_motion::error::BuildError;
 use throng_runtime::policy::{BestActionJob, Goal, LookAheadJob, PolicyTable, RankedActions};
 
-pub(super) fn fail(message: impl Into<String>) -> BuildError {
+/// An error of a measurement, with a message.
+pub fn fail(message: impl Into<String>) -> BuildError {
     BuildError::Stage { stage: "bench", message: message.into(), help: "See `throng bench --help`".into() }
 }
 
 /// Runs `work` on a pool of its own.
-pub(super) fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, BuildError> {
+///
+/// # Errors
+/// [`BuildError::Stage`] where the pool's threads cannot be had.
+pub fn in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, BuildError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| fail(e.to_string()))?;
     Ok(pool.install(work))
 }
 
 /// Median time of a round, over as many rounds as fit.
-pub(super) fn median_ns(seconds: f64, mut round: impl FnMut()) -> f64 {
+pub fn median_ns(seconds: f64, mut round: impl FnMut()) -> f64 {
     round();
     let begin = Instant::now();
     let mut times = Vec::new();
@@ -35,7 +39,7 @@ pub(super) fn median_ns(seconds: f64, mut round: impl FnMut()) -> f64 {
 }
 
 /// Random states of a policy, and targets around them at 0.2 to 6 m.
-pub(super) fn random_queries(policy: &PolicyTable, count: usize) -> (Vec<u32>, Vec<Vec3>) {
+pub fn random_queries(policy: &PolicyTable, count: usize) -> (Vec<u32>, Vec<Vec3>) {
     let mut rng = Pcg64Mcg::seed_from_u64(2);
     let num_states = policy.actions().num_states() as u32;
     let states = (0..count).map(|_| rng.random_range(0..num_states)).collect();
@@ -47,7 +51,8 @@ pub(super) fn random_queries(policy: &PolicyTable, count: usize) -> (Vec<u32>, V
 }
 
 /// Queries of many characters at once, split over the threads of the current pool.
-pub(super) struct Batch<'a> {
+pub struct Batch<'a> {
+    /// Policy that is asked.
     pub policy: &'a PolicyTable,
     /// State of each character.
     pub states: &'a [u32],
@@ -64,6 +69,9 @@ impl Batch<'_> {
     }
 
     /// Time of single-load queries of the batch (ns).
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] where states or targets do not fit the policy.
     pub fn single_load_ns(&self) -> Result<f64, BuildError> {
         let (policy, share) = (self.policy, self.share());
         let mut actions = vec![0u8; self.states.len()];
@@ -81,6 +89,9 @@ impl Batch<'_> {
     }
 
     /// Time of look-aheads of the batch (ns).
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] where states or targets do not fit the policy.
     pub fn look_ahead_ns(&self) -> Result<f64, BuildError> {
         let (policy, share) = (self.policy, self.share());
         let weights = vec![1.0; self.states.len()];

@@ -2,6 +2,7 @@
 //! of it. The command line and the window use the same.
 
 mod report;
+pub mod scenes;
 mod sources;
 #[cfg(test)]
 mod tests;

@@ -29,7 +29,7 @@ pub(crate) use report::{Moment, play};
 pub use scenario::{ScenarioFigures, measure as measure_scenario};
 pub use shared::{RankFigures, SharedFigures, run_shared};
 pub use styles::{StyleWalk, curve, walk_styles};
-pub(crate) use watch::knee_angles;
+pub use watch::knee_angles;
 pub use watch::{AgentsMeter, AgentsNow, Watch};
 
 /// The JSON schema of scene files.

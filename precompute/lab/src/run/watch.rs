@@ -290,7 +290,7 @@ impl PathWatch {
 }
 
 /// Angles at the knees; pi where a leg is straight (rad).
-pub(crate) fn knee_angles(pose: &[Vec3; NUM_JOINTS]) -> [f32; 2] {
+pub fn knee_angles(pose: &[Vec3; NUM_JOINTS]) -> [f32; 2] {
     KNEES.map(|leg| {
         let [hip, knee, ankle] = leg.map(|j| pose[j.index()]);
         (hip - knee).angle_between(ankle - knee)

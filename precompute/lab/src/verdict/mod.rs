@@ -3,7 +3,7 @@
 mod measure;
 
 use crate::abilities::{Abilities, LITTLE_WALKING_S, unused_clips};
-use crate::matching::runs;
+use crate::frames::runs;
 use crate::quality::clip_joints;
 use crate::slip::{Feet, SlipMeter};
 use crate::trial::{self, TrialConfig, TrialReport};

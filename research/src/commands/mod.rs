@@ -1,0 +1,19 @@
+//! The subcommands.
+
+pub mod blend;
+pub mod people;
+pub mod plan;
+pub mod quality;
+pub mod steering;
+pub mod world;
+
+use crate::args::CacheArgs;
+use crate::{output, progress};
+use throng_precompute::error::BuildError;
+use throng_precompute::run::Cached;
+
+/// Makes something with the cache, a progress bar, and messages on standard error.
+fn with<T>(cache: &CacheArgs, make: impl FnOnce(&Cached<'_>) -> T) -> Result<T, BuildError> {
+    let (cache, progress) = (cache.cache()?, progress::Bar::on_interrupt(cache.folder()));
+    Ok(make(&Cached { cache: &cache, progress: &progress, tell: &|news| output::tell(news) }))
+}

@@ -1,0 +1,132 @@
+//! Cross-fading without time-warping: what blending is measured against. The nearest example plays at its own rate, and
+//! where another one becomes the nearest, the two are faded over, whatever their feet do.
+
+use glam::{Quat, Vec3};
+use throng_lab::slip::Soles;
+use throng_motion::clip::joint_transforms;
+use throng_runtime::blend::{BlendSpace, MAX_AXES, Posture, channel};
+use throng_runtime::walkers::Control;
+use throng_runtime::{Contacts, Joint, NUM_JOINTS, Skeleton};
+
+/// Ankle and ball of both feet.
+const FEET: [[Joint; 2]; 2] = [[Joint::LeftFoot, Joint::LeftToe], [Joint::RightFoot, Joint::RightToe]];
+/// Time of a fade (s).
+const FADE_S: f32 = 0.3;
+/// Height of heel over ball, and of ball over heel, up to which both stand (m).
+const FLAT_M: f32 = 0.005;
+
+/// An example that plays.
+#[derive(Clone, Copy, Debug, Default)]
+struct Playing {
+    example: usize,
+    phase: f32,
+}
+
+/// One character.
+#[derive(Clone, Debug)]
+pub(super) struct CrossFade {
+    now: Playing,
+    before: Playing,
+    /// Time since the fade began (s).
+    age_s: f32,
+    weights: Vec<f32>,
+    /// World positions of the joints (m).
+    pub joints: [Vec3; NUM_JOINTS],
+    /// Feet on the ground, of the example that is faded in.
+    pub contacts: Contacts,
+    /// What the feet stand on.
+    pub soles: Soles,
+}
+
+impl CrossFade {
+    /// Playing the first example.
+    pub fn new(space: &BlendSpace) -> Self {
+        Self {
+            now: Playing::default(),
+            before: Playing::default(),
+            age_s: FADE_S,
+            weights: vec![0.0; space.stride()],
+            joints: [Vec3::ZERO; NUM_JOINTS],
+            contacts: Contacts::NONE,
+            soles: Soles::default(),
+        }
+    }
+
+    /// Moves on by `dt_s` to a sample of the trajectory.
+    ///
+    /// # Errors
+    /// None for a space that was checked when its bundle was opened.
+    pub fn step(
+        &mut self,
+        space: &BlendSpace,
+        skeleton: &Skeleton,
+        parameters: &[f32; MAX_AXES],
+        control: &Control,
+        dt_s: f32,
+    ) -> Result<(), throng_runtime::Error> {
+        let nearest = nearest(space, parameters);
+        self.age_s += dt_s;
+        if nearest != self.now.example && self.age_s >= FADE_S {
+            self.before = self.now;
+            self.now = Playing { example: nearest, phase: 0.0 };
+            self.age_s = 0.0;
+        }
+        let share = (self.age_s / FADE_S).min(1.0);
+        let mut play = |p: &mut Playing| -> Result<Posture, throng_runtime::Error> {
+            self.weights.fill(0.0);
+            self.weights[p.example] = 1.0;
+            let mut phase = [p.phase];
+            space.advance(&self.weights, &[dt_s], &mut phase)?;
+            p.phase = phase[0];
+            let mut out = [Posture::default()];
+            space.pose(&self.weights, &phase, &mut out)?;
+            Ok(out[0])
+        };
+        let (from, to) = (play(&mut self.before)?, play(&mut self.now)?);
+        let rotation = |j: usize| from.rotation(Joint::ALL[j]).slerp(to.rotation(Joint::ALL[j]), share);
+        let hips = from.vector(channel::HIPS).lerp(to.vector(channel::HIPS), share);
+        let turn = Quat::from_rotation_y(control.heading.unwrap_or(0.0));
+        let at = control.position.unwrap_or_default();
+        let place = |p: Vec3| turn * p + Vec3::new(at.x, 0.0, at.y);
+        let joints = joint_transforms(skeleton, hips, rotation);
+        self.joints = joints.map(|t| place(t.0));
+        let heels = skeleton.heels();
+        self.soles = std::array::from_fn(|side| {
+            let [(ankle, turned), (ball, _)] = FEET[side].map(|j| joints[j.index()]);
+            [place(ankle + turned * heels[side]), place(ball)]
+        });
+        let balls = FEET.map(|[_, toe]| skeleton.rest_positions()[toe.index()].y);
+        self.contacts = contacts(&to, &self.soles, balls);
+        Ok(())
+    }
+}
+
+/// The example nearest to a point of the box, each axis from 0 to 1.
+fn nearest(space: &BlendSpace, parameters: &[f32; MAX_AXES]) -> usize {
+    let distance = |e: &[f32; MAX_AXES]| -> f32 {
+        let axes = space.axes().iter().enumerate();
+        axes.map(|(k, a)| ((e[k] - parameters[k]) / (a.high - a.low)).powi(2)).sum()
+    };
+    let all = space.examples().iter().map(|e| distance(&e.parameters)).enumerate();
+    all.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i)
+}
+
+/// Parts of the feet on the ground: of a foot that is, those that are no higher than the other.
+///
+/// - `balls`: heights of the balls of flat feet (m).
+fn contacts(posture: &Posture, soles: &Soles, balls: [f32; 2]) -> Contacts {
+    let feet = [
+        (channel::LEFT_CONTACT, [Contacts::LEFT_HEEL, Contacts::LEFT_TOE]),
+        (channel::RIGHT_CONTACT, [Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE]),
+    ];
+    let mut out = Contacts::NONE;
+    for (((channel, parts), [heel, ball]), flat) in feet.into_iter().zip(soles).zip(balls) {
+        let higher = heel.y - (ball.y - flat);
+        for (part, over) in parts.into_iter().zip([higher, -higher]) {
+            if posture.channel(channel) > 0.5 && over < FLAT_M {
+                out.insert(part);
+            }
+        }
+    }
+    out
+}

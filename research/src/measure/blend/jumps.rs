@@ -1,0 +1,175 @@
+//! How bodies move while the parameters asked of them jump.
+
+use super::cross_fade::CrossFade;
+use super::{STEP_S, advance, control, random_parameters};
+use glam::Vec3;
+use throng_lab::measure::timing::fail;
+use throng_lab::run::knee_angles;
+use throng_lab::slip::{Feet, SlipMeter, Soles};
+use throng_motion::error::BuildError;
+use throng_runtime::blend::BlendSpace;
+use throng_runtime::walkers::{WalkerStart, Walkers, WalkersConfig};
+use throng_runtime::{Bundle, Cast, Contacts, Inline, NUM_JOINTS, Planar};
+
+/// Characters that are looked at, and for how long (s).
+const LOOKED_AT: usize = 32;
+const SECONDS: f32 = 40.0;
+/// Time between jumps (s).
+const JUMP_S: f32 = 2.0;
+/// Acceleration counts for so long after a jump (s).
+const AFTER_S: f32 = 0.5;
+
+/// Where bodies come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Motion {
+    /// Walkers: weights, incremental time-warping, retargeting.
+    Blended,
+    /// The nearest example, cross-faded.
+    CrossFaded,
+}
+
+/// What was seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Jumps {
+    /// 95th percentile of the slip of planted feet, as [`SlipMeter`] measures it (m/s).
+    pub slip_p95_mps: f64,
+    /// Fastest change of a knee's angle (rad/s).
+    pub knee_rate: f64,
+    /// Largest acceleration of a joint soon after a jump (m/s^2).
+    pub acceleration: f64,
+}
+
+/// Lets characters follow paths whose speed, turning rate and style jump to a place drawn at random every two seconds.
+///
+/// # Errors
+/// [`BuildError::Stage`] where the space is broken.
+pub(super) fn jumps(tables: &Bundle, space: &BlendSpace, motion: Motion) -> Result<Jumps, BuildError> {
+    let places = random_parameters(space);
+    let mut watch = Watch::default();
+    for who in 0..LOOKED_AT {
+        watch.forget();
+        let mut body = Body::new(space, motion)?;
+        let mut path = control(space, &places[who], Planar::default());
+        for step in 0..(SECONDS / STEP_S) as usize {
+            let since = step as f32 * STEP_S;
+            let aim = &places[(who * 37 + (since / JUMP_S) as usize) % places.len()];
+            advance(space, &mut path, aim, STEP_S);
+            let seen = match &mut body {
+                Body::Blended(walkers) => {
+                    let id = walkers.bodies().ids[0];
+                    let stepped = walkers.order(id, path).and_then(|()| walkers.step(STEP_S, &Inline));
+                    stepped.map_err(|e| fail(e.to_string()))?;
+                    Seen { joints: walkers.joint_positions(0), contacts: walkers.contacts(0), soles: walkers.soles(0) }
+                }
+                Body::CrossFaded(fade) => {
+                    fade.step(space, tables.skeleton(), aim, &path, STEP_S).map_err(|e| fail(e.to_string()))?;
+                    Seen { joints: fade.joints, contacts: fade.contacts, soles: fade.soles }
+                }
+            };
+            watch.look(seen, since % JUMP_S < AFTER_S && since > JUMP_S);
+        }
+    }
+    Ok(watch.result())
+}
+
+enum Body {
+    Blended(Box<Walkers>),
+    CrossFaded(Box<CrossFade>),
+}
+
+impl Body {
+    fn new(space: &BlendSpace, motion: Motion) -> Result<Self, BuildError> {
+        if motion == Motion::CrossFaded {
+            return Ok(Self::CrossFaded(Box::new(CrossFade::new(space))));
+        }
+        let walkers =
+            Walkers::with_capacity(space.clone(), &[], WalkersConfig::default(), 1).and_then(|mut walkers| {
+                walkers.spawn(WalkerStart::default())?;
+                Ok(walkers)
+            });
+        Ok(Self::Blended(Box::new(walkers.map_err(|e| fail(e.to_string()))?)))
+    }
+}
+
+/// One character at one moment.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    joints: [Vec3; NUM_JOINTS],
+    contacts: Contacts,
+    soles: Soles,
+}
+
+struct Watch {
+    /// The last poses, the latest first.
+    last: Vec<[Vec3; NUM_JOINTS]>,
+    slip: SlipMeter,
+    knee_rate: f32,
+    acceleration: f32,
+}
+
+impl Default for Watch {
+    fn default() -> Self {
+        Self { last: Vec::new(), slip: SlipMeter::new(1), knee_rate: 0.0, acceleration: 0.0 }
+    }
+}
+
+impl Watch {
+    fn forget(&mut self) {
+        self.last.clear();
+        self.slip.forget_step();
+    }
+
+    fn look(&mut self, Seen { joints, contacts, soles }: Seen, jumped: bool) {
+        self.slip.observe(0, STEP_S, contacts, Feet::Soles(soles));
+        if let Some(before) = self.last.first() {
+            let (now, was) = (knee_angles(&joints), knee_angles(before));
+            self.knee_rate = (0..2).map(|k| (now[k] - was[k]).abs() / STEP_S).fold(self.knee_rate, f32::max);
+        }
+        if let [before, earlier, ..] = &self.last[..]
+            && jumped
+        {
+            for j in 0..NUM_JOINTS {
+                let change = joints[j] - 2.0 * before[j] + earlier[j];
+                self.acceleration = self.acceleration.max(change.length() / (STEP_S * STEP_S));
+            }
+        }
+        self.last.insert(0, joints);
+        self.last.truncate(2);
+    }
+
+    fn result(self) -> Jumps {
+        Jumps {
+            slip_p95_mps: self.slip.p95_mps(),
+            knee_rate: f64::from(self.knee_rate),
+            acceleration: f64::from(self.acceleration),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_runtime::Joint;
+
+    #[test]
+    fn a_watch_sees_slipping_feet_bending_knees_and_jerks() {
+        let mut watch = Watch::default();
+        let mut joints = [Vec3::ZERO; NUM_JOINTS];
+        joints[Joint::LeftThigh.index()] = Vec3::Y;
+        joints[Joint::LeftShin.index()] = Vec3::Y * 0.5;
+        let slip = Vec3::X * 0.3 * STEP_S;
+        for step in 0..4 {
+            let mut now = joints;
+            now[Joint::LeftFoot.index()] += slip * step as f32;
+            let soles = [[slip * step as f32, 2.0 * slip * step as f32], [Vec3::ZERO; 2]];
+            if step == 3 {
+                now[Joint::Head.index()].y += 0.01;
+            }
+            watch.look(Seen { joints: now, contacts: Contacts::LEFT_HEEL, soles }, step == 3);
+        }
+        let seen = watch.result();
+        assert!((seen.slip_p95_mps - 0.3).abs() < 1e-3, "{seen:?}");
+        assert!((seen.acceleration - 36.0).abs() < 0.1, "{seen:?}");
+        assert!(seen.knee_rate > 0.3 && seen.knee_rate < 0.7, "{seen:?}");
+    }
+}

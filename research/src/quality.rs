@@ -1,0 +1,255 @@
+//! How near a policy comes to the best that search finds.
+
+use crate::search::{Bounds, Found, Search};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::time::Instant;
+use throng_bake::policy::{Follow, Situation, collect, play, random_target};
+use throng_core::policy::PolicyTable;
+use throng_lab::measure::timing::fail;
+use throng_motion::error::BuildError;
+use throng_runtime::Bundle;
+use throng_runtime::base::limits::PAIRS;
+
+/// How quality is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QualityConfig {
+    /// Random (state, target) pairs: states uniform, targets uniform over the grid's angles, distances and heights.
+    pub pairs: usize,
+    /// Actions in the sequences that are searched (1 to 8).
+    pub depth: usize,
+    /// Pairs whose best score is not above this say nothing about a ratio and are left out.
+    pub least_best: f64,
+    /// Rewards are collected until the discount is below this (> 0, < 1).
+    pub negligible: f64,
+    /// Temperatures of the choice among the best few actions.
+    pub temperatures: Vec<f32>,
+    /// Seed of pairs and choices.
+    pub seed: u64,
+}
+
+impl Default for QualityConfig {
+    fn default() -> Self {
+        let temperatures = vec![0.0, 0.02, 0.05, 0.1, 0.2, 0.5];
+        Self { pairs: 1000, depth: 4, least_best: 1e-3, negligible: 1e-4, temperatures, seed: 1 }
+    }
+}
+
+/// The discounted reward that a policy collects, as a ratio of the best that search finds.
+///
+/// Collected: the policy is followed in the exact model, where targets have their true places. The best: the most of
+/// all sequences of a few actions, their rewards exact too, with the stored value of where they end. That value is
+/// interpolated between cells and may promise a little more or less than can be had, so ratios above 1 are possible;
+/// the ratio to the *realised* best, for which the search's actions are carried out and the policy followed from
+/// there, is at most 1. Where no pair counts, ratios are not numbers, null in JSON.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Quality {
+    /// Name of the behaviour.
+    pub policy: String,
+    /// Pairs asked.
+    pub asked: usize,
+    /// Pairs that count: the best is worth more than next to nothing.
+    pub pairs: usize,
+    /// Mean ratio of what the policy collects.
+    pub ratio_mean: f64,
+    /// 5th percentile of that ratio.
+    pub ratio_p05: f64,
+    /// Share of the pairs with a ratio above 0.99.
+    pub near_best_fraction: f64,
+    /// Mean ratio to the realised best.
+    pub realised_ratio_mean: f64,
+    /// Mean of what the best is worth beyond what the policy collects, over all pairs that were asked.
+    pub regret_mean: f64,
+    /// Mean ratio when the stored best action of the nearest cell is followed.
+    pub single_load_ratio_mean: f64,
+    /// The same for choices among the best few at random.
+    pub temperatures: Vec<TemperatureQuality>,
+    /// Look-aheads that the search made.
+    pub look_aheads: u64,
+    /// Wall time of the search (s).
+    pub search_s: f64,
+    /// Wall time of everything (s).
+    pub seconds: f64,
+}
+
+/// What choosing at random costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct TemperatureQuality {
+    /// See [`throng_core::policy::RankedActions::choose`].
+    pub temperature: f32,
+    /// Mean ratio of what is collected.
+    pub ratio_mean: f64,
+}
+
+/// Bands of heights, each with bounds of its own: what is out of reach high up may be near further down.
+const BANDS: usize = 4;
+
+/// Measures what the policies of a bundle collect against what search finds, on the current rayon pool.
+///
+/// # Errors
+/// [`BuildError::Stage`] where the bundle has no behaviour or a number is out of range.
+pub fn quality(tables: &Bundle, config: &QualityConfig) -> Result<Vec<Quality>, BuildError> {
+    if tables.policies().is_empty() {
+        return Err(fail("the bundle has no behaviour"));
+    }
+    PAIRS.check_count("pairs", config.pairs).map_err(|e| fail(e.to_string()))?;
+    let names = &tables.meta().behaviours;
+    Ok(names.iter().enumerate().map(|(i, name)| measure_policy(&tables.policies()[i], name, config)).collect())
+}
+
+/// Measures a policy on the current rayon pool. The same config gives the same figures at any number of threads.
+pub fn measure_policy(table: &PolicyTable, name: &str, config: &QualityConfig) -> Quality {
+    let begin = Instant::now();
+    let mut rng = Pcg64::seed_from_u64(config.seed);
+    let pairs = random_pairs(table, config.pairs, &mut rng);
+    let found = search_all(table, &pairs, config.depth);
+    let search_s = begin.elapsed().as_secs_f64();
+    let mut follow = |follow| collect(table, &pairs, follow, config.negligible, &mut rng);
+    let collected = follow(Follow::LookAhead { temperature: 0.0 });
+    let single_load = follow(Follow::SingleLoad);
+    let random: Vec<Vec<f64>> = config
+        .temperatures
+        .iter()
+        .map(
+            |&temperature| {
+                if temperature > 0.0 { follow(Follow::LookAhead { temperature }) } else { collected.clone() }
+            },
+        )
+        .collect();
+    let realised = realise(table, &pairs, &found, config);
+    let counted: Vec<usize> = (0..pairs.len()).filter(|&i| f64::from(found[i].score) > config.least_best).collect();
+    let ratios = |sums: &[f64]| counted.iter().map(|&i| sums[i] / f64::from(found[i].score)).collect::<Vec<f64>>();
+    let mut ascending = ratios(&collected);
+    let ratio_mean = mean(&ascending);
+    ascending.sort_by(f64::total_cmp);
+    let near_best = ascending.iter().filter(|&&r| r > 0.99).count();
+    let to_realised: Vec<f64> =
+        counted.iter().map(|&i| collected[i] / realised[i].max(collected[i]).max(1e-9)).collect();
+    let regrets: Vec<f64> = found.iter().zip(&collected).map(|(f, c)| f64::from(f.score) - c).collect();
+    Quality {
+        policy: name.to_owned(),
+        asked: pairs.len(),
+        pairs: counted.len(),
+        ratio_mean,
+        ratio_p05: ascending.get(ascending.len() / 20).copied().unwrap_or(f64::NAN),
+        near_best_fraction: near_best as f64 / counted.len() as f64,
+        realised_ratio_mean: mean(&to_realised),
+        regret_mean: mean(&regrets),
+        single_load_ratio_mean: mean(&ratios(&single_load)),
+        temperatures: config
+            .temperatures
+            .iter()
+            .zip(&random)
+            .map(|(&temperature, sums)| TemperatureQuality { temperature, ratio_mean: mean(&ratios(sums)) })
+            .collect(),
+        look_aheads: found.iter().map(|f| f.look_aheads).sum(),
+        search_s,
+        seconds: begin.elapsed().as_secs_f64(),
+    }
+}
+
+/// The mean; not a number where there is nothing.
+fn mean(v: &[f64]) -> f64 {
+    v.iter().sum::<f64>() / v.len() as f64
+}
+
+fn random_pairs(table: &PolicyTable, count: usize, rng: &mut Pcg64) -> Vec<Situation> {
+    let num_states = table.actions().num_states() as u32;
+    (0..count)
+        .map(|_| Situation { state: rng.random_range(0..num_states), target: random_target(table, rng) })
+        .collect()
+}
+
+/// Look-aheads of a whole search from which on bounds, which take some seconds, save more than they cost.
+const WORTH_BOUNDS: f64 = 3e7;
+
+/// The best sequence of every pair.
+fn search_all(table: &PolicyTable, pairs: &[Situation], depth: usize) -> Vec<Found> {
+    let actions = table.actions();
+    let branching = actions.num_actions() as f64 / actions.num_states() as f64;
+    let look_aheads = pairs.len() as f64 * branching.powi(depth as i32 - 1);
+    // What a space-time grid waits for happens after an action or two.
+    if look_aheads < WORTH_BOUNDS || table.grid().is_space_time() {
+        let search = Search::new(table, depth, None);
+        return pairs.par_iter().map(|&pair| search.best(pair)).collect();
+    }
+    search_with_bounds(table, pairs, depth)
+}
+
+/// The same with bounds of every band of heights.
+fn search_with_bounds(table: &PolicyTable, pairs: &[Situation], depth: usize) -> Vec<Found> {
+    let r = table.grid().record();
+    let bands = if r.num_heights > 1 { BANDS } else { 1 };
+    let height = r.height_spacing * (r.num_heights - 1) as f32 / bands as f32;
+    let edge = |band: usize| r.height_start + band as f32 * height;
+    let band_of = |s: &Situation| (((s.target.y - r.height_start) / height.max(1e-6)) as usize).min(bands - 1);
+    let mut found: Vec<Option<Found>> = vec![None; pairs.len()];
+    for band in 0..bands {
+        // A little wider than the band, so that rounding leaves no situation out.
+        let bounds = Bounds::new(table, depth, [edge(band) - 1e-3, edge(band + 1) + 1e-3]);
+        let search = Search::new(table, depth, Some(&bounds));
+        let of_band = found.par_iter_mut().zip(pairs).filter(|(_, s)| bands == 1 || band_of(s) == band);
+        of_band.for_each(|(found, &pair)| *found = Some(search.best(pair)));
+    }
+    found.into_iter().flatten().collect()
+}
+
+/// What is collected when the search's actions are carried out, and the policy followed from there.
+fn realise(table: &PolicyTable, pairs: &[Situation], found: &[Found], config: &QualityConfig) -> Vec<f64> {
+    let mut sums = vec![0.0; pairs.len()];
+    let mut discounts = vec![1.0f64; pairs.len()];
+    let mut at = pairs.to_vec();
+    for (i, f) in found.iter().enumerate() {
+        for &action in &f.actions[..config.depth] {
+            let played = play(table, at[i], action);
+            sums[i] += discounts[i] * f64::from(played.reward);
+            discounts[i] *= f64::from(played.discount);
+            at[i] = played.then;
+        }
+    }
+    let mut rng = Pcg64::seed_from_u64(config.seed);
+    let rest = collect(table, &at, Follow::LookAhead { temperature: 0.0 }, config.negligible, &mut rng);
+    (0..pairs.len()).map(|i| sums[i] + discounts[i] * rest[i]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_bake::policy::made_up::MadeUp;
+    use throng_bake::policy::{Approach, PolicyConfig, solve_behaviours};
+    use throng_motion::progress::Silent;
+
+    /// The policy of a behaviour in a made-up problem.
+    fn solved(small: &MadeUp, behaviour: &Approach) -> PolicyTable {
+        let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
+        let mut rng = Pcg64::seed_from_u64(1);
+        let tables = solve_behaviours(small.model(), &[behaviour], &cfg, &mut rng, &Silent);
+        tables.expect("it converges").table(0).expect("sound tables")
+    }
+
+    #[test]
+    fn bounds_change_nothing_but_the_time() {
+        let small = MadeUp { states: 6, actions: 5, rings: 12, angles: 9, seed: 4 };
+        let table = solved(&small, &small.behaviour().expect("a valid grid"));
+        let pairs = random_pairs(&table, 40, &mut Pcg64::seed_from_u64(1));
+        let (plain, bounded) = (search_all(&table, &pairs, 4), search_with_bounds(&table, &pairs, 4));
+        for (a, b) in plain.iter().zip(&bounded) {
+            assert_eq!(a.score, b.score);
+        }
+        let count = |all: &[Found]| all.iter().map(|f| f.look_aheads).sum::<u64>();
+        assert!(count(&bounded) < count(&plain), "{} {}", count(&bounded), count(&plain));
+    }
+
+    #[test]
+    fn ratios_of_nothing_are_no_numbers() {
+        let small = MadeUp { states: 3, actions: 2, rings: 12, angles: 9, seed: 4 };
+        let table = solved(&small, &small.behaviour().expect("a valid grid"));
+        let config = QualityConfig { pairs: 5, least_best: 10.0, ..QualityConfig::default() };
+        let q = measure_policy(&table, "approach", &config);
+        assert_eq!((q.asked, q.pairs), (5, 0));
+        assert!(q.ratio_mean.is_nan() && q.near_best_fraction.is_nan() && q.regret_mean.is_finite());
+        assert_eq!(serde_json::to_value(&q).expect("it serialises")["ratio_mean"], serde_json::Value::Null);
+    }
+}

@@ -1,0 +1,54 @@
+//! What tests of plans need: somebody who stands, and things around.
+
+use glam::{DQuat, DVec3};
+use throng_core::{NUM_JOINTS, Skeleton};
+use throng_planner::body::BodyShape;
+use throng_planner::driven::Driven;
+use throng_planner::limits::{BodyLimits, Coordinates};
+use throng_planner::linkage::{Limb, LimbPose, Linkage};
+use throng_planner::problem::{Solid, State};
+use throng_planner::rotation::Rigid;
+use throng_planner::setup::ProblemSpec;
+use throng_planner::shape::Shape;
+use throng_planner::track::Path;
+
+/// Somebody who stands at the origin and looks along +Z.
+pub struct Somebody {
+    pub skeleton: Skeleton,
+    pub limits: BodyLimits,
+    pub motion: Driven,
+    pub shape: BodyShape,
+    pub linkage: Linkage,
+}
+
+impl Somebody {
+    pub fn standing() -> Self {
+        let skeleton = Skeleton::default();
+        let motion = Driven::still(&skeleton, skeleton.offsets[0].as_dvec3(), [DQuat::IDENTITY; NUM_JOINTS]);
+        Self {
+            limits: BodyLimits::built_in(&skeleton),
+            shape: BodyShape::fitted(&skeleton),
+            motion,
+            skeleton,
+            linkage: Linkage::limb(Limb::LeftArm),
+        }
+    }
+
+    /// Shoulder by its swing, elbow by its flexion (rad).
+    pub fn pose(&self, across: f64, up: f64, flexion: f64) -> LimbPose {
+        let limits = self.limits.of_linkage(self.linkage).expect("limits");
+        let mut pose = LimbPose::REST;
+        pose.0[0] = limits[0].rotation(Coordinates { swing: [across, up], twist: 0.0 });
+        pose.0[1] = limits[1].rotation(Coordinates { swing: [flexion, 0.0], twist: 0.0 });
+        pose
+    }
+
+    pub fn spec(&self, ends: [(LimbPose, f64); 2]) -> ProblemSpec<'_> {
+        let ends = ends.map(|(pose, time_s)| State { pose, time_s });
+        ProblemSpec::new(&self.skeleton, self.linkage, &self.limits, &self.motion, &self.shape, ends)
+    }
+}
+
+pub fn solid(name: &str, shape: Shape, at: DVec3) -> Solid {
+    Solid { name: name.into(), shape, path: Path::Still(Rigid::at(at)) }
+}

@@ -1,0 +1,114 @@
+//! Figures of scenes, for people.
+
+use throng_precompute::run::Figures;
+
+/// What was measured of a scene or a group: labels and texts.
+pub fn figures(r: &Figures) -> Vec<(&'static str, String)> {
+    let mut rows = Vec::new();
+    if let Some(b) = &r.blows {
+        let thrown = format!("{} thrown: {:.1} % landed", b.thrown, 100.0 * b.landed_fraction);
+        let rest = format!(
+            "{:.1} % blocked; {:.1} landed a minute and character",
+            100.0 * b.blocked_fraction,
+            b.hits_per_minute
+        );
+        rows.push(("blows", format!("{thrown}, {rest}")));
+        let most = b.distance_max_m.map_or(String::new(), |m| format!(", {m:.2} m at most after 5 s"));
+        rows.push(("distance", format!("{:.2} m from the target on average{most}", b.distance_mean_m)));
+        let deep = 100.0 * b.deep_fraction;
+        rows.push(("penetration", format!("{:.3} m at most, deep {deep:.2} % of the time", b.max_penetration_m)));
+    }
+    if let Some(t) = &r.touch {
+        let times =
+            format!("{:.1} in bodies, {:.1} in heads", t.arms_in_bodies_per_minute, t.wrists_in_heads_per_minute);
+        rows.push(("arms", format!("{times}, times a minute and boxer")));
+        let close = format!(
+            "{:.2} m apart, closer than 0.45 m {:.1} % of the time",
+            t.head_distance_mean_m,
+            100.0 * t.heads_close_fraction
+        );
+        rows.push(("heads", close));
+    }
+    if let (Some(pairs), Some(deepest_m)) = (r.character_overlaps, r.deepest_overlap_m) {
+        rows.push(("overlaps", format!("{pairs} pair(s), {deepest_m:.2} m at most")));
+    }
+    if let Some(w) = &r.world {
+        let units =
+            format!("{} time(s) in a unit, {:.2} m at most", w.environment_penetrations, w.deepest_penetration_m);
+        rows.push(("surroundings", units));
+        let wishes = format!("{:.2} fulfilled and {:.0} m travelled", w.fulfilled_per_minute, w.travelled_m_per_minute);
+        let waiting = 100.0 * w.waiting_fraction;
+        let turned = format!("turning {:.0} deg a metre", w.turned_deg_per_m);
+        let row = format!("{wishes} a minute and character, {turned}; waiting {waiting:.1} % of the time");
+        rows.push(("wishes", row));
+    }
+    if let Some(p) = &r.partners {
+        let ends = format!("{} finished, {} broken off", p.pairs_finished, p.pairs_broken_off);
+        rows.push(("pairs", format!("{} begun, {ends}; {} did not come together", p.pairs_begun, p.pairs_given_up)));
+        let off =
+            format!("{:.0} mm and {:.1} deg off the capture", 1e3 * p.partner_off_p95_m, p.partner_turned_p95_deg);
+        let most = format!("{:.0} mm and {:.1} deg at most", 1e3 * p.partner_off_max_m, p.partner_turned_max_deg);
+        rows.push((
+            "partners",
+            format!("{off} (95th percentile), {most}; waited {:.1} s on average", p.partner_wait_mean_s),
+        ));
+    }
+    if let Some(p) = &r.paths {
+        rows.push(("paths", format!("{:.2} m/s on average, {:.2} at most", p.speed_mean_mps, p.speed_max_mps)));
+        rows.push(("knees", format!("{:.1} rad/s at most", p.knee_rate_max_radps)));
+    }
+    if let Some(c) = &r.crowd {
+        let engine = r.engine.as_deref().unwrap_or_default();
+        let wanted = format!("{:.2} m/s towards the goal of {:.2} wanted", c.progress_mps, c.desired_mps);
+        rows.push(("progress", format!("{wanted}; {} there; engine {engine}", c.arrived)));
+        let [mm, cm] = [c.overlap_over_1mm_fraction, c.overlap_over_1cm_fraction].map(|f| 100.0 * f);
+        let most = 1000.0 * c.max_overlap_m;
+        let overlaps =
+            format!("{mm:.3} % of agent-frames by more than 1 mm, {cm:.3} % by more than 1 cm; {most:.2} mm at most");
+        rows.push(("overlaps", overlaps));
+        if let Some(order) = c.lane_order {
+            rows.push(("lanes", format!("order {order:.2}: 0 as mixed as by chance, 1 all in lanes")));
+        }
+        if let Some(flow) = &c.flow {
+            let [low, high] = flow.human_flow_per_m_s;
+            let few = || "too few for a flow".to_owned();
+            let measured = flow.flow_per_m_s.map_or_else(few, |f| format!("{f:.2} persons/(m s)"));
+            rows.push(("gate", format!("{} crossed, {measured}; people: {low} to {high}", flow.crossed)));
+        }
+        if let Some(t) = &c.things {
+            let off = format!(
+                "palms off by {:.0} mm (95 %), {:.0} mm at worst",
+                1e3 * t.hand_off_p95_m,
+                1e3 * t.hand_off_max_m
+            );
+            let missed = match t.things_out_of_reach {
+                0 => String::new(),
+                n => format!(", {n} times out of reach"),
+            };
+            rows.push(("things", format!("{} taken, {} put down{missed}; {off}", t.things_taken, t.things_put)));
+        }
+        if let Some(informed) = c.informed {
+            rows.push(("news", format!("{informed} know")));
+        }
+        if let (Some(us), Some(events)) = (c.us_per_agent_second, c.events_per_agent_second) {
+            let crossings = |c| format!(" ({c:.1} of them crossings of cells)");
+            let crossings = c.crossings_per_agent_second.map_or(String::new(), crossings);
+            let decisions = c.decisions_per_agent_second.unwrap_or_default();
+            let cost = format!("{us:.2} us an agent and simulated second");
+            rows.push(("speed", format!("{cost}; {events:.1} events{crossings}, {decisions:.1} decisions")));
+        }
+        if let Some(off) = c.hips_off_max_m {
+            rows.push(("bodies", format!("hips {off:.2} m off their discs at most")));
+        }
+    }
+    if let Some(stuck) = r.stuck {
+        rows.push(("stuck", format!("{stuck}")));
+    }
+    if let (Some(mean), Some(p95)) = (r.foot_slip_mean_mps, r.foot_slip_p95_mps) {
+        rows.push(("foot slip", format!("{mean:.3} m/s mean, {p95:.3} m/s 95th percentile, while planted")));
+    }
+    if let Some(rate) = r.steps_per_second {
+        rows.push(("speed", format!("{rate:.0} steps a second of all characters, on one thread")));
+    }
+    rows
+}
