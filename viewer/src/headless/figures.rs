@@ -15,7 +15,7 @@ pub struct FrameFigures {
     pub simulation_ms: f64,
     /// Its 95th percentile.
     pub simulation_p95_ms: f64,
-    /// Laying out what is drawn.
+    /// Laying out the frame (ms).
     pub layout_ms: f64,
     /// Its 95th percentile.
     pub layout_p95_ms: f64,
@@ -27,7 +27,7 @@ pub struct FrameFigures {
     pub drawing_ms: f64,
     /// Its 95th percentile.
     pub drawing_p95_ms: f64,
-    /// What is left: panels and text.
+    /// Remaining time: panels and text (ms).
     pub interface_ms: f64,
     /// Its 95th percentile.
     pub interface_p95_ms: f64,

@@ -1,4 +1,4 @@
-//! What can go wrong before anything is drawn.
+//! Errors before anything is drawn.
 
 /// Why a scene cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -9,15 +9,15 @@ pub enum RenderError {
         "this graphics device offers {available} storage buffers per shader stage, 3 are needed: choose another adapter or backend (WGPU_BACKEND=vulkan)"
     )]
     NoStorageBuffers {
-        /// What the device offers.
+        /// Number that the device offers.
         available: u32,
     },
-    /// One kind of data outgrows what the device can bind.
+    /// One kind of data exceeds the limit of the device.
     #[error(
         "{count} {what} take {needed} bytes, this graphics device binds {limit} at most: show fewer than {most} of them"
     )]
     TooMany {
-        /// What there is too much of.
+        /// Name of the data.
         what: &'static str,
         /// How many were asked for.
         count: usize,
@@ -38,7 +38,7 @@ pub enum RenderError {
         /// Matrices passed.
         got: usize,
     },
-    /// A record names a frame row that there is not.
+    /// A record names a frame row that does not exist.
     #[error("a record names frame row {row}, there are {rows}: pass the poses of all rows of its bundle")]
     Rows {
         /// Which.

@@ -1,4 +1,4 @@
-//! The actions from a frame: those of its state, or of the next one.
+//! The actions from a frame: those of its state, or of the next state.
 
 use super::track::{StateMark, Track};
 use crate::bundle::OpenBundle;
@@ -15,7 +15,7 @@ pub struct OutgoingAction {
     pub start: u32,
     /// Frames played.
     pub num_frames: u32,
-    /// Where it leads, as seen from its start.
+    /// Displacement from its start.
     pub displacement: Planar,
     /// How much the frame that is left and the segment's first frame differ.
     pub error: f32,
@@ -64,8 +64,7 @@ impl Outgoing {
     }
 }
 
-/// Where a displacement leads, for people: metres ahead, metres to the side, the turn. What is too little to be seen
-/// is empty.
+/// Text of a displacement: metres ahead, metres to the side, the turn. Negligible parts are empty.
 pub fn displacement_texts(d: Planar) -> [String; 3] {
     let side = |v: f32| if v > 0.0 { "left" } else { "right" };
     let turn = d.heading.to_degrees();

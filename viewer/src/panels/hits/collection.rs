@@ -14,9 +14,9 @@ pub enum Field {
     Moment,
     /// Kind of blow.
     Kind,
-    /// What strikes.
+    /// Joint that strikes.
     Limb,
-    /// Speed over that of the fastest of its kind.
+    /// Speed relative to the fastest hit of its kind.
     Force,
     /// From straight ahead to the left.
     Angle,
@@ -43,15 +43,15 @@ pub struct Entry {
     pub frame: u32,
     /// Number of its kind.
     pub kind: u32,
-    /// What strikes.
+    /// Joint that strikes.
     pub joint: Joint,
-    /// Speed over that of the fastest of its kind.
+    /// Speed relative to the fastest hit of its kind.
     pub force: f32,
     /// (m/s)
     pub speed_mps: f32,
-    /// As seen from the planar root: left, up, ahead (m).
+    /// Position relative to the planar root: left, up, ahead (m).
     pub position: Vec3,
-    /// Of unit length.
+    /// Direction of the blow. Unit.
     pub direction: Vec3,
 }
 

@@ -131,7 +131,7 @@ fn cell(bundle: &OpenBundle, why: &Why, rank: usize, column: usize, chances: &[f
     }
 }
 
-/// Says what there may be no room for in the row.
+/// Shows a tooltip with details that may not fit the row.
 fn tell(bundle: &OpenBundle, why: &Why, response: Response, c: &Candidate) {
     response.on_hover_ui(|ui| {
         ui.strong(bundle.describe_segment(c.segment));

@@ -9,10 +9,10 @@ use throng_precompute::environment::PlacedUnit;
 
 /// Widest note (points).
 const WIDTH: f32 = 340.0;
-/// Notes are so far from what they are about (points).
+/// Distance of a note from its subject (points).
 const BESIDE: f32 = 14.0;
 
-/// Says what is stitched, or why the last edit was refused.
+/// Shows the edit under way, or why the last edit was refused.
 pub fn show(ui: &Ui, rect: Rect, model: &Model, commands: &mut Vec<Command>) {
     let Some(world) = model.shown_world() else { return };
     if let Some(working) = world.working() {
