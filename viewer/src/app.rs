@@ -27,10 +27,10 @@ pub const SETTINGS_KEY: &str = "settings";
 pub struct Viewer {
     /// All that it knows.
     pub model: Model,
-    /// How the panels look.
+    /// View states of the panels.
     pub states: PanelStates,
     renderer: Result<Arc<Mutex<SceneRenderer>>, String>,
-    /// How long encoding the last frame of the 3-D view took.
+    /// Time for encoding the last frame of the 3-D view.
     drawing: Arc<Mutex<Duration>>,
     layout: Layout,
     /// Commands that panels asked for in the last frame.

@@ -47,7 +47,7 @@ pub enum Command {
     /// Take a message away.
     Dismiss(u64),
 
-    /// Let time move on, or stop it.
+    /// Start or stop time.
     Play(bool),
     /// Move by steps of the run, or frames of the clip.
     Step(i32),

@@ -15,7 +15,7 @@ pub const BODIES: [(Body, &str); 2] = [(Body::Capsules, "capsules"), (Body::Mann
 /// Which panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PanelKind {
-    /// How the crowd is driven.
+    /// Control of the crowd.
     Control,
     /// Measurements.
     Statistics,
@@ -103,7 +103,7 @@ pub enum Colouring {
     Target,
     /// Which clip is played.
     Clip,
-    /// How fast the character moves.
+    /// Speed of the character.
     Speed,
     /// Nothing: all alike.
     Plain,
@@ -192,7 +192,7 @@ impl Settings {
         self.camera.limit();
         self.run = self.run.limited();
         if self.body == Body::Own {
-            // Its file is named anew each time.
+            // The file of a user's body has to be named in every run.
             self.body = Body::Mannequin;
         }
         self

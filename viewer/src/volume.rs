@@ -39,7 +39,7 @@ impl Volume {
         Self { centre: policy.centre(), distance: [first.y, last.y], angle, height: [first.z, last.z] }
     }
 
-    /// Its outline over ground: to the left and ahead. A full turn is a circle (m).
+    /// Outline over ground: to the left and ahead. A full turn is a circle (m).
     pub fn over_ground(&self) -> Vec<Vec2> {
         let [near, far] = self.distance;
         if self.angle[1] - self.angle[0] > TAU - 0.01 {

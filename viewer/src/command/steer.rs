@@ -21,7 +21,7 @@ impl Held {
 /// Steering of the selected character.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SteerCommand {
-    /// Take it over, or let it go.
+    /// Take over the selected character, or release it.
     Toggle,
     /// Change the input that is held down.
     Hold(Held),

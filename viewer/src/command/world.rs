@@ -22,7 +22,7 @@ pub enum Tool {
 /// A unit that is about to be placed or moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Draft {
-    /// Its number in the bundle's set.
+    /// Number of the unit in the bundle's set.
     pub unit: usize,
     /// Placement that the unit would have.
     pub at: Placement,
@@ -48,7 +48,7 @@ pub struct WorldLook {
 /// A request of a panel about a world.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WorldCommand {
-    /// Let a click do something else.
+    /// Select another tool.
     Tool(Tool),
     /// Select a placed unit, or none.
     SelectPlace(Option<usize>),
@@ -77,7 +77,7 @@ pub enum WorldCommand {
     },
     /// Restart with this number of characters, as far as there is room.
     Populate {
-        /// How many.
+        /// Number of characters.
         characters: usize,
         /// Seed of places and choices.
         seed: u64,

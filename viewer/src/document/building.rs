@@ -19,7 +19,7 @@ pub struct Told {
     pub verdict: Option<Verdict>,
 }
 
-/// How a build ended.
+/// End of a build.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum End {
     /// The requested document is open.
@@ -37,7 +37,7 @@ pub struct Built {
     pub paths: Vec<PathBuf>,
     /// Log of the build.
     pub told: Told,
-    /// How it ended.
+    /// End of the build.
     pub end: End,
 }
 

@@ -9,7 +9,7 @@ use throng_precompute::onto::Figure;
 
 /// A character of the user's own.
 pub struct Outfit {
-    /// Its file.
+    /// File of the character.
     pub path: PathBuf,
     /// Figure that converts poses to matrices of the mesh.
     pub figure: Figure,
@@ -34,7 +34,7 @@ impl Outfit {
         Ok(Self { path: path.to_path_buf(), figure, mesh: Arc::new(mesh) })
     }
 
-    /// Its file's name.
+    /// Name of the file.
     pub fn name(&self) -> String {
         self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }

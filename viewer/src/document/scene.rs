@@ -90,7 +90,7 @@ pub struct Standing {
 pub struct StandingDoor {
     /// Number of the mesh.
     pub mesh: u32,
-    /// Its ends (m).
+    /// Ends of the door (m).
     pub ends: [Vec3; 2],
 }
 
@@ -99,7 +99,7 @@ pub struct StandingDoor {
 pub struct StandingUnit {
     /// Number of the mesh.
     pub mesh: u32,
-    /// Its name.
+    /// Name of the unit.
     pub name: String,
     /// True for a unit that is walked on.
     pub is_floor: bool,

@@ -19,7 +19,7 @@ impl Image {
         Self { size, rgb }
     }
 
-    /// Its size.
+    /// Size of the picture.
     pub fn size(&self) -> Size {
         self.size
     }

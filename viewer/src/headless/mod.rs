@@ -39,7 +39,7 @@ pub enum HeadlessError {
         /// Message of the graphics library.
         reason: String,
     },
-    /// The adapter does not draw so large a picture.
+    /// The picture is too large for the adapter.
     #[error("--size {}x{}: {adapter} draws pictures of at most {limit} pixels a side", size.width, size.height)]
     Size {
         /// Requested size.

@@ -45,7 +45,7 @@ impl Model {
         }
     }
 
-    /// The stages that there are, in their order.
+    /// The available stages, in their order.
     pub fn stages(&self) -> Vec<Stage> {
         let d = &self.document;
         let lives = d.scene().is_some() || d.world().is_some();

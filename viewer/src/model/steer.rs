@@ -27,8 +27,8 @@ const SAME_M: f32 = 0.02;
 /// Speeds for walking and running, limited by the blend space (m/s), and turning rate (rad/s).
 const BLEND_MPS: [f32; 2] = [1.3, 3.5];
 const BLEND_TURN: f32 = 1.2;
-/// Half-life with which the camera moves behind the character (s), its distance (m), and the height that it looks at
-/// (m).
+/// Camera behind the steered character: half-life of its approach (s), its distance (m), the height that it looks at (m),
+/// and its pitch (rad).
 const BEHIND_HALF_LIFE_S: f32 = 0.5;
 const BEHIND_M: f32 = 4.5;
 const LOOK_AT_M: f32 = 1.1;

@@ -1,4 +1,4 @@
-//! Glitches of recordings, wherever a clip is shown over time: where they are, their colours and their words.
+//! Glitches of recordings, for every view of a clip over time: frames, colours and descriptions.
 
 use crate::document::RawMotion;
 use crate::model::Model;
@@ -12,7 +12,7 @@ use throng_runtime::format::ClipMeta;
 /// A glitch of a clip.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mark {
-    /// Its frames.
+    /// Frames of the glitch.
     pub frames: Range<u32>,
     /// Treatment of the glitch.
     pub treated: Treated,

@@ -6,7 +6,7 @@ use eframe::egui::{self, Grid, Key, Modal, Modifiers, RichText, Ui};
 /// Action of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// Let time move on, or stop it.
+    /// Start or stop time.
     PlayPause,
     /// One step back.
     Back,
@@ -36,7 +36,7 @@ pub enum Action {
     Body,
     /// Joint axes.
     JointAxes,
-    /// Steer the selected character, or let it go.
+    /// Steer the selected character, or release it.
     Steer,
     /// Select nothing.
     SelectNone,

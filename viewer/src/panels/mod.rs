@@ -174,7 +174,7 @@ pub struct PanelStates {
 }
 
 impl PanelKind {
-    /// Its entry in the list.
+    /// Entry of the panel in [`PANELS`].
     pub fn panel(self) -> Option<&'static Panel> {
         PANELS.iter().find(|p| p.kind == self)
     }

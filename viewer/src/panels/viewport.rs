@@ -25,7 +25,7 @@ const GRAB: f32 = 16.0;
 /// Largest crowd in which targets of unselected characters can be dragged: in larger ones, targets would be in the way
 /// of turning the camera.
 const MAX_GRABBED: usize = 50;
-/// And within this distance (points).
+/// Distance from the pointer within which other characters' targets can be grabbed (points).
 const GRAB_OTHERS: f32 = 6.0;
 
 /// A cell of a policy is pointed at within this distance (points).
@@ -187,7 +187,7 @@ struct Targets {
     all: Vec<(usize, Vec3, Option<Vec3>)>,
 }
 
-/// Targets of the crowd or the scene that is shown; none where there are none.
+/// Movable targets of the crowd or the scene that is shown; none without any.
 fn targets(model: &Model) -> Option<Targets> {
     if let Some((_, run)) = model.shown_crowd() {
         let all = run.targets().iter().enumerate().map(|(c, &t)| (c, t, None)).collect();

@@ -30,7 +30,7 @@ pub struct CharacterInstance {
     pub root: Planar,
     /// Main colour; other parts are shades of it. With alpha below 1 the character is a ghost, drawn after all others.
     pub colour: Rgba,
-    /// Its edge glows.
+    /// The edge of a selected character glows.
     pub is_selected: bool,
     /// Bits that choose the colours of clothes and skin; 0 for the default colours.
     pub look: u32,

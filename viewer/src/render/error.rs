@@ -19,19 +19,19 @@ pub enum RenderError {
     TooMany {
         /// Name of the data.
         what: &'static str,
-        /// How many were asked for.
+        /// Requested number.
         count: usize,
         /// (bytes)
         needed: u64,
         /// (bytes)
         limit: u64,
-        /// How many fit.
+        /// Largest number that fits.
         most: u64,
     },
     /// The palette does not hold one pose per character.
     #[error("{characters} characters need {expected} joint matrices, got {got}: pass num_joints matrices for each")]
     PaletteLength {
-        /// How many characters there are.
+        /// Number of characters.
         characters: usize,
         /// Matrices needed.
         expected: usize,
@@ -43,7 +43,7 @@ pub enum RenderError {
     Rows {
         /// Which.
         row: u32,
-        /// How many there are.
+        /// Number of rows.
         rows: usize,
     },
     /// The picture could not be copied back from the device.

@@ -1,4 +1,4 @@
-//! How render pipelines are put together: one short description each.
+//! Construction of render pipelines, each from a short description.
 
 /// Colour format of the picture.
 pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -41,7 +41,7 @@ const _: () = assert!(size_of::<super::solid_draws::GpuSolid>() == 32);
 /// The vertex buffers a pipeline reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Input {
-    /// None: corners come from their number.
+    /// No buffer: corners come from their number.
     Nothing,
     /// A body, and one character number an instance.
     Body,

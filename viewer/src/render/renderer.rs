@@ -29,7 +29,7 @@ pub struct SceneFrame<'a> {
     pub instances: &'a [CharacterInstance],
     /// Characters that are drawn from frame rows.
     pub records: &'a [Record],
-    /// The poses of all rows, joints in model space (rows * num_joints); needed where there are records.
+    /// The poses of all rows, joints in model space (rows * num_joints); required with records.
     pub rows: Option<&'a Arc<[Mat3x4]>>,
     /// Further shapes.
     pub shapes: &'a Shapes,

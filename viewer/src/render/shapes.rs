@@ -64,12 +64,12 @@ impl Shapes {
         self.on_top = 0;
     }
 
-    /// How many instances will be drawn.
+    /// Number of instances to draw.
     pub fn len(&self) -> usize {
         self.lines.len() + self.rounds.len() + self.rings.len()
     }
 
-    /// True where there is nothing to draw.
+    /// True if there is nothing to draw.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -1,4 +1,4 @@
-//! Things that stand in the world: meshes of boxes, bars and triangles, each made once and drawn wherever it stands.
+//! Things that stand in the world: meshes of boxes, bars and triangles, each made once and drawn in many places.
 
 use super::{Ray, Rgba};
 use bytemuck::{Pod, Zeroable};
@@ -35,7 +35,7 @@ pub struct SolidInstance {
     pub at: Vec3,
     /// Rotation of its frame. Unit.
     pub turn: Quat,
-    /// Its colour.
+    /// Colour of the thing.
     pub colour: Rgba,
 }
 

@@ -18,7 +18,7 @@ pub(super) const TEXTURE_PX: u32 = 1024;
 const MAX_TEXTURES: usize = 64;
 /// Longest side of an image that is read (pixels).
 const MAX_IMAGE_PX: u32 = 16_384;
-/// Most bytes that an image takes while it is read.
+/// Largest memory for reading an image (bytes).
 const MAX_IMAGE_BYTES: u64 = 1 << 30;
 
 /// One corner.
@@ -49,7 +49,7 @@ pub struct WornMesh {
     pub(super) layers: Vec<RgbaImage>,
     /// Matrices of a pose.
     pub(super) num_frames: usize,
-    /// How far it reaches from its hips, over its legs' length.
+    /// Reach from the hips, relative to the length of the legs.
     pub(super) reach: f32,
 }
 

@@ -13,10 +13,10 @@ const BEGIN_MPS: f32 = 1.3;
 /// Characters walking beside it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Beside {
-    /// None.
+    /// No companion.
     #[default]
     Nobody,
-    /// The same body with the other choice of retargeting.
+    /// One companion: the same body with the other choice of retargeting.
     Retargeting,
     /// The smallest and the largest body.
     Sizes,

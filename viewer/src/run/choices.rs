@@ -28,7 +28,7 @@ pub struct RunGoal {
 pub struct LastChoice {
     /// Step of the choice.
     pub step: u32,
-    /// Its target: a place, something to be struck, or the opponent's head (m).
+    /// Target of the character: a place, something to be struck, or the opponent's head (m).
     pub target: Vec3,
     /// Place and time of the opponent's next blow: x, seconds, z; zero without an opponent.
     pub threat: Vec3,
@@ -92,15 +92,15 @@ impl Choices {
 pub struct Chooser<'a> {
     /// The tables.
     pub bundle: &'a OpenBundle,
-    /// Its companions.
+    /// All characters of its group.
     pub characters: &'a Characters,
-    /// Its number among them.
+    /// Number of the character among them.
     pub number: usize,
     /// Goals that are weighed.
     pub goals: &'a [RunGoal],
     /// Data of its last choice.
     pub choice: &'a LastChoice,
-    /// Its target now (m).
+    /// Present target (m).
     pub target: Vec3,
     /// The coming blow now; none without an opponent: x, seconds, z.
     pub threat: Option<Vec3>,

@@ -54,7 +54,7 @@ pub struct RunConfig {
     pub single_load: bool,
     /// Randomness of the choice among the best actions; 0 takes the best.
     pub temperature: f32,
-    /// How far a walked action may be bent towards the target (rad/m).
+    /// Largest bend of a walked action towards the target (rad/m).
     pub bend_rad_per_m: f32,
     /// Hold planted feet.
     pub foot_lock: bool,
@@ -97,7 +97,7 @@ impl RunConfig {
         }
     }
 
-    /// How characters move.
+    /// Config of the simulated characters.
     pub fn characters(&self) -> CharactersConfig {
         let choice =
             if self.single_load { Choice::BestAction } else { Choice::LookAhead { temperature: self.temperature } };

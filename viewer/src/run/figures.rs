@@ -77,7 +77,7 @@ pub struct StepFigures {
     pub times: StepTimes,
     /// Wall time of the characters' step (s).
     pub wall_s: f64,
-    /// How planted feet move.
+    /// Slip of planted feet.
     pub slip: Slip,
     /// Characters within reach of their targets.
     pub at_target: usize,

@@ -82,7 +82,7 @@ impl Recording {
         }
     }
 
-    /// Drops what comes before the second keyframe.
+    /// Drops everything before the second keyframe.
     fn drop_oldest(&mut self) {
         let Some(first) = self.keyframes.get(1).map(Keyframe::step) else { return };
         self.keyframes.pop_front();

@@ -51,12 +51,12 @@ impl Head {
         self.playing
     }
 
-    /// How many simulated seconds pass in one.
+    /// Speed: simulated seconds per second.
     pub fn speed(&self) -> f32 {
         self.speed
     }
 
-    /// Lets time move on, or stops it.
+    /// Starts or stops time.
     pub fn play(&mut self, playing: bool) {
         self.playing = playing;
         self.owed_s = 0.0;

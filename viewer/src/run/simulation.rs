@@ -21,7 +21,7 @@ const PARALLEL_FROM: usize = 1000;
 
 /// Distance from the eye up to which feet are locked, in crowds that are not posed in full (m).
 const FULL_M: f32 = 20.0;
-/// And poses are computed up to this one (m).
+/// Distance from the eye up to which poses are computed, in such crowds (m).
 const POSED_M: f32 = 40.0;
 
 /// Something done to a run from outside. Inputs are recorded and repeated when the run is.
@@ -86,7 +86,7 @@ impl Input {
 pub(super) struct Surroundings {
     /// Target of each character's next choice.
     pub targets: Vec<Vec3>,
-    /// Targets that each character has reached so far.
+    /// Number of targets that each character has reached so far.
     pub reached: Vec<u32>,
     /// Weight of every goal.
     pub weights: Arc<[f32]>,

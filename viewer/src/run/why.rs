@@ -52,7 +52,7 @@ pub struct Why {
     pub state: u32,
     /// Root of the character then (m, m, rad).
     pub root: Planar,
-    /// Its target then, in the world (m).
+    /// Target then, in the world (m).
     pub target: Vec3,
     /// The target as seen from the character (m).
     pub local_target: Vec3,

@@ -1,4 +1,4 @@
-//! A character walking in a blend space: the body, the path so far, and the arc that the point stands for.
+//! A character walking in a blend space: the body, the path so far, and the arc of the blended point.
 
 use super::{Layout, Palette, body, cues};
 use crate::bundle::OpenBundle;

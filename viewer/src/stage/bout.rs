@@ -9,7 +9,7 @@ use throng_runtime::sparring::{Part, StruckTarget};
 
 /// Time that a mark stays (s).
 const MARK_S: f32 = 0.6;
-/// Marks that are drawn at most; in larger scenes there are always some to be seen.
+/// Most marks that are drawn; larger scenes have some at all times.
 const MAX_MARKS: usize = 400;
 /// Length of the string above a target (m).
 const STRING_M: f32 = 0.7;

@@ -8,7 +8,7 @@ use crate::settings::RawView;
 use glam::Vec3;
 use throng_runtime::{Joint, Mat3x4, Planar};
 
-/// How far the source's joints stand beside the body (m).
+/// Offset of the source's joints from the body (m).
 const BESIDE: Vec3 = Vec3::new(1.1, 0.0, 0.0);
 
 /// Side of the body.

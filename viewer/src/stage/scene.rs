@@ -19,7 +19,7 @@ const MAX_CUES: usize = 1500;
 const TRAIL_S: f32 = 6.0;
 /// Speed at which the colour of speed is that of a fast character (m/s).
 const FAST_MPS: f32 = 3.0;
-/// How much of a disc is seen below a body.
+/// Opacity of a disc below a body.
 const BELOW_BODIES: f32 = 0.35;
 /// Height of lines above the ground (m).
 const ABOVE_M: f32 = 0.012;

@@ -20,7 +20,7 @@ const ON_GROUND_M: f32 = 0.02;
 pub struct ValueCell {
     /// Position in the world (m).
     pub place: Vec3,
-    /// Its number in the grid of the state.
+    /// Number of the cell in the grid of the state.
     pub cell: usize,
 }
 

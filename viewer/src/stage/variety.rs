@@ -53,7 +53,7 @@ struct Varied {
     skeleton: Skeleton,
     fit: Fit,
     stretch: Stretch,
-    /// How much higher its hips are (m).
+    /// Difference in height of the hips (m).
     rise: f32,
 }
 

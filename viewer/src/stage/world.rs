@@ -243,7 +243,7 @@ fn ground_of(world: &WorldDocument, instance: u32, cell: u32) -> f32 {
     let begin = |c: &CellRecord| links.get(c.first_link as usize).filter(|_| c.num_links > 0).map(|l| l.start.y);
     let here = &cells[cell as usize];
     let across = || {
-        // None begins at an exit, but at the entry of the neighbour, which may stand higher.
+        // No link begins at an exit, but one does at the entry of the neighbour, which may stand higher.
         let entry = cells.get(here.twin as usize).filter(|_| here.is(CellRecord::IS_EXIT))?;
         let edge = graph.patches().edges_of(record.patch as usize).get(here.edge as usize)?;
         Some(begin(entry)? + edge.step[1])

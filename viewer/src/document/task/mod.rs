@@ -37,7 +37,7 @@ pub struct Staged {
 /// A motion that was planned.
 #[derive(Clone, Debug)]
 pub struct PlannedMotion {
-    /// Its seed.
+    /// Seed of the motion.
     pub seed: u64,
     /// Result of the planner.
     pub outcome: TaskOutcome,

@@ -20,7 +20,7 @@ pub(super) struct Job {
     pub planners: Arc<Planners>,
 }
 
-/// The scene with the times of everything, and motions for it; or why there are none.
+/// The timed scene and the motions for it, or a message why there are none.
 pub(super) type Made = Result<(Arc<Staged>, Vec<PlannedMotion>), String>;
 
 /// A plan under way.

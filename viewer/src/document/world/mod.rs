@@ -29,7 +29,7 @@ use views::{Ground, Workshop};
 /// Characters that roam in a world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Roamers {
-    /// How many.
+    /// Number of characters.
     pub characters: usize,
     /// Seed of places and choices.
     pub seed: u64,

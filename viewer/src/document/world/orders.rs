@@ -7,7 +7,7 @@ use throng_runtime::patch::Placement;
 pub enum Change {
     /// One more unit.
     Add {
-        /// Its number in the bundle's set.
+        /// Number of the unit in the bundle's set.
         unit: usize,
         /// Placement of the new unit.
         at: Placement,

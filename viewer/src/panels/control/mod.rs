@@ -1,4 +1,4 @@
-//! How the crowd or the scene is driven: behaviours and weights, targets, number of characters, seed, saved states.
+//! Control of the crowd or the scene: behaviours and weights, targets, number of characters, seed, saved states.
 
 mod crowd;
 mod scene;

@@ -17,7 +17,7 @@ pub struct Figure {
     contacts: Contacts,
 }
 
-/// How a figure is painted.
+/// Style of a painted figure.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     /// Points a metre.

@@ -31,7 +31,7 @@ pub struct Lanes {
     tags: Vec<Rect>,
     /// Excluded and played frames.
     usage: Rect,
-    /// Glitches of the recording; none where there are none.
+    /// Glitches of the recording; none for a clip without any.
     glitches: Option<Rect>,
     /// States, and below them the actions; none without a motion graph.
     states: Option<[Rect; 2]>,

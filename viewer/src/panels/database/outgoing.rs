@@ -11,13 +11,13 @@ pub struct OutgoingAction {
     pub segment: u32,
     /// Clip it lies in.
     pub clip: usize,
-    /// Its first frame within that clip.
+    /// First frame within that clip.
     pub start: u32,
     /// Frames played.
     pub num_frames: u32,
     /// Displacement from its start.
     pub displacement: Planar,
-    /// How much the frame that is left and the segment's first frame differ.
+    /// Difference between the frame that is left and the segment's first frame.
     pub error: f32,
     /// The clip simply goes on.
     pub continues: bool,
@@ -28,7 +28,7 @@ pub struct OutgoingAction {
 pub struct Outgoing {
     /// The state.
     pub from: StateMark,
-    /// Its actions, the one that goes on first, then by error.
+    /// Actions of the state, the one that continues the clip first, then by error.
     pub actions: Vec<OutgoingAction>,
 }
 

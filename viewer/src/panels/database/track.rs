@@ -30,9 +30,9 @@ pub struct Named {
 /// A state of the motion graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateMark {
-    /// Its number.
+    /// Number of the state.
     pub state: u32,
-    /// Its frame within the clip.
+    /// Frame of the state within the clip.
     pub frame: u32,
     /// The character stands.
     pub standing: bool,

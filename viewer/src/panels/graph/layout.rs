@@ -14,7 +14,7 @@ const GAP: f32 = 0.012;
 /// A clip that takes part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lane {
-    /// Its number.
+    /// Number of the clip.
     pub clip: usize,
     /// Row it lies in.
     pub row: usize,
@@ -26,14 +26,14 @@ pub struct Lane {
     pub first_frame: u32,
     /// Segments that overlap in time lie in different tracks (>= 1).
     pub num_tracks: u32,
-    /// Its segments, in [`Layout::segments`].
+    /// Segments of the clip, as a range of [`Layout::segments`].
     pub segments: Range<usize>,
 }
 
 /// A segment's place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bar {
-    /// Its number.
+    /// Number of the segment.
     pub segment: u32,
     /// Lane it lies in.
     pub lane: u32,

@@ -17,7 +17,7 @@ const MARGIN: f32 = 8.0;
 /// Which part of the drawing is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// How much larger than where all of it fits (>= 1).
+    /// Zoom relative to the scale at which everything fits (>= 1).
     zoom: f32,
     /// Scroll offset to the right and down (points).
     offset: Vec2,

@@ -10,7 +10,7 @@ use throng_runtime::{Joint, Mat3x4, NUM_JOINTS};
 /// The pose of a frame, as seen from its planar root.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// Its frame row.
+    /// Frame row of the pose.
     pub row: u32,
     /// (m)
     joints: [Vec3; NUM_JOINTS],

@@ -35,11 +35,11 @@ impl Field {
 /// An effective hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
-    /// Its frame row.
+    /// Frame row of the hit.
     pub row: u32,
-    /// Its clip.
+    /// Clip of the hit.
     pub clip: usize,
-    /// Its frame within the clip.
+    /// Frame of the hit within the clip.
     pub frame: u32,
     /// Number of its kind.
     pub kind: u32,
@@ -132,7 +132,7 @@ impl Collection {
         self.kinds.get(kind as usize).map_or("hit", String::as_str)
     }
 
-    /// Kinds that there are hits of.
+    /// Kinds of the hits.
     pub fn kinds_present(&self) -> BTreeSet<u32> {
         self.entries.iter().map(|e| e.kind).collect()
     }

@@ -31,7 +31,7 @@ const WIDE: f32 = 700.0;
 /// Meaning of the colours of hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Colours {
-    /// How strong they are.
+    /// Force of the blow.
     #[default]
     Force,
     /// Joint that strikes.

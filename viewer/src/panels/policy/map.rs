@@ -35,7 +35,7 @@ pub struct Shown<'a> {
     pub bundle: &'a OpenBundle,
     /// The behaviour.
     pub policy: &'a PolicyTable,
-    /// Its number.
+    /// Number of the behaviour.
     pub number: usize,
     /// State whose values are shown.
     pub state: u32,

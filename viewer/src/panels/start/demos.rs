@@ -14,7 +14,7 @@ use throng_runtime::simulation::Scene;
 
 /// A demonstration.
 struct Demo {
-    /// Its file in the folder of scenes.
+    /// File in the folder of scenes.
     file: &'static str,
     title: &'static str,
     /// Description, in plain words.

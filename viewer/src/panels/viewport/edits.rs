@@ -35,7 +35,7 @@ pub fn show(ui: &Ui, rect: Rect, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// The upper end of a unit on the screen; none if it is not in view.
+/// Screen position of the upper end of a unit; none if it is not in view.
 fn place(model: &Model, world: &WorldDocument, unit: Option<&PlacedUnit>, rect: Rect) -> Option<Pos2> {
     let unit = unit?;
     let bounds = world.kit().geometries.get(unit.unit)?.bounds;

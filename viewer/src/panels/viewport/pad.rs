@@ -25,7 +25,7 @@ pub struct Pad {
 
 /// Input of a stick.
 ///
-/// - `x`, `y`: to the right and ahead (-1 to 1); `trigger`: how far it is pressed (0 to 1).
+/// - `x`, `y`: to the right and ahead (-1 to 1); `trigger`: pressure (0 to 1).
 pub fn held(x: f32, y: f32, trigger: f32) -> Held {
     let length = x.hypot(y);
     if length.is_nan() || length <= DEAD {

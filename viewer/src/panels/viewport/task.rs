@@ -59,7 +59,7 @@ pub fn drag(ui: &Ui, response: &Response, model: &Model, held: &mut Option<Held>
         return false;
     }
     if let Some(at) = response.interact_pointer_pos() {
-        // It goes up and down while the Alt key is held, else it keeps its height.
+        // The thing moves up and down while the Alt key is held, else it keeps its height.
         let to = match ui.input(|i| i.modifiers.alt) {
             true => upright(&ray(at), camera, h.at),
             false => ray(at).meets_height(h.at.y),

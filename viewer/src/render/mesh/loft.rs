@@ -8,7 +8,7 @@ use std::f32::consts::TAU;
 /// A closed curve around a centre: an ellipse, or squarer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ring {
-    /// Its middle (m).
+    /// Middle of the ring (m).
     pub centre: Vec3,
     /// First half axis (m).
     pub u: Vec3,

@@ -88,7 +88,7 @@ pub struct Vertex {
     pub normal: [f32; 3],
     /// Joints that move it.
     pub joints: [u8; 4],
-    /// How much each does (they sum to 255).
+    /// Weight of each joint (sum 255).
     pub weights: [u8; 4],
 }
 

@@ -18,7 +18,7 @@ pub const FORCE_TERMS: [(&str, &str); 6] = [
 /// More of one agent, in the world.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Details {
-    /// Its velocity (m/s).
+    /// Velocity of the agent (m/s).
     pub velocity: Vec3,
     /// Radius of its body (m).
     pub radius: f32,
@@ -28,19 +28,19 @@ pub struct Details {
     pub forces: [Vec3; 6],
     /// The acceleration after the safety rule (m/s2).
     pub taken: Vec3,
-    /// Its largest acceleration (m/s2).
+    /// Largest acceleration of the agent (m/s2).
     pub limit: f32,
-    /// Its desired speed (m/s).
+    /// Desired speed of the agent (m/s).
     pub speed: f32,
     /// Desired velocity; zero at its goal.
     pub desired: Vec3,
     /// Length of the route that is left (m).
     pub way_left: f32,
-    /// Its last event, and its next one if nothing comes between (s).
+    /// Last event, and the next one if no other comes between (s).
     pub events: [f64; 2],
-    /// Both ends of the path that its centre takes if it brakes (m).
+    /// Both ends of the path of the agent's centre when braking (m).
     pub stop: [Vec3; 2],
-    /// Lowest corner of the cell that it is registered in (m).
+    /// Lowest corner of the agent's cell (m).
     pub cell: Vec3,
     /// Side of cells (m).
     pub cell_side: f32,

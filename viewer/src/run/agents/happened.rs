@@ -49,7 +49,7 @@ pub enum What {
 /// The other party of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum With {
-    /// None.
+    /// No other party.
     Nobody,
     /// Another agent.
     Agent(usize),
@@ -173,7 +173,7 @@ impl What {
         self.number() <= Self::Separating.number()
     }
 
-    /// Its number among all kinds.
+    /// Number of the kind.
     pub fn number(self) -> usize {
         self as usize
     }
@@ -260,7 +260,7 @@ impl EventLog {
         self.totals = self.rates.forget_after(time_s);
     }
 
-    /// How many events of every kind there were, over time.
+    /// Event rates: numbers of events of every kind over time.
     pub fn rates(&self) -> &Rates {
         &self.rates
     }

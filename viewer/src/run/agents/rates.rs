@@ -1,4 +1,4 @@
-//! How often events of every kind happen.
+//! Event rates of every kind.
 
 use super::What;
 use std::collections::VecDeque;
@@ -10,7 +10,7 @@ const BIN_S: f64 = 0.25;
 /// Marks that are kept: one minute, and the window before it.
 const KEPT: usize = 70 * super::STEP_HZ as usize;
 
-/// How many events there had been at a time.
+/// Numbers of events until a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Tally {
     time_s: f64,
@@ -18,7 +18,7 @@ struct Tally {
     totals: [u64; What::COUNT],
 }
 
-/// How many events of every kind there were, over time.
+/// Numbers of events of every kind over time.
 #[derive(Clone, Debug, Default)]
 pub struct Rates {
     marks: VecDeque<Tally>,

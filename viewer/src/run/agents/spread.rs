@@ -1,4 +1,4 @@
-//! How many agents know of every message, over time.
+//! Number of agents that know each message, over time.
 
 use throng_runtime::simulation::scenario::{Minds, Turn, TurnKind};
 

@@ -23,7 +23,7 @@ struct Level {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trace([Level; 3]);
 
-/// How an agent came to its state at one level.
+/// Entry of an agent into its state at one level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// Time since which the agent is in this state (s); none if it was before the restored state.
@@ -64,7 +64,7 @@ impl Trace {
         }
     }
 
-    /// How it came to its state at a level (level < 3).
+    /// Entry into the state at a level (level < 3).
     pub fn at(&self, level: usize) -> Entry {
         let l = self.0[level];
         Entry {

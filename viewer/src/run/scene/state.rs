@@ -147,7 +147,7 @@ impl State {
 }
 
 impl Choosing {
-    /// None for a group without policies.
+    /// The state of a group; none for a group without policies.
     fn new(simulation: &Simulation, cast: usize, characters: &std::ops::Range<usize>) -> Option<Self> {
         let boxers = match &simulation.casts()[cast] {
             GroupCast::Policy(p) => p.practice().boxers(),
@@ -178,7 +178,7 @@ impl Choosing {
     }
 }
 
-/// Targets, and coming blows where there are opponents.
+/// Targets, and coming blows for groups with opponents.
 fn around(cast: &GroupCast) -> (Vec<Vec3>, Vec<Vec3>) {
     match cast {
         GroupCast::Policy(p) => (p.practice().targets().iter().map(|t| t.position()).collect(), Vec::new()),

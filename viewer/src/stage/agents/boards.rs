@@ -9,7 +9,7 @@ use throng_runtime::simulation::scenario::{Minds, Posted};
 
 /// Height of cells above the ground, the smallest the highest (m).
 const CELL_Y: f32 = 0.001;
-/// How strong the tint is of one entry, and of many.
+/// Strength of the tint for one entry, and the largest one.
 const TINT: f32 = 0.16;
 const MOST_TINT: f32 = 0.5;
 /// Most cells that are drawn.

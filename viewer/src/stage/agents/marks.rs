@@ -44,7 +44,7 @@ pub fn colour_of(what: What, dark: bool) -> Rgba {
     Rgba::hex(if dark { on_dark } else { on_light })
 }
 
-/// How long a mark of a kind stays (s).
+/// Duration of a mark of a kind (s).
 fn stay_s(what: What) -> f64 {
     match what {
         What::Arrived | What::Left | What::Struck | What::Stuck | What::Learnt => RARE_S,

@@ -2,11 +2,11 @@
 
 use eframe::egui::{Pos2, Rect, Vec2, vec2};
 
-/// How far curves bend aside, the nearest that is clear first (points).
+/// Offsets by which curves bend aside, the nearest free one first (points).
 const BENDS: [f32; 9] = [9.0, -9.0, 26.0, -26.0, 48.0, -48.0, 75.0, -75.0, 110.0];
 /// Points of a curve.
 const POINTS: usize = 24;
-/// How far a self edge stands off its box (points).
+/// Distance of a self edge from its box (points).
 const LOOP: f32 = 15.0;
 /// Length of the stroke of an edge from any state (points).
 const STUB: f32 = 20.0;
@@ -117,7 +117,7 @@ pub fn head(curve: &Curve, length: f32) -> [Pos2; 3] {
     [tip, tip + back + aside, tip + back - aside]
 }
 
-/// How far a place is from a curve (points).
+/// Distance of a place from a curve (points).
 pub fn distance(curve: &Curve, at: Pos2) -> f32 {
     curve.iter().map(|p| p.distance(at)).fold(f32::INFINITY, f32::min)
 }

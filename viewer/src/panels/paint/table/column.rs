@@ -45,7 +45,7 @@ pub fn least_width(columns: &[Column<'_>]) -> f32 {
 /// A visible column.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Place {
-    /// Its number.
+    /// Number of the column.
     pub column: usize,
     /// From where to where it goes, from the left edge of a row on (points).
     pub x: Range<f32>,

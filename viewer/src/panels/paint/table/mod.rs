@@ -33,7 +33,7 @@ pub enum Click<'a> {
 pub struct Table<'a> {
     /// Name, unique in the same place.
     pub id: &'a str,
-    /// Its columns.
+    /// Columns of the table.
     pub columns: &'a [Column<'a>],
     /// Number of rows.
     pub num_rows: usize,

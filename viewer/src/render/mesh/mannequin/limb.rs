@@ -10,9 +10,9 @@ use throng_runtime::Joint;
 struct Section {
     /// Along the limb: 0 to 1 from the first to the second joint, 1 to 2 from there to the third.
     along: f32,
-    /// Half axes: sideways (arms: up and down), and front to back (m).
+    /// Semi-axes: sideways (arms: up and down), and front to back (m).
     half: [f32; 2],
-    /// How far forward (m).
+    /// Offset to the front (m).
     forward: f32,
     /// The coarsest level of detail that has it.
     level: usize,
@@ -84,7 +84,7 @@ struct Tube {
     before: Joint,
     /// Direction of the first half axis.
     across: Vec3,
-    /// Half widths of the soft stretches around the first and the second joint (m).
+    /// Widths to each side of the soft stretches around the first and the second joint (m).
     blends: [f32; 2],
     part: Part,
     /// End along the limb at the coarsest level of detail.

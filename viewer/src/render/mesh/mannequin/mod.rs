@@ -31,7 +31,7 @@ impl Plan {
         self.rest[joint.index()]
     }
 
-    /// At the coarsest level there are no neck and no hands: head and arms reach over to where they end.
+    /// True at the coarsest level, which has no neck and no hands: head and arms extend to cover them.
     fn is_coarsest(&self) -> bool {
         self.level == LEVELS - 1
     }
