@@ -24,11 +24,11 @@ pub mod axis {
     pub const GYRATION: u32 = 3;
 }
 
-/// One axis of a blend space.
+/// Axis of a blend space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct AxisRecord {
-    /// One of [`axis`].
+    /// Kind of the axis, see [`axis`].
     pub kind: u32,
     /// Knots of the weight table along it (>= 2).
     pub num_knots: u32,
@@ -105,7 +105,7 @@ pub struct ExampleRecord {
 }
 
 impl ExampleRecord {
-    /// Both feet stay on the ground.
+    /// Flag of an example whose feet both stay on the ground.
     pub const IS_STILL: u32 = 1;
     /// Left and right are exchanged against the clip as captured.
     pub const IS_MIRRORED: u32 = 2;

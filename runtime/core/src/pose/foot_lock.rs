@@ -12,22 +12,22 @@ use super::placement::Placement;
 use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, V};
 
-/// How feet are locked.
+/// Settings of the foot lock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FootLockConfig {
     /// False leaves the feet as the clips and transitions move them.
     pub enabled: bool,
     /// Time in which the correction of a foot in the air halves (s, > 0).
     pub half_life_s: f32,
-    /// The same for a planted foot, over the ground: slow enough not to be seen, so that a character that stands
-    /// for long comes back to how its clips stand (s, > 0).
+    /// Half-life of the correction of a planted foot, over the ground: slow enough not to be visible, so that a
+    /// character that stands for long returns to the stance of its clips (s, > 0).
     pub planted_half_life_s: f32,
     /// Fastest that a planted foot comes back, over the ground (m/s, > 0).
     pub planted_return_mps: f32,
     /// Largest horizontal correction; a foot that would need more slides (m).
     pub max_correction_m: f32,
-    /// How high over the ground the toe of a foot in the air passes at least where it is fast: transitions would let it
-    /// skim the ground. 0 leaves it where it is (m, >= 0).
+    /// Smallest height over the ground of the toe of a foot in the air while it is fast: transitions would let it skim
+    /// the ground. 0 leaves it as it is (m, >= 0).
     pub swing_clearance_m: f32,
 }
 
@@ -63,11 +63,11 @@ const RAISED_MPS: f32 = 0.8;
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize, bytemuck::Zeroable)]
 #[repr(C)]
 pub(crate) struct FootLock {
-    /// What is added to the foot's position, in world space (m).
+    /// Correction of the foot's position, in world space (m).
     pub correction: Lane3,
-    /// What is added to the way from ankle to toe, in world space (m).
+    /// Correction of the vector from ankle to toe, in world space (m).
     pub turn: Lane3,
-    /// Where ankle and toe were sampled at the last step, in world space (m).
+    /// Sampled positions of ankle and toe at the last step, in world space (m).
     pub ankle: Lane3,
     pub toe: Lane3,
     /// 1 where heel, toe were planted at the last step, else 0.
@@ -86,7 +86,7 @@ impl FootLock {
     };
 }
 
-/// What a tick does to every lock.
+/// Effect of a tick on every lock.
 pub(crate) struct LockStep {
     /// Shares of a correction that are left in the air, of a planted foot, and of its height.
     in_air: f32,
@@ -96,7 +96,7 @@ pub(crate) struct LockStep {
     returned: f32,
     released: f32,
     raised: f32,
-    /// Ways over the ground from and at which a toe clears it (m).
+    /// Distances over the ground in a tick from which a toe begins to clear it and from which it wholly does (m).
     swing: [f32; 2],
     max_correction: f32,
     clearance: f32,

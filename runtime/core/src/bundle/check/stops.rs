@@ -88,9 +88,9 @@ pub fn stops(t: &Bundle) -> Result<(), FormatError> {
     }
 }
 
-/// True where one who rests stays in its disc: what it goes is taken back evenly.
+/// True if a character at rest stays within its disc: any displacement is taken back evenly.
 ///
-/// - `reach`: how far the body's disc may be from the middle (m).
+/// - `reach`: largest distance of the body's disc from its middle (m).
 fn rests(nodes: &[SweepNode], reach: f32) -> bool {
     let end = nodes[nodes.len() - 1];
     nodes.iter().all(|n| {
