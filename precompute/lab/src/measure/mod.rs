@@ -24,7 +24,7 @@ use timing::{fail, in_pool};
 /// Precision of the made-up problem's values.
 const EPSILON: f64 = 1e-4;
 
-/// What is measured.
+/// Settings of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasureConfig {
     /// Numbers of characters.
@@ -54,7 +54,7 @@ pub fn measure(tables: &Bundle, config: &MeasureConfig) -> Result<Measured, Buil
     Ok(Measured { results, value_iteration })
 }
 
-/// Measures what the policies of a bundle collect against what search finds, on the current rayon pool.
+/// Compares the reward that the policies of a bundle collect with that of a search, on the current rayon pool.
 ///
 /// # Errors
 /// [`BuildError::Stage`] where the bundle has no behaviour or a number is out of range.

@@ -1,5 +1,5 @@
-//! Tasks of limbs from files to files: the motion that they change, motions that differ, what is written and what is told
-//! of it. The command line and the window use the same.
+//! Limb tasks from files to files: the motion that they change, variants of it, output files and reports. Shared by the
+//! command line and the viewer.
 
 mod report;
 mod sources;
