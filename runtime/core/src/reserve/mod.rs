@@ -159,8 +159,8 @@ impl Reservations {
         self.slots[a].group != NONE && self.slots[a].group == self.slots[b].group
     }
 
-    /// True if a path from now on meets no wall, no other path and no region reserved by an external obstacle. A member
-    /// of its group counts as met only where the two would overlap deeper than allowed and than they do now.
+    /// True if a path from now on meets no wall, no other path and no region reserved by an external obstacle. Members
+    /// of its group are ignored while it is already too deep inside one of them.
     ///
     /// - `ago_s`: time since the start of the path, for the others (s).
     pub fn is_clear(&self, who: usize, path: &Path, ago_s: f32) -> bool {
@@ -169,7 +169,7 @@ impl Reservations {
         self.meets_none(who, &own, ago_s, 0.0) && (self.is_apart(who, &own, ago_s, 0.0) || is_deep())
     }
 
-    /// True where a path leads no deeper into those of the same group than it may, by more than `slack_m` (m).
+    /// True if a path leads no deeper into members of its group than allowed, within `slack_m` (m).
     fn is_apart(&self, who: usize, own: &Moving<'_>, ago_s: f32, slack_m: f32) -> bool {
         let mut apart = true;
         if self.slots[who].group != NONE && !own.nodes.is_empty() {

@@ -1,4 +1,4 @@
-//! Which ways between instances are open at all.
+//! Open connections between instances.
 
 use super::{Node, WorldGraph};
 use crate::WorldView;

@@ -51,7 +51,7 @@ fn is_narrow(graph: &WorldGraph, instance: u32) -> bool {
     graph.is_tile(instance) && count == 2 && !are_near(graph, others, instance)
 }
 
-/// True where one instance leads to another one over few others, without a certain one.
+/// True where one instance leads to another one through few others, without a given one.
 fn are_near(graph: &WorldGraph, [from, to]: [u32; 2], without: u32) -> bool {
     let (mut seen, mut first) = (vec![without, from], 1);
     for _ in 0..AROUND {

@@ -37,7 +37,7 @@ fn is_full(places: &BTreeSet<[i32; 2]>) -> bool {
 fn largest(places: &BTreeSet<[i32; 2]>) -> Option<Vec<[i32; 2]>> {
     let (mut best, mut most) = (None, 0);
     for &[u, v] in places {
-        // From each place as its first corner: as far as every row leads.
+        // Rectangles with each place as first corner, as far as every row leads.
         let (mut widest, mut length) = (i32::MAX, 0);
         while widest > 0 && places.contains(&[u + length, v]) {
             let width = (0..widest).take_while(|w| places.contains(&[u + length, v + w])).count() as i32;

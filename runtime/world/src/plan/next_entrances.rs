@@ -2,7 +2,7 @@
 
 use crate::path_hierarchy::{Look, Plane};
 
-/// Ways on that are kept of a tile.
+/// Most entrances that are kept for a tile.
 const MAX_KEPT: usize = 12;
 
 /// A way on from a tile: where costs to it are found, and what it costs from there (frames).
@@ -17,14 +17,14 @@ pub(super) struct NextEntrance {
 pub(super) struct NextEntrances {
     pub stamp: u32,
     len: u32,
-    /// By what they cost from the best cell of the tile.
+    /// Entrances kept, sorted by their cost from the best cell of the tile.
     list: [(f32, NextEntrance); MAX_KEPT],
-    /// What those cost at least that are not kept.
+    /// Least cost of the entrances that are not kept.
     others: f32,
 }
 
 impl NextEntrances {
-    /// None yet.
+    /// An empty list.
     pub fn new(stamp: u32) -> Self {
         Self { stamp, others: f32::INFINITY, ..Self::default() }
     }

@@ -6,17 +6,17 @@ use crate::{Node, Step, WorldGraph};
 use bytemuck::{Pod, Zeroable};
 use throng_core::patch::NONE;
 
-/// What a search is about.
+/// Space of a search: its instances, target and costs.
 pub(crate) trait Space {
     /// True where the search may go into an instance.
     fn admits(&self, instance: u32) -> bool;
     /// True where it ends.
     fn is_target(&self, node: Node) -> bool;
-    /// What it costs to go on from a node to the target; infinite where no way leads there (frames).
+    /// Estimated cost from a node to the target; infinite where no path leads there (frames).
     fn estimate(&mut self, node: Node) -> f32;
-    /// What a step costs (frames).
+    /// Cost of a step (frames).
     fn cost(&self, step: &Step) -> f32;
-    /// Ways that cost as much, with what it costs to go on, are not looked at (frames).
+    /// Cost, with the estimate, from which paths are left out (frames).
     fn limit(&self) -> f32 {
         f32::INFINITY
     }
@@ -27,14 +27,14 @@ pub(crate) trait Space {
     }
 }
 
-/// Why a search ended.
+/// Result of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
-    /// At a target; the number is for [`Nodes::path`].
+    /// A path to a target; the number is for [`Nodes::path`].
     Path(u32),
-    /// There is none.
+    /// There is no path.
     Nothing,
-    /// After the most nodes that it may open.
+    /// The most nodes were opened.
     Limit,
 }
 
@@ -53,21 +53,21 @@ pub(crate) struct Nodes {
     pub opened: usize,
 }
 
-/// What is known of a node: together, since every step there asks for it.
+/// State of a node: in one place, since every step there needs it.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 struct State {
     /// The search that came to it, an even number, and 1 where it was opened.
     stamp: u32,
-    /// Of the best way there, and from there on; not a number where not asked for (frames).
+    /// Costs of the best path there, and from there on; not a number where not yet needed (frames).
     cost: f32,
     estimate: f32,
-    /// What the best way there had cost when the links from it were followed; infinite before (frames).
+    /// Cost of the best path there when the links from it were followed; infinite before (frames).
     left: f32,
 }
 
 impl State {
-    /// Of a node that was not reached.
+    /// State of a node that was not reached.
     fn new(stamp: u32) -> Self {
         Self { stamp, cost: f32::INFINITY, estimate: f32::NAN, left: f32::INFINITY }
     }
@@ -91,7 +91,7 @@ impl Nodes {
         }
     }
 
-    /// Looks for the cheapest way from a node to a target, opening at most `most` nodes.
+    /// Finds the cheapest path from a node to a target, opening at most `most` nodes.
     pub fn search(&mut self, graph: &WorldGraph, from: Node, space: &mut impl Space, most: usize) -> Found {
         self.begin();
         let start = State { cost: 0.0, estimate: 0.0, ..State::new(self.stamp) };
@@ -167,7 +167,7 @@ impl Nodes {
         self.heap.clear();
     }
 
-    /// What this search knows of a node.
+    /// State of a node in this search.
     fn state(&self, at: u32) -> State {
         let state: State = bytemuck::cast(self.states[at as usize]);
         if state.stamp & !1 == self.stamp { state } else { State::new(self.stamp) }
@@ -205,7 +205,7 @@ struct Opening<'a, S> {
 }
 
 impl<S: Space> Walk for Opening<'_, S> {
-    /// Where blocks overlap, many cells are joined to the same one: its links are followed for the first of them.
+    /// Follows the links of a cell once: where blocks overlap, many cells are joined to the same one.
     fn leaves(&mut self, from: Node) -> bool {
         let at = self.graph.index(from) as u32;
         let state = self.nodes.state(at);

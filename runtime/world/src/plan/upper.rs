@@ -16,7 +16,7 @@ const BESIDE: f32 = 1.02;
 const BESIDE_FRAMES: f32 = 30.0;
 /// Costs that are compared at once.
 const WIDE: usize = 32;
-/// Stands for a cost that is not known.
+/// Marks an unknown cost.
 const UNKNOWN: i32 = i32::MAX;
 
 /// Memory of the upper layer, and what its last search found.
@@ -29,14 +29,14 @@ pub(super) struct Upper {
     known: Vec<i32>,
     heap: Heap,
     stamp: u32,
-    /// What it costs to landmarks from where the search is to come to.
+    /// Costs to landmarks from the start of the search's path.
     from: ToLandmarks,
-    /// Ways on from a region that were opened: the first and the last, and the next of each.
+    /// Opened paths on from a region: the first and the last, and the next of each.
     chains: Vec<[u32; 2]>,
     chain_stamps: Vec<u32>,
     next: Vec<u32>,
     next_stamps: Vec<u32>,
-    /// By instance.
+    /// Next entrances, by instance.
     next_entrances: Vec<NextEntrances>,
     end: End,
     /// No way that the search left out costs less (frames).
@@ -106,7 +106,7 @@ impl Upper {
         least < f32::INFINITY
     }
 
-    /// What it costs at least to go on from a node to the target; infinite where no way is known (frames).
+    /// Lower bound of the cost from a node to the target; infinite where no path is known (frames).
     pub fn estimate(&mut self, hierarchy: &PathHierarchy, node: Node) -> f32 {
         let direct = self.end.cost(hierarchy, node);
         if let Some((cluster, first)) = hierarchy.cluster(node.instance) {
@@ -164,7 +164,7 @@ impl Upper {
         }
     }
 
-    /// All that leads to the target's region.
+    /// Reaches all states that lead to the target's region.
     fn reach_end(&mut self, hierarchy: &PathHierarchy, region: u32) {
         let instance = self.end.instance;
         let offset = |tile| hierarchy.floors.offset(tile, instance);
@@ -192,7 +192,7 @@ impl Upper {
         }
     }
 
-    /// All that leads to a region, from which one goes on by an entrance.
+    /// Reaches all states that lead to a region, which is left by an entrance.
     fn reach_region(&mut self, hierarchy: &PathHierarchy, region: u32, entrance: u32, cost: f32) {
         // So that no cost of a row brings it beyond what can be counted.
         let whole = (cost as i32).min(i32::MAX - i32::from(u16::MAX));
@@ -298,7 +298,7 @@ impl Upper {
         }
     }
 
-    /// What it costs to go on from a node by one of the entrances or out.
+    /// Cost from a node by one of the entrances or exits.
     fn cost_by(&self, hierarchy: &PathHierarchy, node: Node, state: u32, cost: f32) -> f32 {
         let Some(out) = state.checked_sub(hierarchy.entrances.len() as u32) else {
             let Some((region, tile, goal)) = hierarchy.leads_from(state) else { return f32::INFINITY };
@@ -317,7 +317,7 @@ impl Upper {
         }
     }
 
-    /// What it costs from a cell of a cluster by the exits of it.
+    /// Cost from a cell of a cluster by one of its exits.
     fn through(&self, hierarchy: &PathHierarchy, cluster: u32, cell: u32) -> f32 {
         let (costs_in, first) =
             (hierarchy.costs_in(cluster), hierarchy.entrances.len() + hierarchy.exits_of(cluster).start as usize);

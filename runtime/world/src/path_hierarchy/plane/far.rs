@@ -13,9 +13,9 @@ use throng_base::maths;
 const HIGHEST: f32 = 5e3;
 /// Prices are that much below what still has no cycle that earns, so that rounding makes none.
 const CARE: f32 = 1e-4;
-/// What is below 0 by less costs nothing: of a million links together, less than `SLACK` (frames).
+/// Tolerance below 0 of costs that count as none: of a million links together, less than `SLACK` (frames).
 const NOTHING: f64 = 1e-8;
-/// What all that, and the rounding of sums that are looked up, come to at most (frames).
+/// Bound of the sum of these tolerances and of rounding in table look-ups (frames).
 const SLACK: f64 = 0.1;
 /// Rounds after which a price is given up: what a way costs is known one link a round where its cells ascend, sooner
 /// elsewhere; more of them find bounds for longer ways, and take as much longer where none is found.
@@ -30,7 +30,7 @@ const SIDE: f64 = 0.5;
 /// direction are lower.
 const MAX_TRIES: usize = 500;
 
-/// From each cell back to where links to it begin: how many copies away that leads, and the cell.
+/// Links into each cell: the offset to their start (copies), and the cell there.
 pub(super) type Back = Arcs<([i32; 2], u32)>;
 
 /// Prices that earn nothing on any cycle, and between which no others are much higher (frames/copy).
@@ -69,10 +69,10 @@ fn between(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     out
 }
 
-/// What `price` leaves of the least cost from each cell to some, each with a cost of its own: infinite where no way
-/// leads there.
+/// Rest of the least cost from each cell to some others, each with a cost of its own, after subtracting `price`:
+/// infinite where no path leads there.
 ///
-/// - returns none where a cycle earns, or a way that costs least has more links than rounds are followed.
+/// - returns none where a cycle has a negative cost, or a cheapest path has more links than rounds are followed.
 pub(super) fn rest(
     back: &Back,
     price: [f32; 2],
@@ -81,7 +81,7 @@ pub(super) fn rest(
 ) -> Option<Vec<f32>> {
     let mut search = Search::new(num_cells);
     to.for_each(|(cell, cost)| search.costs[cell as usize] = f64::from(cost));
-    // Whoever was not noticed to cost so little less is not counted.
+    // Subtracts the decreases that were too small to be noticed.
     search.run(back, price).then(|| search.costs.into_iter().map(|c| (c - SLACK) as f32).collect())
 }
 
@@ -185,7 +185,7 @@ impl Search {
         None
     }
 
-    /// How many copies away the cycle that was found leads, and its frames.
+    /// Offset of the cycle that was found (copies), and its frames.
     fn cycle(&self) -> Option<([f64; 2], f64)> {
         let first = self.on_cycle?;
         let (mut cell, mut cost, mut far) = (first, 0.0, [0.0; 2]);
