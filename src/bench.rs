@@ -1,4 +1,4 @@
-//! `throng bench`: what does it cost on this machine?
+//! `throng bench`: costs on this machine.
 
 mod blend;
 mod bundle;
@@ -32,7 +32,7 @@ enum What {
     People(people::Args),
     Plan(plan::Args),
     Scenario(scenario::Args),
-    /// What once was a file.
+    /// Any other word, such as a file in the former syntax.
     #[command(external_subcommand)]
     Other(Vec<OsString>),
 }

@@ -1,4 +1,4 @@
-//! `throng query`: what would a character do, and which way would it go?
+//! `throng query`: the action of a policy, and paths through a world.
 
 mod action;
 mod path;
@@ -18,7 +18,7 @@ pub struct Args {
 enum What {
     Action(action::Args),
     Path(path::Args),
-    /// What once was a file.
+    /// Any other word, such as a file in the former syntax.
     #[command(external_subcommand)]
     Other(Vec<OsString>),
 }

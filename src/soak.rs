@@ -10,13 +10,13 @@ use throng_runtime::simulation::Scene;
 #[derive(clap::Args)]
 #[command(after_long_help = keys::of::<SoakReport>())]
 pub struct Args {
-    /// Scenes to run; without any, small ones of every kind of motion, which need no file.
+    /// Scenes to run; by default small ones of every kind of motion, which need no file.
     #[arg(value_name = "SCENE")]
     scenes: Vec<PathBuf>,
-    /// Time to go on for; every scene runs at least once.
+    /// Duration in hours; every scene runs at least once.
     #[arg(long, value_name = "H", conflicts_with = "seconds", value_parser = hours)]
     hours: Option<f64>,
-    /// The same in seconds; 60 where absent.
+    /// Duration in seconds; 60 where absent.
     #[arg(long, value_name = "S", value_parser = seconds)]
     seconds: Option<f64>,
     /// Simulated time of one run.

@@ -95,7 +95,7 @@ pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<Inspected, Buil
     };
     let imported = import::read_clip(file, &config.import)?;
     let mut warnings = Warnings::default();
-    // At the rate of a build, so that the speeds are those that a build finds.
+    // At the rate of a build, so that it finds the same speeds.
     let clips = pipeline::clips_of(std::slice::from_ref(&imported), config, &mut warnings)?;
     let mut report = match clips.clips.first() {
         Some(clip) => ClipReport::of(&imported, clip, &clips.skeleton, config),

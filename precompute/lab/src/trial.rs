@@ -331,7 +331,7 @@ mod tests {
         assert!(matches!(refused, Err(Error::Occupied { .. })), "{refused:?}");
         let (cast, targets) = scatter_from(&tables, &config, 0.4).expect("room");
         assert_eq!((cast.ids().len(), targets.len()), (60, 60));
-        // What is wrong for another reason is told.
+        // Other errors are reported.
         let wrong = TrialConfig { distances: [f32::NAN; 2], ..config };
         assert!(!matches!(scatter_from(&tables, &wrong, 0.4), Ok(_) | Err(Error::Occupied { .. })));
     }

@@ -70,7 +70,7 @@ pub fn variants(
     Ok(out)
 }
 
-/// A message as the error of what cannot be built.
+/// The error of a config with a message.
 fn config_error(message: impl Into<String>) -> BuildError {
     BuildError::Config { message: message.into() }
 }

@@ -16,9 +16,9 @@ pub(super) const GOOD_REACH: f64 = 0.95;
 const FEW: usize = 10;
 /// A group of targets is reported if its share is below the mean by this much.
 const BEHIND: f64 = 0.1;
-/// Foot slip below which feet look still, whatever those of the clips do (m/s).
+/// Foot slip below which feet look still, even if those of the clips slip less (m/s).
 const STILL_FEET_MPS: f64 = 0.03;
-/// Speed of low toes that does not catch the eye, whatever those of the clips do (m/s).
+/// Speed of low toes that does not catch the eye, even if those of the clips are slower (m/s).
 const SLOW_TOES_MPS: f64 = 0.8;
 /// Share of a wait below which its longest action does not explain it, so that other characters are the reason.
 const HELD_UP: f64 = 0.7;

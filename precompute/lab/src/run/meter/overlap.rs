@@ -33,7 +33,7 @@ impl OverlapMeter {
         let mut found = [0u64; 2];
         let mut deepest = self.max_m;
         self.cells.for_each_near(places, 2.0 * widest, |a, b| {
-            // In f64: the difference of two near places is exact to less than what is counted.
+            // In f64, so that the difference of two near places is more exact than the least counted depth.
             let between = (a.0 - b.0).coordinates().map(f64::from);
             let apart = between.iter().map(|c| c * c).sum::<f64>().sqrt();
             let deep = f64::from(a.1) + f64::from(b.1) - apart;

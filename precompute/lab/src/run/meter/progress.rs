@@ -202,7 +202,7 @@ mod tests {
         Sight { at, way: &WAY, way_number: 0, left_m, arrival_m: 0.5, again }
     }
 
-    /// Walks the way at a speed, `dt` between looks.
+    /// Position after a distance along the path (m).
     fn along(s: f32) -> Vec2 {
         if s < 10.0 { Vec2::new(s, 0.0) } else { Vec2::new(10.0, (s - 10.0).min(10.0)) }
     }
@@ -245,7 +245,7 @@ mod tests {
             for i in 0..=seconds * 30 {
                 let t = f64::from(i) / 30.0;
                 let walks = sight(Some(Vec2::new(4.0 + 0.4 * (t as f32).sin(), 2.0 * (0.3 * t as f32).cos())), false);
-                // Round a wall that its own way is found by, away from the goal at first.
+                // Around a wall on its own route, away from the goal at first.
                 let round =
                     Sight { left_m: 60.0 - t as f32, ..sight(Some(Vec2::new(4.0 - 0.2 * t as f32, 0.0)), false) };
                 meter.observe(t, [walks, round].into_iter());
