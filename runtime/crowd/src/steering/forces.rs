@@ -21,22 +21,22 @@ pub(crate) struct Walker<V> {
     pub desired: V,
     /// Desired speed.
     pub speed: f32,
-    /// Way to the goal.
+    /// Distance to the goal.
     pub left: f32,
-    /// It steps back, and keeps no room in front.
+    /// True where it steps back, and keeps no room in front.
     pub retreats: bool,
-    /// From the centre of its bound to where it is, x - x^ in eq. 23.
+    /// Offset from the centre of its bound to its position, x - x^ in eq. 23.
     pub off_centre: V,
 }
 
-/// What acts on it.
+/// Surroundings that act on an agent.
 pub(crate) struct Surroundings<'a, V> {
     pub seen: &'a [Seen<V>],
-    /// All solids that stand.
+    /// Static solids.
     pub solids: &'a [Solid<V>],
-    /// Which of them are near.
+    /// Numbers of the near ones.
     pub near: &'a [u32],
-    /// Which of them it sees beside it, as [`between_walls`] wants them.
+    /// Numbers of the walls that it sees beside it, for [`between_walls`].
     pub walls: &'a [u32],
     pub grid: &'a DensityGrid<V>,
     pub interests: &'a [Interest<V>],
@@ -186,6 +186,6 @@ fn dodge<V: Space>(me: &Walker<V>, field: &Field, other: &Seen<V>) -> V {
     let (away, miss) = (-(other.offset + relative * time)).unit_and_length();
     let away = if miss > 1e-3 { away } else { relative.unit_and_length().0.right() };
     let missing = other.radii + field.comfort_m + field.repulsion_m - miss;
-    // In half the time that is left.
+    // In half of the time that is left.
     away * (8.0 * missing.max(0.0) / (time * time).max(1e-3)).min(me.limit)
 }

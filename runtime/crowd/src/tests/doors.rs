@@ -129,7 +129,8 @@ fn moving_obstacles_are_no_doors() {
     assert!(crowd.set_open(0, true).is_err());
 }
 
-/// When the last of two crowds of twelve who meet at a door of twice their width is through; in the other's room (s).
+/// Time at which the last of two crowds of twelve that meet at a door of twice their width is through; in the other's
+/// room (s).
 fn through_a_door(shift: f32) -> f64 {
     let walls = vec![wall([0.0, -12.0], [0.0, -0.65]), wall([0.0, 0.65], [0.0, 12.0])];
     let streets = Streets::with(&walls, None, 0.45, 0.3).unwrap();

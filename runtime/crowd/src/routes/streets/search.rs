@@ -6,7 +6,7 @@ use glam::Vec2;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Both ends of a way, how far the points are that they see, and the doors in between.
+/// Both ends of a path, with the points that they see, the distances, and the doors in between.
 struct Ends {
     from: Vec2,
     to: Vec2,
@@ -16,14 +16,14 @@ struct Ends {
     straight: Option<Doors>,
 }
 
-/// A point whose neighbours are to be looked at; the one with the smallest estimate comes first.
+/// Point that waits to be expanded; the one with the smallest estimate comes first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Open {
-    /// Of the whole way (m).
+    /// Estimated length of the whole path (m).
     estimate: f32,
-    /// In a straight line to the goal (m).
+    /// Straight distance to the goal (m).
     left: f32,
-    /// From the start (m).
+    /// Length from the start (m).
     length: f32,
     n: usize,
 }
@@ -72,8 +72,8 @@ impl Streets {
         self.find_ways(costs, open);
     }
 
-    /// How far a goal is from all points, as doors are now: Dijkstra (1959), from the goal on. Equal ways are resolved by the
-    /// numbers of points.
+    /// Computes the distances of a goal from all points, with the present doors: Dijkstra (1959), from the goal on.
+    /// Equal paths are resolved by the numbers of points.
     pub(crate) fn find_ways(&self, costs: &mut Costs, open: &mut BinaryHeap<Open>) {
         open.clear();
         let Costs { of, seen, .. } = costs;
@@ -147,7 +147,7 @@ impl Streets {
                 continue;
             }
             let (away, free, number) = self.around[n];
-            // On to where the way leaves this corner.
+            // Follows the path to where it leaves this corner.
             let mut on = n;
             while costs.of[on].next != NONE && self.around[on].2 == number {
                 on = costs.of[on].next as usize;

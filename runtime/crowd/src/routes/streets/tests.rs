@@ -1,4 +1,4 @@
-//! Ways over the ground.
+//! Paths over the ground.
 
 use super::*;
 use crate::routes::streets::search::length;
@@ -18,7 +18,7 @@ fn streets(obstacles: Vec<Obstacle>, clearance: f32, nearest: f32) -> Streets {
     Streets::with(&obstacles, None, clearance, nearest).unwrap()
 }
 
-/// Length of the shortest way over a fine grid whose steps keep the clearance: brute force.
+/// Length of the shortest path over a fine grid whose steps keep the clearance: brute force.
 fn over_grid(map: &Streets, from: Vec2, to: Vec2, half: f32, step: f32) -> Option<f32> {
     let n = (2.0 * half / step) as i32 + 1;
     let at = |i: i32| Vec2::new((i % n) as f32, (i / n) as f32) * step - half;
