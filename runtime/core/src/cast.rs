@@ -100,7 +100,7 @@ pub enum Status {
         /// Character in front that blocks it, if it is known.
         by: Option<Id>,
     },
-    /// No way leads there.
+    /// No path leads to the goal.
     NoWay,
 }
 

@@ -1,4 +1,4 @@
-//! Stop tables: the ground that a character covers while it plays a segment, and its way to a stand from every state.
+//! Stop tables: the ground that a character covers while it plays a segment, and its path to a stand from every state.
 //!
 //! With them a character can reserve the ground that it needs for an action and for the stop that may have to follow
 //! it, as the agents of event-driven crowds do (Kim, Kim and Shin 2003, section 2).

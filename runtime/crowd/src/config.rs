@@ -137,7 +137,7 @@ pub struct Setup<V = Vec3> {
     pub interests: Vec<Interest<V>>,
     /// Zones and cells that agents may sense.
     pub senses: Senses<V>,
-    /// Finds the ways of orders round obstacles; without, agents go straight to where they are sent.
+    /// Finds the paths of orders round obstacles; without it, agents go straight to their goals.
     pub streets: Option<Streets>,
     /// Settings of the crowd.
     pub config: CrowdConfig,

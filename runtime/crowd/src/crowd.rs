@@ -14,15 +14,16 @@ use throng_base::ground::{Held, Outsider, Rod};
 
 /// Agents that act at their own events and never overlap.
 ///
-/// Everybody has one next event. Between two of them an agent keeps its acceleration, so that its position at any time
-/// is known exactly. At an event it looks at its neighbours, asks the force field for the desired motion, and takes the
-/// nearest plan it can find for which the safety rule holds. Its next event is when its new bound touches another bound,
-/// an obstacle or the side of its region (Kim, Kim and Shin 2003b, section 2.1), though not before the smallest interval
-/// is over. The proof that no two agents ever overlap is in `safety/rule.rs`; it asks nothing of forces or intervals.
+/// Every agent has one next event. Between two events it keeps its acceleration, so that its position at any time is
+/// known exactly. At an event it looks at its neighbours, asks the force field for the desired motion, and takes the
+/// nearest plan it can find for which the safety rule holds. Its next event is when its new bound touches another
+/// bound, an obstacle or the side of its region (Kim, Kim and Shin 2003b, section 2.1), though not before the smallest
+/// interval is over. The proof that no two agents ever overlap is in `safety/rule.rs`; it requires nothing of forces or
+/// intervals.
 ///
-/// Places are those of the world (m, Y up). On the ground, agents are discs in x and z; heights that are given are left
-/// out, and those that come back are 0. Within [`CrowdConfig::capacity`](crate::CrowdConfig), nothing here allocates but
-/// orders, placed agents that find their way, and what returns or takes a `Vec`.
+/// Positions are in the world (m, Y up). On the ground, agents are discs in x and z; given heights are ignored, and
+/// returned ones are 0. Within [`CrowdConfig::capacity`](crate::CrowdConfig), nothing here allocates except orders,
+/// moved agents that find their path, and functions that return or take a `Vec`.
 ///
 /// ```
 /// # fn main() -> throng_base::Result<()> {
@@ -177,9 +178,9 @@ impl Crowd {
         companions.into_iter().flatten()
     }
 
-    /// Opens an obstacle of the setup, as if it were not there, or closes it again. Where the crowd knows its streets, ways lead
-    /// through open ones and round closed ones; where all ways lead through closed ones, agents go there and wait. Those on
-    /// their way look for it again at their next event. Goals are refused in open ones too. Takes memory, and the first
+    /// Opens an obstacle of the setup, as if it were not there, or closes it again. Where the crowd knows its streets, paths lead
+    /// through open ones and round closed ones; where all paths lead through closed ones, agents go there and wait. Those on
+    /// their way plan again at their next event. Goals are refused in open ones too. Takes memory, and the first
     /// time that one is opened the time to make the streets.
     ///
     /// # Errors

@@ -30,7 +30,7 @@ pub(crate) struct Scenery<V> {
     pub paths: Vec<Path<V>>,
     /// Routes of the setup, the first ones.
     pub num_routes: usize,
-    /// Finds ways round obstacles.
+    /// Finds paths round obstacles.
     pub streets: Option<Streets>,
     /// Subgoals of all routes, where there are streets.
     pub goals: Goals,
@@ -270,7 +270,7 @@ impl<V: Space> Scenery<V> {
         self.doors[obstacle] == Door::Open
     }
 
-    /// Opens and closes obstacles; ways lead accordingly. Takes memory.
+    /// Opens and closes obstacles; paths lead accordingly. Takes memory.
     ///
     /// # Errors
     /// [`throng_base::Error::Value`] where streets know too many doors; nothing has changed then.

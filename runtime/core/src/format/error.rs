@@ -3,7 +3,7 @@
 use super::Tag;
 use std::path::PathBuf;
 
-/// The way out of every fault.
+/// Remedy of every fault, for messages.
 const AGAIN: &str = "Make it again with `throng build` (a bundle) or `throng stitch` (a world).";
 
 /// Reason why a file was refused. Every message ends with a remedy.

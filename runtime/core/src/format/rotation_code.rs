@@ -1,4 +1,4 @@
-//! How the rotations of a frame are packed into 80 bytes.
+//! Packing of the rotations of a frame into 80 bytes.
 //!
 //! Each joint has a field of bits with a number of steps above a lowest value for each of x, y and z of its quaternion,
 //! relative to a rotation in the middle of all that the joint does; w follows from unit length. Where no middle keeps w

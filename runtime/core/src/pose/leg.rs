@@ -88,7 +88,7 @@ pub(crate) fn move_leg<F: Lanes>(leg: &Leg, correction: V<F>, pose: &mut ModelPo
     pose.positions[leg.foot] = chosen_v(amount, ankle, new_ankle);
 }
 
-/// Turns the foot about its ankle by what changes the way to its toe by `turn` (model space).
+/// Turns the foot about its ankle, so that the vector to its toe changes by `turn` (model space).
 #[inline(always)]
 pub(crate) fn turn_foot<F: Lanes>(leg: &Leg, turn: V<F>, pose: &mut ModelPose<F>) {
     let (ankle, toe) = (pose.positions[leg.foot], pose.positions[leg.toe]);

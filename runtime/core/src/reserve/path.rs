@@ -21,7 +21,7 @@ impl PathNode {
     }
 }
 
-/// A path that is under way (at least one node).
+/// Path that has begun (at least one node).
 #[derive(Clone, Copy, Debug)]
 pub struct Moving<'a> {
     /// Nodes of the path, ascending in time.

@@ -10,12 +10,12 @@ use glam::{Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 
-/// Farthest that is looked to a side and up or down of where the body faces (rad).
+/// Largest angles of the gaze to a side and up or down of where the body faces (rad).
 const RANGE: [f32; 2] = [70.0 * RADIANS, 35.0 * RADIANS];
 const RADIANS: f32 = std::f32::consts::PI / 180.0;
 /// Distance from the head below which a point is not looked at (m).
 const NEAR_M: f32 = 0.2;
-/// Time in which half of the way to another direction is made (s).
+/// Time in which half of the turn to another direction is made (s).
 const HALF_LIFE_S: f32 = 0.16;
 /// Fastest turn, and most that it changes (rad/s, rad/s^2).
 const RATE: f32 = 4.0;
@@ -26,7 +26,7 @@ const NONE: f32 = 1e-4;
 const CHEST: f32 = 0.2;
 const NECK: f32 = 0.55;
 
-/// From the hips to the head.
+/// Joints from the hips to the head.
 const CHAIN: [Joint; 6] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck, Joint::Head];
 
 /// Turn of a walker's gaze from where its posture faces.

@@ -12,7 +12,7 @@ use crate::skeleton::NUM_JOINTS;
 use glam::{Vec2, Vec3};
 use throng_base::simd::{Functions, LANES, Lanes, Q, V};
 
-/// Share of a leg's length past which it gives way softly, and what it never passes.
+/// Share of a leg's length beyond which its distance is softened, and the share that it never exceeds.
 const SOFT: f32 = 0.97;
 const HARD: f32 = 0.999;
 /// Share of a leg's length past which a planted foot is released: it does not quite reach it any more.

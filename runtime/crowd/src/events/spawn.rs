@@ -316,7 +316,7 @@ impl<V: Space> Engine<V> {
         Ok(())
     }
 
-    /// A way leads from a place to a goal, as far as the crowd knows its streets.
+    /// Checks that a path leads from a place to a goal, as far as the crowd knows its streets.
     ///
     /// - `number`: that of the goal.
     fn check_way(&self, id: Id, from: V, goal: V, number: u32) -> Result<(), CrowdError> {

@@ -83,7 +83,7 @@ impl Goals {
         }
     }
 
-    /// Checks that a way leads to a goal.
+    /// Checks that a path leads to a goal.
     ///
     /// # Errors
     /// [`NoWay`].
@@ -91,7 +91,7 @@ impl Goals {
         streets.check_way(from.xz(), self.costs(number))
     }
 
-    /// Finds all ways anew, as a door has opened or closed.
+    /// Finds all paths anew, as a door has opened or closed.
     ///
     /// - `is_new`: it is a door for the first time.
     pub fn find_again(&mut self, streets: &Streets, is_new: bool) {

@@ -57,7 +57,7 @@ impl<V: Space> Guide<'_, V> {
         let longer = self.steering.detour_m;
         let me = (from.xz(), radius, longer);
         let mut num = streets.corners_ahead(me, (goal.xz(), costs, false), &mut corners);
-        // Where all ways lead through closed doors, it waits before one.
+        // Where all paths lead through closed doors, the agent waits before one.
         let through = num == 0 && !sees_it;
         if through {
             if streets.sees_place(from.xz(), to.xz(), radius.min(costs.near), true) {
@@ -71,7 +71,7 @@ impl<V: Space> Guide<'_, V> {
         let mut straight_on = f32::INFINITY;
         for corner in corners[..num].iter().flatten() {
             let straight = from.xz().distance(corner.at) + corner.at.distance(corner.next);
-            // The way past the corner, along which others count that go it or come.
+            // The path past the corner, along which agents in both directions count.
             let across = corner.out.perp();
             let along = if (corner.next - from.xz()).dot(across) >= 0.0 { across } else { -across };
             let step = self.steering.place_m;
@@ -113,7 +113,7 @@ impl<V: Space> Guide<'_, V> {
         }
     }
 
-    /// The narrow place near by through which the way of an agent at `x` leads next.
+    /// Next narrow place near by on the path of an agent at `x`.
     pub fn gate(&self, path: &Path<V>, cursor: &Cursor<V>, x: V, radius: f32) -> Option<Gate<V>> {
         let (streets, costs) = self.streets.zip(path.goal_of(cursor.leg).map(|n| self.goals.costs(n)))?;
         let (goal, _) = path.subgoal(cursor.leg);

@@ -1,4 +1,4 @@
-//! Outlines of what stands in the way, from above: for ways round it.
+//! Outlines of obstacles, from above: for paths round them.
 
 use crate::Obstacle;
 use glam::{Vec2, Vec3, Vec3Swizzles};

@@ -6,7 +6,7 @@ use crate::{AtEnd, NONE, Obstacle, Route, Space};
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, prefetch};
 
-/// Farthest that a line across the way reaches to either side (m).
+/// Largest extent of a line across the path to either side (m).
 const WIDEST_M: f32 = 20.0;
 /// Most subgoals between an agent and its goal if it is to go there straight.
 const MOST_PASSED: usize = 64;
@@ -26,7 +26,7 @@ pub(crate) struct Cursor<V> {
     pub look_at: f64,
 }
 
-/// A route made ready. What steers is the line across the way at each subgoal and not the subgoal: agents keep their
+/// Prepared route. Agents steer to the line across the path at each subgoal and not to the subgoal: they keep their
 /// distance from the line through the subgoals, and pass anywhere between the walls.
 #[derive(Clone, Debug)]
 pub(crate) struct Path<V> {
@@ -134,7 +134,7 @@ impl<V: Space> Path<V> {
                 let out = if i + 1 < num || is_round { ahead(i) } else { V::default() };
                 let along = if i > 0 || is_round { ahead((i + num - 1) % num) } else { out };
                 let (normal, bend) = (along + out).unit_and_length();
-                // Where the way turns back there is no line half-way.
+                // Where the path turns back there is no line half-way.
                 let normal = if bend > 0.3 { normal } else { along };
                 let free = [-1.0, 1.0].map(|side| free_way(points[i], normal.right() * side, solids));
                 Leg { to: points[i], along, normal, free, rest: 0.0 }
@@ -225,12 +225,12 @@ impl<V: Space> Path<V> {
         (own.to + own.normal.right() * side, own.rest)
     }
 
-    /// Number of a subgoal among the goals of the crowd; none where agents do not look for their ways.
+    /// Number of a subgoal among the goals of the crowd; none where agents do not plan paths.
     pub fn goal_of(&self, leg: u32) -> Option<u32> {
         self.goals.get(leg as usize).copied()
     }
 
-    /// A subgoal, and the way from it to the end (m).
+    /// Subgoal, and the distance from it to the end (m).
     pub fn subgoal(&self, leg: u32) -> (V, f32) {
         let leg = &self.legs[leg as usize];
         (leg.to, leg.rest)

@@ -10,7 +10,7 @@ use crate::safety::rule::{Candidate, MARGIN, clearance, violation_of_solid};
 use crate::space::plan::Plan;
 use crate::space::solid::Solid;
 
-/// Shortest step, as a way of the stop regions (m).
+/// Shortest step, as a displacement of the stop regions (m).
 const STEP_M: f32 = 2e-4;
 /// Relative error allowed for rounding.
 const ROUNDING: f32 = 1e-3;

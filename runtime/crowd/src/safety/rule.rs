@@ -1,7 +1,7 @@
-//! The safety rule: why no two agents ever overlap.
+//! The safety rule, with the proof that no two agents ever overlap.
 //!
-//! The *stop region* S(s) of an agent at time s is what its disc or ball sweeps if it brakes with all its force from s
-//! on: all within its radius of the line from x to x + v|v| / 2A. An agent that brakes never leaves the stop
+//! The *stop region* S(s) of an agent at time s is the sweep of its disc or ball if it brakes with all its force from s
+//! on: all points within its radius of the line from x to x + v|v| / 2A. An agent that brakes never leaves the stop
 //! region it had when it began to.
 //!
 //! Plans are made at different times. Let T be the end of an agent's plan, at which it acts at the latest; its plan until then is
@@ -15,7 +15,7 @@
 //!   the old plan says.
 //! - Before T_k (another agent's colliding event, or when it is woken) k may take a plan for which the
 //!   invariant holds, and otherwise keeps the one it has to its end T_k; then nothing has changed. To brake is *not*
-//!   always right here: others may have been told that k will be gone.
+//!   always right here: others may rely on k being gone by then.
 //! - A newcomer is refused unless the invariant holds for a plan of braking; an agent that leaves takes its conditions away.
 //!
 //! By induction over the events, no two agents ever overlap. Nothing is asked of the forces.
@@ -27,11 +27,11 @@
 //! the largest speed. `spawn` refuses faster agents, and `candidate` makes no plan that ends faster; in between, the speed of an
 //! agent that keeps its acceleration is never above that at both ends.
 //!
-//! Ground that others hold, who are moved by something else, is treated as an obstacle that stands: they keep clear of
+//! A region that an external obstacle reserves is treated as a static obstacle: external obstacles keep out of
 //! [`Candidate::held`] in turn, which holds S_k(min(s, T_k)) for all s from now on.
 //!
-//! Obstacles that move do not give way; they are taken for agents that never brake, over the time of a plan and of
-//! braking after it, though not beyond the next point of their way. A trapped agent may still be struck.
+//! Moving obstacles do not yield; they are taken for agents that never brake, over the time of a plan and of braking
+//! after it, though not beyond the next point of their path. A trapped agent may still be struck.
 
 use crate::Space;
 use crate::space::plan::{Plan, stop};
@@ -60,7 +60,7 @@ pub(crate) type Segment<V> = (V, V);
 /// Violation of the safety rule.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Violation<V> {
-    /// Unit vector away from what is in the way.
+    /// Unit vector away from the obstruction.
     pub away: V,
     /// Distance by which the stop region would have to be farther in that direction (m, > 0).
     pub depth: f32,

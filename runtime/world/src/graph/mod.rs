@@ -21,8 +21,8 @@ use std::sync::{Arc, OnceLock};
 use throng_core::format::FormatError;
 use throng_core::patch::{CellRecord, KIND_TILE, LinkRecord, NONE, Patches, Placement};
 
-/// A world with its patches, and what is worked out of them once: where every instance's nodes are counted from, which
-/// way leads to rest, and which instances lead to which.
+/// A world with its patches, and tables computed from them once: the number of every instance's first node, the links
+/// that lead to rest, and the connections between instances.
 #[derive(Clone, Debug)]
 pub struct WorldGraph {
     patches: Patches,

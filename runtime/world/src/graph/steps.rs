@@ -173,7 +173,7 @@ impl WorldGraph {
     }
 
     /// True for the cells of an instance at which some step may end; for a tile all. Others are only passed, on the way
-    /// across a joint from another block's cell into a link that begins there: no way leads to them.
+    /// across a joint from another block's cell into a link that begins there: no path leads to them.
     ///
     /// (cells of the instance, instance < num_instances)
     pub fn come_to(&self, instance: u32) -> Vec<bool> {

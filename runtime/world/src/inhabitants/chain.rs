@@ -114,7 +114,7 @@ impl Space for ToSafety<'_> {
     }
 }
 
-/// A search for a way to one of the steps of a path.
+/// Search for a path to one of the steps of a path.
 pub(super) struct ToPath<'a> {
     pub graph: &'a WorldGraph,
     pub reservations: &'a Reservations,

@@ -97,7 +97,7 @@ pub enum Doing {
     Walking,
     /// Waits for what others hold.
     Waiting,
-    /// Moves out of the way, or tries another way.
+    /// Moves out of the way of others, or tries another path.
     Detour,
     /// Waits at the meeting place for a partner on the way.
     Meeting,
@@ -105,7 +105,7 @@ pub enum Doing {
     Performing,
     /// Has reached its goal, and stays.
     Arrived,
-    /// No way leads there; stays where it can.
+    /// No path leads there; stays where it can.
     Unreachable,
     /// Waits, since another character stays in its place, or in its path for good, until that one leaves.
     Blocked,

@@ -17,7 +17,7 @@ use throng_core::patch::LinkRecord;
 const TRIES: usize = 4;
 /// Most times that a detour doubles.
 pub(super) const MAX_IMPATIENCE: u32 = 3;
-/// Next steps of a path that are looked for a way to, and most steps of the way.
+/// Number of next steps of a path that a detour may join, and most steps of the detour.
 const MAX_REJOINED: usize = 8;
 /// Most nodes that are opened in looking for it.
 const MAX_REJOIN_OPENED: usize = 1000;
@@ -151,8 +151,8 @@ impl Inhabitants {
         step.or_else(|| self.rest(graph, c))
     }
 
-    /// Counts a step towards how long was done what is to be performed. Of a slide, the first part is on the way to
-    /// where one may stop and begin again.
+    /// Counts a step towards the time of an action that is to be performed. Of a slide, the first part leads to where a
+    /// character may stop and begin again.
     fn count(&mut self, graph: &WorldGraph, c: usize, step: &Step) {
         let state = &mut self.states[c];
         if let Wish::Perform { tag, .. } = state.wish
@@ -294,7 +294,7 @@ impl Inhabitants {
         let makes_room = std::mem::take(&mut state.in_the_way) && !gives_up;
         if state.doing == Doing::Blocked && !makes_room {
             if !waits {
-                // Another way may have become free.
+                // Another path may have become free.
                 state.refused_s = None;
                 self.paths.ask(c);
             }
@@ -349,7 +349,7 @@ impl Inhabitants {
         self.barred(graph, c, stretch)
     }
 
-    /// Nothing is in the way any more.
+    /// Resets patience, as nothing blocks the character any more.
     pub(super) fn calm(&mut self, c: usize) {
         let state = &mut self.states[c];
         (state.refused_s, state.impatience, state.progress) = (None, 0, 0);

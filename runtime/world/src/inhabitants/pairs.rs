@@ -161,7 +161,7 @@ impl Inhabitants {
     /// Orders two characters to meet and perform an action together, again and again, then stay.
     ///
     /// Both get [`Wish::Meet`]. If one of them gets another goal, or they do not begin in time (a minute, and twice the
-    /// time of their way there), both are free ([`InhabitantEvent::BrokenOff`], [`InhabitantEvent::GaveUp`]).
+    /// time to walk there), both are free ([`InhabitantEvent::BrokenOff`], [`InhabitantEvent::GaveUp`]).
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::Value`] for a character that is to meet itself, a time out of its range or a tag that

@@ -23,7 +23,7 @@ const NOWHERE: f32 = 0.05;
 pub(super) struct Purpose {
     /// x and z, a unit vector; zero before the first one.
     direction: [f32; 2],
-    /// Steps until it is bound another way.
+    /// Steps until it chooses another direction.
     steps_left: u32,
 }
 
@@ -63,7 +63,7 @@ fn cosine(a: [f32; 2], b: [f32; 2]) -> f32 {
 }
 
 impl Inhabitants {
-    /// Counts a step of a roaming character, and lets it be bound another way where nothing leads ahead or after a while.
+    /// Counts a step of a roaming character, and gives it another direction where nothing leads ahead or after a while.
     pub(super) fn go_on(&mut self, graph: &WorldGraph, c: usize) {
         let state = &self.states[c];
         let place = graph.place(state.at);

@@ -44,7 +44,7 @@ impl Inhabitants {
                 check("seconds", who, seconds, (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
                 let offer = self.nearest_offer(graph, c, tag);
                 check("tag", who, tag, offer.is_some(), "one of motion that begins where one can come to and stay")?;
-                // Another instance may offer it where no way leads to this one.
+                // Another instance may offer it where no path leads to this one.
                 return Ok(offer.map(|instance| Target::Tag { instance, tag }));
             }
         };

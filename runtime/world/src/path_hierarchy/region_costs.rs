@@ -1,4 +1,4 @@
-//! RegionCosts: what it costs to go on through a region, from every way that leads into it to every one that leads out of it.
+//! Costs through a region, from every entrance into it to every exit from it.
 
 use super::plane::Plane;
 use super::{Entrance, PathHierarchy, each};
@@ -9,7 +9,7 @@ use throng_core::patch::NONE;
 
 /// Most costs that are kept; in worlds of more each is worked out whenever it is asked for (costs).
 const MAX_COSTS: usize = 1 << 26;
-/// Most others that an exit of a region is compared with: more leave out more ways on, but each that stays is compared
+/// Most others that an exit of a region is compared with: more leave out more paths on, but each that stays is compared
 /// with all of them.
 const MAX_OTHERS: usize = 16;
 /// Largest cost to go to a substitute: a higher one keeps more of them, each of which leaves out only paths on that
@@ -21,9 +21,9 @@ const AROUND: i32 = 3;
 
 /// Costs through regions.
 ///
-/// A region is entered by exits of clusters and by portals, which stand in its *list*; it is left by ways into clusters
+/// A region is entered by exits of clusters and by portals, which stand in its *list*; it is left by paths into clusters
 /// and by portals to other regions, each of which has a *row* of costs, one for each of the list. Beside its row each has
-/// *others*: ways to leave the region that are near.
+/// *others*, substitutes: near entrances by which the region may be left instead.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct RegionCosts {
     /// Start of each region's part of the list (regions + 1).
@@ -48,7 +48,7 @@ pub(crate) struct RegionCosts {
 }
 
 impl RegionCosts {
-    /// Works out what leads through regions, when a hierarchy has all its ways.
+    /// Computes the costs through regions, when a hierarchy has all its entrances and exits.
     pub fn new(hierarchy: &PathHierarchy) -> Self {
         let mut out = Self::ways(hierarchy);
         out.add_rows(hierarchy);
@@ -107,8 +107,8 @@ impl RegionCosts {
         Some(self.place[state as usize]).filter(|p| *p != NONE).map(|p| p as usize)
     }
 
-    /// Row of a way that leads from a region, along the part of the list that leads there; none where it is not kept.
-    /// (frames)
+    /// Row of an entrance that leads from a region, along the part of the list that leads there; none where it is not
+    /// kept.
     pub fn row(&self, entrance: u32, region: u32) -> Option<&[u16]> {
         let first = *self.rows.get(entrance as usize)?;
         Some(&self.costs[first..first + self.list(region).len()])
@@ -208,7 +208,7 @@ mod tests {
     use crate::path_hierarchy::Landmarks;
     use proptest::prelude::*;
 
-    /// Checks that no way to the best cell of any other costs more than it says; how many there are.
+    /// Checks that no path to the best cell of any other costs more than it says; how many there are.
     fn check_others(tile: &Tile, depths: [i32; 3]) -> usize {
         let world = tile.floor(&places(depths));
         let graph = WorldGraph::new(&tile.patches(), &world.view()).unwrap();

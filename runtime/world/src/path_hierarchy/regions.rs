@@ -1,6 +1,6 @@
 //! Regions: parts of a floor in which one can walk about as on an endless plane.
 //!
-//! Costs on a plane are too low around a corner. So a floor with corners is split into rectangles; ways between them lead
+//! Costs on a plane are too low around a corner. So a floor with corners is split into rectangles; paths between them lead
 //! through portals, each of which is an edge between two tiles.
 
 use std::collections::BTreeSet;

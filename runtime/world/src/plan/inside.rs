@@ -51,7 +51,7 @@ impl Inside {
         targets.for_each(|cell| self.reach(cell, 0));
     }
 
-    /// Cost from a state of the cluster, without leaving it; infinite where no way leads on (frames).
+    /// Cost from a state of the cluster, without leaving it; infinite where no path leads on (frames).
     pub fn cost(&mut self, hierarchy: &PathHierarchy, state: u32) -> f32 {
         let costs_in = hierarchy.costs_in(self.cluster);
         while self.stamps[state as usize] != self.stamp + 1 {

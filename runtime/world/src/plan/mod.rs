@@ -1,5 +1,5 @@
-//! Path planning in two layers (Lee, Choi and Lee 2006, section 7): over the ways into and out of what stands on open ground, then over the
-//! motion itself, towards what the upper layer says is near.
+//! Path planning in two layers (Lee, Choi and Lee 2006, section 7): over the entrances and exits of structures on open
+//! ground, then over the motion itself, towards what the upper layer estimates as near.
 
 mod end;
 mod inside;
@@ -15,7 +15,7 @@ pub(crate) use nodes::{Found, Nodes, Space};
 use serde::{Deserialize, Serialize};
 use upper::Upper;
 
-/// A way of [`Planner::plan`] takes at most this many times as long as the fastest one.
+/// A path of [`Planner::plan`] takes at most this many times as long as the fastest one.
 pub const WORST: f32 = 1.05;
 
 /// Target of a plan.
@@ -62,10 +62,10 @@ impl Target {
     }
 }
 
-/// A way that was found.
+/// A path that was found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// Steps of the whole way.
+    /// Steps of the whole path.
     pub num_steps: usize,
     /// Number of steps written, the first ones.
     pub num_stored: usize,
@@ -81,7 +81,7 @@ pub struct Plan {
     pub opened_nodes: usize,
 }
 
-/// Plans ways through a world; all its memory is allocated when it is made.
+/// Plans paths through a world; all its memory is allocated when it is made.
 #[derive(Clone, Debug)]
 pub struct Planner {
     upper: Upper,
@@ -89,7 +89,7 @@ pub struct Planner {
 }
 
 impl Planner {
-    /// Memory for a world. What is known of the world beforehand is worked out by the first planner and kept with it.
+    /// Memory for a world. The tables of the world are computed by the first planner and kept with it.
     pub fn new(graph: &WorldGraph) -> Self {
         Self { upper: Upper::new(graph, graph.hierarchy()), nodes: Nodes::new(graph) }
     }
@@ -122,8 +122,8 @@ impl Planner {
         self.find(graph, from, target, &toll, &TRIES, out)
     }
 
-    /// Least time that the way from a node to a target takes, from what is known of the world beforehand (frames); `None` where
-    /// it is plain that no way leads there.
+    /// Lower bound of the time of the path from a node to a target, from the tables of the world (frames); `None` where
+    /// it is plain that no path leads there.
     pub(crate) fn least_frames(&mut self, graph: &WorldGraph, from: Node, target: Target) -> Option<f32> {
         let hierarchy = graph.hierarchy();
         let leads = self.upper.run(graph, hierarchy, target, from, 0.0);
@@ -164,7 +164,7 @@ impl Planner {
                 if let Found::Path(way) = found {
                     cost = self.nodes.cost(way);
                     let plan = self.report(graph, way, out);
-                    // A way around what it pays for may be far from the best ones.
+                    // A path around what it pays for may be far from the best ones.
                     if wide == 0.0 && cost > plan.num_frames as f32 && cost > self.upper.limit {
                         break;
                     }
@@ -213,7 +213,7 @@ impl Planner {
         Some(Plan { opened_nodes, opened_instances, least_frames: plan.num_frames, ..plan })
     }
 
-    /// Writes the steps of a way that was found.
+    /// Writes the steps of a path that was found.
     fn report(&mut self, graph: &WorldGraph, way: u32, out: &mut [Step]) -> Plan {
         let mut plan = Plan::default();
         let mut at = self.nodes.turn(way);

@@ -20,7 +20,7 @@ pub(crate) trait Space {
     fn limit(&self) -> f32 {
         f32::INFINITY
     }
-    /// True where a node is opened again when a cheaper way to it turns up: only then is a way as good as estimates
+    /// True where a node is opened again when a cheaper path to it turns up: only then is a path as good as estimates
     /// promise which do not agree with each other, but it may take long.
     fn opens_again(&self) -> bool {
         true
@@ -32,7 +32,7 @@ pub(crate) trait Space {
 pub(crate) enum Found {
     /// A path to a target; the number is for [`Nodes::path`].
     Path(u32),
-    /// There is no path.
+    /// No path leads to a target.
     Nothing,
     /// The most nodes were opened.
     Limit,
@@ -43,7 +43,7 @@ pub(crate) enum Found {
 pub(crate) struct Nodes {
     /// [`State`] of each node.
     states: Vec<[u32; 4]>,
-    /// Node before each, or after it on a way that was turned around.
+    /// Node before each, or after it on a path that was turned around.
     parents: Vec<u32>,
     /// The step that led to each; as whole numbers, since memory full of zeros costs nothing.
     steps: Vec<[u32; 5]>,
@@ -113,7 +113,7 @@ impl Nodes {
         Found::Nothing
     }
 
-    /// Writes the first steps of a way, as many as fit, and returns how many it has.
+    /// Writes the first steps of a path, as many as fit, and returns how many it has.
     pub fn path(&self, way: u32, out: &mut [Step]) -> usize {
         let mut len = 0;
         self.walk(way, |_| len += 1);
@@ -127,7 +127,7 @@ impl Nodes {
         len
     }
 
-    /// Calls `visit` with every step of a way, the last one first.
+    /// Calls `visit` with every step of a path, the last one first.
     pub fn walk(&self, way: u32, mut visit: impl FnMut(Step)) {
         let mut at = way;
         while self.parents[at as usize] != NONE {
@@ -136,7 +136,7 @@ impl Nodes {
         }
     }
 
-    /// Turns a way around, so that it can be followed from its beginning with [`Nodes::next`]; it is no way any more.
+    /// Turns a path around, so that it can be followed from its beginning with [`Nodes::next`]; it is no longer a path for the other functions.
     pub fn turn(&mut self, way: u32) -> u32 {
         let (mut at, mut after) = (way, NONE);
         while at != NONE {
@@ -146,13 +146,13 @@ impl Nodes {
         after
     }
 
-    /// The step that follows on a way that was turned around, and where it leads to.
+    /// The step that follows on a path that was turned around, and where it leads to.
     pub fn next(&self, at: u32) -> Option<(u32, Step)> {
         let next = self.parents[at as usize];
         (next != NONE).then(|| (next, self.step(next)))
     }
 
-    /// Cost of a way (frames).
+    /// Cost of a path (frames).
     pub fn cost(&self, way: u32) -> f32 {
         self.state(way).cost
     }
@@ -173,7 +173,7 @@ impl Nodes {
         if state.stamp & !1 == self.stamp { state } else { State::new(self.stamp) }
     }
 
-    /// Notes the best way to a node so far, which is followed where it may cost less than `limit`.
+    /// Notes the best path to a node so far, which is followed where it may cost less than `limit`.
     fn reach(&mut self, at: u32, state: State, parent: u32, step: &Step, limit: f32) {
         let i = at as usize;
         self.states[i] = bytemuck::cast(state);

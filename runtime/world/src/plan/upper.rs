@@ -1,4 +1,4 @@
-//! The upper layer: what it costs at least to go on to the target from every way into a part of the world and out of one.
+//! Upper layer: lower bounds of the cost to the target from every entrance into a part of the world and every exit.
 
 #[cfg(test)]
 mod tests;
@@ -11,7 +11,7 @@ use crate::queue::Heap;
 use crate::{Node, WorldGraph};
 use throng_core::patch::NONE;
 
-/// The search goes on to ways that cost this many times what the best one does, and so much more (frames).
+/// Factor on the cost of the best path, and addition to it, up to which the search opens other paths (frames).
 const BESIDE: f32 = 1.02;
 const BESIDE_FRAMES: f32 = 30.0;
 /// Costs that are compared at once.
@@ -39,7 +39,7 @@ pub(super) struct Upper {
     /// Next entrances, by instance.
     next_entrances: Vec<NextEntrances>,
     end: End,
-    /// No way that the search left out costs less (frames).
+    /// No path that the search left out costs less (frames).
     pub limit: f32,
     /// States opened.
     pub opened: usize,
@@ -68,10 +68,10 @@ impl Upper {
         }
     }
 
-    /// A* from the target backwards, until more ways on would hardly help from `from`, nor be part of any way
-    /// that costs less than `most`.
+    /// A* from the target backwards, until more paths would hardly improve the estimate from `from`, nor be part of any
+    /// path that costs less than `most`.
     ///
-    /// - returns false where no way leads from there to the target.
+    /// - returns false where no path leads from there to the target.
     pub fn run(
         &mut self,
         graph: &WorldGraph,
@@ -263,7 +263,7 @@ impl Upper {
         self.reach_region(hierarchy, region, state, cost);
     }
 
-    /// True where another way on from the region costs no more from any of the cells that this one begins at.
+    /// True where another entrance costs no more from any of the cells that this one begins at.
     fn is_dominated(&self, hierarchy: &PathHierarchy, state: u32, cost: f32) -> bool {
         let is_less = |&(other, most): &(u32, u16)| {
             let o = other as usize;
@@ -272,7 +272,7 @@ impl Upper {
         hierarchy.region_costs.others(state).iter().any(is_less)
     }
 
-    /// Adds a way on to those from a region.
+    /// Adds an entrance to those from a region.
     fn chain(&mut self, region: u32, state: u32) {
         let r = region as usize;
         (self.next[state as usize], self.next_stamps[state as usize]) = (NONE, self.stamp);
@@ -284,7 +284,7 @@ impl Upper {
         }
     }
 
-    /// The first way on from a region.
+    /// First entrance from a region.
     fn first_of(&self, region: u32) -> u32 {
         if self.chain_stamps[region as usize] == self.stamp { self.chains[region as usize][0] } else { NONE }
     }
@@ -330,7 +330,7 @@ impl Upper {
         least
     }
 
-    /// The best ways on from a tile.
+    /// Best entrances from a tile.
     fn find_next_entrances(&mut self, hierarchy: &PathHierarchy, tile: u32) {
         let mut found = NextEntrances::new(self.stamp);
         let Some((region, plane)) = hierarchy.floors.region(tile).and_then(|r| Some((r, hierarchy.plane(r)?))) else {

@@ -175,7 +175,7 @@ impl Characters {
             avoiding.rebuild(&self.blocks, n, motion_set);
         }
         if let Some(avoiding) = &self.avoiding {
-            // What is held before a step and after it, however long the ways become.
+            // Regions reserved before a step and after it, however long the paths become.
             let most = 2 * n * Moving::most_held(avoiding.book.room());
             out.ground.reserve(most.saturating_sub(out.ground.len()));
         }
@@ -194,7 +194,7 @@ impl Characters {
         }
     }
 
-    /// Moves one over the ground as a whole, unless that is in another's way; see [`Characters::shift`].
+    /// Moves a character over the ground as a whole, unless that blocks another one; see [`Characters::shift`].
     pub(super) fn shift_aside(&mut self, motion_set: &MotionSet, at: usize, by: Vec2) -> Result<()> {
         let is_stale = self.avoiding.as_ref().is_some_and(|a| a.is_stale);
         let before = self.blocks[at / LANES];
@@ -210,12 +210,13 @@ impl Characters {
         Ok(())
     }
 
-    /// Choices in a row at which nothing was clear for a character that makes way (character < num_characters).
+    /// Number of choices in a row at which no action of a character with collision avoidance was clear (character <
+    /// num_characters).
     pub fn blocked(&self, character: usize) -> u32 {
         self.blocks[character / LANES].blocked[character % LANES]
     }
 
-    /// The reservations of characters that make way, by number.
+    /// Reservations of the characters with collision avoidance, by number.
     pub fn reservations(&self) -> Option<&Reservations> {
         self.avoiding.as_ref().map(|a| &a.book)
     }

@@ -179,7 +179,7 @@ impl<'a> Laying<'a> {
         self.root = self.root.compose(end);
     }
 
-    /// Adds the way from a state to a stand.
+    /// Adds the stop from a state to a stand.
     fn stop(&mut self, mut state: u32) {
         let (graph, stops) = (&self.motion_set.graph, &self.motion_set.stops.stops);
         loop {

@@ -99,7 +99,7 @@ impl Cost {
 pub(crate) struct Corner {
     /// A point beside the corner (m).
     pub at: Vec2,
-    /// Unit vector away from the corner, across the way.
+    /// Unit vector away from the corner, across the path.
     pub out: Vec2,
     /// Free distance in that direction (m).
     pub free: f32,
@@ -112,9 +112,9 @@ pub(crate) struct Corner {
     pub way: f32,
 }
 
-/// Farthest that a corner is taken to be free across the way (m).
+/// Largest free distance across the path that a corner is given (m).
 const WIDEST_M: f32 = 12.0;
-/// Largest part of a straight way at a corner that may lead away from the corner or to it: others are no shortest ways.
+/// Largest part of a straight path at a corner that may lead away from the corner or to it: others are no shortest paths.
 const TAUT: f32 = 0.5;
 /// Length of a path that is as costly as a closed door (m).
 const CLOSED_M: f32 = 1e4;
@@ -206,7 +206,7 @@ impl Streets {
         }
     }
 
-    /// Opens an obstacle, or closes it: ways lead through open ones, and round closed ones where there is a way round. The
+    /// Opens an obstacle, or closes it: paths lead through open ones, and round closed ones where there is a path round. The
     /// first time that one is opened or closed costs as much as [`Streets::new`].
     ///
     /// - `obstacle`: number in [`Streets::obstacles`].
@@ -275,7 +275,7 @@ impl Streets {
         &self.obstacles
     }
 
-    /// A route from one place to another, through the corners of the shortest way: for crowds without streets of their own.
+    /// A route from one place to another, through the corners of the shortest path: for crowds without streets of their own.
     ///
     /// # Errors
     /// [`Error::NoWay`] where an obstacle holds one of the places, or nothing leads from one to the other.
@@ -284,7 +284,7 @@ impl Streets {
         Ok(Route { subgoals: corners[1..].to_vec(), arrival_radius: 0.5, at_end: AtEnd::Stay })
     }
 
-    /// Corners of the shortest way, with both its ends; heights go evenly from one to the other. The way keeps the
+    /// Corners of the shortest path, with both its ends; heights go evenly from one to the other. The path keeps the
     /// clearance; the legs of an end that is nearer to an obstacle keep as much as that end has.
     ///
     /// # Errors
@@ -321,7 +321,7 @@ impl Streets {
         self.outlines.iter().map(|s| s.distance(goal)).fold(self.clearance, f32::min) * 0.999
     }
 
-    /// Checks that a way leads from a place to a goal, be it through closed doors. Allocates nothing.
+    /// Checks that a path leads from a place to a goal, be it through closed doors. Allocates nothing.
     pub(crate) fn check_way(&self, from: Vec2, goal: &Costs) -> std::result::Result<(), NoWay> {
         let [at_start, at_goal] = self.check_ends(from, goal.goal)?;
         let leads = |n: usize| goal.of[n].way.is_finite() && self.sees(from, n, at_start).is_some();

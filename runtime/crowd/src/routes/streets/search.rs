@@ -1,4 +1,4 @@
-//! The shortest ways over the graph.
+//! The shortest paths over the graph.
 
 use super::{CLOSED_M, Corner, Cost, Costs, Doors, MOST_CORNERS, NoWay, Streets, TAUT};
 use crate::NONE;
@@ -94,7 +94,7 @@ impl Streets {
         }
     }
 
-    /// Notes a way to a point if it is the best one so far.
+    /// Notes a path to a point if it is the best one so far.
     fn reach(&self, n: u32, then: Cost, of: &mut [Cost], open: &mut BinaryHeap<Open>) {
         let (key, at) = (then.key(), n as usize);
         if key < of[at].key() && !self.is_idle(at) {
@@ -103,7 +103,7 @@ impl Streets {
         }
     }
 
-    /// The corners by which shortest ways lead from a place to a goal, the best first, one point of each corner; those that
+    /// The corners by which shortest paths lead from a place to a goal, the best first, one point of each corner; those that
     /// are more than `longer` longer than the best are left out. Returns their number; none where nothing leads there.
     ///
     /// - `through`: closed doors are passed, as none leads round them; otherwise they are walls.
@@ -115,12 +115,12 @@ impl Streets {
     ) -> usize {
         let mut num = 0;
         let mut most = f32::INFINITY;
-        // Points in the order of their ways, equal ones in that of their numbers.
+        // Points in the order of their paths, equal ones in that of their numbers.
         let mut last = (f32::NEG_INFINITY, 0);
         while num < MOST_CORNERS {
             let mut best = (most, NONE);
             for (n, ((p, cost), (away, ..))) in (0u32..).zip(self.points.iter().zip(&costs.of).zip(&self.around)) {
-                // The straight line is no longer than any way.
+                // The straight line is no longer than any path.
                 let is_closed = cost.closed > 0 && !through;
                 let cost = cost.key();
                 if cost >= best.0 || is_closed {
@@ -222,7 +222,7 @@ impl Streets {
     }
 }
 
-/// Length of a way (m).
+/// Length of a path (m).
 pub(super) fn length(way: &[Vec2]) -> f32 {
     way.windows(2).map(|w| w[0].distance(w[1])).sum()
 }

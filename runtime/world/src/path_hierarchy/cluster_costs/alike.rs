@@ -40,7 +40,7 @@ impl AlikePlaces {
         self.places.iter().map(|p| p.1).max().unwrap_or(0)
     }
 
-    /// Lowers the parts of an entrance until no way through the cluster, to any exit, costs less than 0 beyond them.
+    /// Lowers the parts of an entrance until no path through the cluster, to any exit, costs less than 0 beyond them.
     pub fn fit<'a>(&mut self, exits: impl Iterator<Item = (&'a [u16], u16)>) {
         let least = exits.map(|(costs, more)| self.across(costs, more)).min().unwrap_or(0);
         let less = least.min(0).unsigned_abs() as u16;

@@ -20,13 +20,13 @@ const RADIUS: i32 = 6;
 const GOAL_RADIUS: i32 = 3;
 /// Largest offset for which the best price is in a table (copies).
 const FAR: i32 = 48;
-/// Prices and least costs of a file are within this of 0: it is more than any way costs, and sums of it are finite
+/// Prices and least costs of a file are within this of 0: it is more than any path costs, and sums of it are finite
 /// (frames).
 const CREDIBLE: f32 = 1e9;
 /// Margin around the offsets through which paths may lead (copies).
 const MARGIN: i32 = 2;
 
-/// A cell, and what it costs there beside the way (frames).
+/// Cell, with an additional cost on reaching it (frames).
 pub(crate) type Spot = (u32, u16);
 
 /// Tile whose copies fill a plane. Its cells are of classes: those that are entered across each edge, and the inside.
@@ -46,7 +46,7 @@ pub(crate) struct Plane {
     /// Least cost of a copy, for one or more directions (frames/copy).
     #[serde(with = "crate::pod")]
     prices: Vec<[f32; 2]>,
-    /// For each of them, what it leaves at least of a way from any cell to any other (frames).
+    /// Least rest of a path from any cell to any other, for each price (frames).
     #[serde(with = "crate::pod")]
     leasts: Vec<f32>,
     /// Number of the best price by offset (offsets up to `FAR`).
@@ -74,10 +74,10 @@ pub(crate) struct Plane {
     rest: Option<u32>,
 }
 
-/// Cells that ways lead to.
+/// Goal: cells that paths lead to.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Goal {
-    /// Each with what it costs to have come there.
+    /// Cells of the goal, each with its additional cost.
     cells: Vec<Spot>,
     first_row: u32,
     radius: i32,
@@ -144,7 +144,7 @@ impl Plane {
             }
         }
         if out.prices.is_empty() {
-            // No way costs less than nothing.
+            // No path costs less than nothing.
             out.prices.push([0.0, 0.0]);
             out.leasts.push(0.0);
         }
@@ -205,7 +205,7 @@ impl Plane {
         cell.map_or(self.rest, |c| Some(self.goal_of[c as usize])).filter(|g| *g != NONE)
     }
 
-    /// Cells in which one can stay, each as a goal, and all of them as one: where most ways lead to.
+    /// Rest cells, each as a goal, and all of them as one: the most frequent goals.
     pub fn rests(&self) -> Vec<Vec<Spot>> {
         let all = (!self.rest_cells.is_empty()).then(|| self.rest_cells.iter().map(|&c| (c, 0)).collect());
         self.rest_cells.iter().map(|&c| vec![(c, 0)]).chain(all).collect()
@@ -237,7 +237,7 @@ impl Plane {
         self.rows_of(&[(cell, 0)], GOAL_RADIUS, search)
     }
 
-    /// The rows of a goal from those of its cells, each with what it costs there beside the way.
+    /// Rows of a goal from those of its cells, each with its additional cost.
     pub fn join(&self, parts: &[(&Rows, u16)]) -> Rows {
         let cells = parts.iter().flat_map(|&(rows, cost)| rows.goal.cells.iter().map(move |c| (c.0, c.1 + cost)));
         let goal = Goal { cells: cells.collect(), first_row: 0, radius: GOAL_RADIUS };
@@ -276,7 +276,7 @@ impl Plane {
         Look { row, more: p[0] * offset[0] as f32 + p[1] * offset[1] as f32 + self.least[row as usize] }
     }
 
-    /// Number of the price that most is known by of what a way costs.
+    /// Number of the price that gives the highest lower bound of a path.
     fn best_price(&self, offset: [i32; 2]) -> u32 {
         let mut best = (0, f32::NEG_INFINITY);
         for ((k, p), least) in (0..).zip(&self.prices).zip(&self.leasts) {
@@ -286,7 +286,7 @@ impl Plane {
         best.0
     }
 
-    /// Cost from a cell; infinite where there is no way (frames).
+    /// Cost from a cell; infinite where there is no path (frames).
     pub fn cost(&self, look: Look, cell: u32) -> f32 {
         (frames(self.costs[(look.row * self.num_cells + cell) as usize]) + look.more).max(0.0)
     }
@@ -316,7 +316,7 @@ impl Plane {
     fn rows_of(&self, cells: &[Spot], radius: i32, search: &mut Dial) -> Rows {
         let mut out = Rows { goal: Goal { cells: cells.to_vec(), first_row: 0, radius }, rows: Vec::new() };
         for (&price, &least) in self.prices.iter().zip(&self.leasts) {
-            // Where no more is known, as much is left as of any way.
+            // Where no more is known, as much is left as of any path.
             let rest = far::rest(&self.back, price, cells.iter().copied(), self.num_cells)
                 .unwrap_or_else(|| vec![least; self.num_cells as usize]);
             let least = rest.iter().copied().fold(f32::INFINITY, f32::min);
@@ -344,7 +344,7 @@ impl Plane {
                 }
             }
         });
-        // Where no way leads at all, none leads from far away.
+        // Where no path leads at all, none leads from far away.
         let leads: Vec<bool> = rows.rows[0].beyond.iter().map(|c| *c != UNREACHED).collect();
         for (offset, around) in offsets(radius).zip(self.around(radius)) {
             // The goal lies there as seen from where this is.
@@ -362,7 +362,7 @@ impl Plane {
         }
     }
 
-    /// For each offset, what a way costs at least that leads farther around than ways are followed for the table.
+    /// Lower bound for each offset of the cost of paths that lead farther around than paths are followed for the table.
     fn around(&self, radius: i32) -> Vec<f32> {
         let along = |offset: [i32; 2]| {
             let prices = self.prices.iter().zip(&self.leasts);
