@@ -45,12 +45,13 @@ pub(crate) struct Surroundings<'a, V> {
 
 /// Forces on a walker.
 ///
-/// Differs from Kim, Kim and Shin (2003b): the turning force has a part that looks ahead, toward the direction that leads on fastest (see
-/// [`Sight`]), beside eq. 22, which knows near agents only; the weights of eq. 16 take the desired velocity where that
-/// is larger, so that agents that were stopped try to go on. New are the distance and the time that are kept behind agents in front
-/// (see [`pace`]), the preference for directions in which others want the same, which makes lanes (see
-/// [`crate::steering::far_field`]), that agents keep to the right between walls (see [`crate::steering::keep_right`]), and that the few step back
-/// before the many in a jam (see [`crate::steering::retreat`]).
+/// Differs from Kim, Kim and Shin (2003b): the turning force has a part that looks ahead, toward the direction that
+/// leads on fastest (see [`Sight`]), beside eq. 22, which includes near agents only; the weights of eq. 16 take the
+/// desired velocity where that is larger, so that agents that were stopped try to go on. New are the distance and the
+/// time that are kept behind agents in front (see [`pace`]), the preference for directions in which others want to go
+/// too, which makes lanes (see [`crate::steering::far_field`]), that agents keep to the right between walls (see
+/// [`crate::steering::keep_right`]), and that few agents step back before many in a jam (see
+/// [`crate::steering::retreat`]).
 pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
     let &Surroundings { seen, solids, near, walls, grid, interests, steering } = around;
     let mut sight = Sight::along(me.desired, me.speed, field.horizon_s, steering);

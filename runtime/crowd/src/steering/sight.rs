@@ -172,9 +172,9 @@ impl<'a, V: Space> Sight<'a, V> {
         self.free.iter().fold(NEVER, |a, &b| a.min(b))
     }
 
-    /// Direction to take and how long it is free. A direction scores for the speed it allows, against detours, for what the
-    /// crowd at large makes of it (see [`Far`]) and for the present velocity. Of two sides the right one is a little better where the way is not free, and better anyway as the agent's
-    /// `lean` says.
+    /// Direction to take, and the time for which it is free. A direction scores for the speed it allows, against
+    /// detours, for its preference by the far field (see [`Far`]) and for the present velocity. Of two sides the right
+    /// one is a little better where the way is not free, and better anyway by the agent's `lean`.
     #[inline]
     pub fn choose(&self, field: &Field, me: &Walker<V>, grid: &DensityGrid<V>, lean: &Lean) -> (V, f32) {
         let steering = self.steering;

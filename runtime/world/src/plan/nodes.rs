@@ -136,7 +136,8 @@ impl Nodes {
         }
     }
 
-    /// Turns a path around, so that it can be followed from its beginning with [`Nodes::next`]; it is no longer a path for the other functions.
+    /// Turns a path around, so that it can be followed from its beginning with [`Nodes::next`]; it is no longer a path
+    /// for the other functions.
     pub fn turn(&mut self, way: u32) -> u32 {
         let (mut at, mut after) = (way, NONE);
         while at != NONE {
